@@ -1,0 +1,1 @@
+"""Tree to compiled task: imports, names, types, checks, the IR and its three back ends."""

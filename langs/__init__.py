@@ -1,0 +1,1 @@
+"""Text to tree: the Lark grammars, the syntax tree with spans, the parser with recovery and the formatter."""

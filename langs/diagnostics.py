@@ -1,0 +1,53 @@
+"""Errors and warnings as data: a code, one sentence, a span and a hint. Every code is declared in `codes.py`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+from .source import Span
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """A second place that explains the first, such as a declaration."""
+
+    span: Span
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One message to the user.
+
+    `code` is a key of `codes.CODES`; codes that start with E are errors, with W warnings, with S solver outcomes.
+    `span` is None only where no source text is involved (an unreadable file, a missing library).
+    """
+
+    code: str
+    message: str
+    span: Span | None = None
+    labels: tuple[Label, ...] = ()
+    help: str | None = None
+    note: str | None = None
+
+    @property
+    def is_error(self) -> bool:
+        return self.code.startswith("E")
+
+
+class SourceError(Exception):
+    """The source has errors; `diagnostics` holds all that were found, errors and warnings, in source order."""
+
+    def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
+        self.diagnostics = tuple(diagnostics)
+        super().__init__("; ".join(f"{d.code} {d.message}" for d in self.diagnostics))
+
+
+def did_you_mean(name: str, candidates: Iterable[str]) -> str | None:
+    """The hint `did you mean …?` for the nearest of `candidates`, or None when none is near."""
+    near = get_close_matches(name, sorted(set(candidates)), n=3, cutoff=0.6)
+    if not near:
+        return None
+    return "did you mean " + " or ".join(f"`{n}`" for n in near) + "?"
