@@ -1,0 +1,106 @@
+"""A skeleton: the phases of a plan with the motion literals that bind in each; and poses of everything in a scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..compiler.ir import Action, Fact, Problem
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Phase:
+    """One action and the interval that leads to its switch (thesis section 3.1).
+
+    `mode` holds the motion literals that hold during the interval, before the switch: their `keep` and `during` rows
+    bind there. `added` holds those that the action adds at its switch: their `at switch` rows bind at the end of the
+    interval. `during` rows of literals added here bind from the next phase on.
+    """
+
+    action: Action
+    mode: frozenset[Fact]
+    added: frozenset[Fact]
+
+
+@dataclass(frozen=True, slots=True)
+class Skeleton:
+    """Phases 1 … K of a candidate plan; `final_mode` holds the motion literals after the last switch."""
+
+    problem: Problem
+    phases: tuple[Phase, ...]
+    final_mode: frozenset[Fact]
+
+    def __len__(self) -> int:
+        return len(self.phases)
+
+
+@dataclass(slots=True)
+class Configuration:
+    """Where everything is at one instant.
+
+    `modules` maps a module to `(7 + n,)`: pose of its module frame (x, y, z, qx, qy, qz, qw; world, metres), then its
+    n joint values. `bodies` maps every body, at rest or not, to its pose `(7,)`.
+    """
+
+    modules: dict[str, Array]
+    bodies: dict[str, Array]
+
+    def copy(self) -> Configuration:
+        return Configuration(
+            {k: v.copy() for k, v in self.modules.items()}, {k: v.copy() for k, v in self.bodies.items()}
+        )
+
+
+def start_configuration(problem: Problem) -> Configuration:
+    """The scene at time 0."""
+    return Configuration(
+        {m.name: np.array([*m.pose, *m.joints]) for m in problem.world.modules.values()},
+        {b.name: np.array(b.pose) for b in problem.world.bodies.values()},
+    )
+
+
+@dataclass(slots=True)
+class PhasePath:
+    """The motion of one phase, `S + 1` samples from the switch before (sample 0) to its own switch (sample S).
+
+    `modules` maps a module to `(S + 1, 7 + n)`, `bodies` maps a body that moves in this phase to `(S + 1, 7)`, as in
+    `Configuration`; bodies that rest are left out. Samples are equidistant in time; `duration` is in seconds.
+    Joint values between samples are those of one cubic spline per phase, clamped (zero velocity) at both ends, and
+    module poses follow from them.
+    """
+
+    modules: dict[str, Array]
+    bodies: dict[str, Array]
+    duration: float
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """One row that a bound could not satisfy: the phase (from 0), the literal or kind of limit, the figure and unit.
+
+    `literal` is a motion literal, or ("collision", a, b), ("limit", module, joint), ("self", …).
+    """
+
+    phase: int
+    literal: Fact
+    amount: float
+    unit: str
+
+
+@dataclass(slots=True)
+class BoundResult:
+    """What one bound says about a skeleton. `configurations` are the K + 1 switch configurations, start included
+    (P_seq and above); `paths` the K phase motions (P_seqPath and P_path). `violations` is largest first."""
+
+    bound: str
+    feasible: bool
+    cost: float
+    seconds: float
+    iterations: int
+    configurations: list[Configuration]
+    paths: list[PhasePath]
+    violations: list[Violation]
