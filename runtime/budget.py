@@ -1,0 +1,31 @@
+"""A time budget that every loop of the runtime asks."""
+
+from __future__ import annotations
+
+import time
+
+
+class OutOfTime(Exception):
+    """The time budget is spent; whoever catches it still reports what was found."""
+
+
+class Budget:
+    """Wall-clock seconds from now; `None` never ends."""
+
+    def __init__(self, seconds: float | None) -> None:
+        self.seconds = seconds
+        self.started = time.monotonic()
+
+    @property
+    def elapsed(self) -> float:
+        return time.monotonic() - self.started
+
+    @property
+    def remaining(self) -> float:
+        """Seconds left, never below 0; infinite without a limit."""
+        return float("inf") if self.seconds is None else max(0.0, self.seconds - self.elapsed)
+
+    def check(self) -> None:
+        """Raise `OutOfTime` once the budget is spent."""
+        if self.remaining <= 0.0:
+            raise OutOfTime
