@@ -182,7 +182,7 @@ class TaskRecord(msgspec.Struct, frozen=True):
 
 
 class FailureRecord(msgspec.Struct, frozen=True):
-    """One thing the verifier refuses: kind, sentence, figure with unit, time and place where they apply."""
+    """One thing the verifier refuses: kind, sentence, figure with unit, time, what is concerned, and source place."""
 
     kind: str
     message: str
@@ -190,6 +190,7 @@ class FailureRecord(msgspec.Struct, frozen=True):
     unit: str
     time: float | None = None
     place: PlaceRecord | None = None
+    between: list[str] = []
 
 
 class MeasureRecord(msgspec.Struct, frozen=True):

@@ -1,0 +1,42 @@
+"""The compiled libraries, loaded at first use, with a readable error where the system lacks what they link to."""
+
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+
+_PACKAGES = {"libgomp.so": "libgomp1", "libGL.so": "libgl1", "libstdc++.so": "libstdc++6"}
+
+
+class MissingLibrary(Exception):
+    """A compiled library cannot be loaded; `hint` says what to install."""
+
+    def __init__(self, library: str, reason: str, hint: str) -> None:
+        self.library = library
+        self.reason = reason
+        self.hint = hint
+        super().__init__(f"cannot load {library}: {reason}")
+
+
+def load_native(name: str, distribution: str) -> ModuleType:
+    """Import the compiled module `name` of the Python package `distribution`. Raises MissingLibrary."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        reason = str(error)
+        package = next((p for library, p in _PACKAGES.items() if library in reason), None)
+        if package is not None:
+            hint = f"install the system library: sudo apt-get install {package}"
+        else:
+            hint = f"install it again: pip install --force-reinstall {distribution}"
+        raise MissingLibrary(name, reason, hint) from error
+
+
+def load_pinocchio() -> ModuleType:
+    """Pinocchio (rigid-body kinematics). Raises MissingLibrary."""
+    return load_native("pinocchio", "pin")
+
+
+def load_coal() -> ModuleType:
+    """Coal (distances between shapes). Raises MissingLibrary."""
+    return load_native("coal", "coal")
