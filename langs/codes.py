@@ -34,6 +34,8 @@ CODES: dict[str, CodeInfo] = {
     "E0013": CodeInfo("empty file", "file", "The file holds no text."),
     "E0014": CodeInfo("not text", "file", "A source is text in UTF-8; this file holds other bytes."),
     "E0015": CodeInfo("file too large", "file", "A source holds at most 1 MB. Use loops for scenes of many bodies."),
+    "E0016": CodeInfo("condition and value confused", "syntax", "Literals and comparisons are conditions; numbers, names "
+                      "and functions are values.", "pre support", "pre (support A)"),
     "E0101": CodeInfo("unknown name", "name", "No variable, parameter or object of this name can be seen here.",
                       "goal (held targt)", "goal (held target)"),
     "E0102": CodeInfo("unknown type", "name", "Types are declared by `type` or `module`; object, effector, module and the "
@@ -143,7 +145,6 @@ CODES: dict[str, CodeInfo] = {
     "W0003": CodeInfo("rule can never fire", "warning", "Its conditions cannot hold, even if nothing is ever deleted."),
     "W0004": CodeInfo("negative cycle", "warning", "Actions that cancel each other make the heuristic ever smaller."),
     "W0005": CodeInfo("unused parameter", "warning", "The declaration never uses this parameter."),
-    "W0006": CodeInfo("doc comment of nothing", "warning", "A `##` comment stands before no declaration.", "## A foot.", "# A foot."),
 }
 
 

@@ -1,0 +1,244 @@
+"""Parse tree to syntax tree, first half: terms, conditions, variables."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from typing import TypeAlias
+
+from lark import Token, Tree
+
+from . import syntax as s
+from .diagnostics import Diagnostic
+from .source import Span
+
+Branch: TypeAlias = Tree[Token]
+Child: TypeAlias = Branch | Token | None
+
+MAX_DEPTH = 100
+_FORMULAS = {
+    "disjunction", "conjunction", "not_", "compare", "exists", "forall", "previous", "logic_literal", "motion_literal",
+}
+_NUMBER = re.compile(r"([0-9.]+(?:[eE][+-]?\d+)?)[ \t]*([a-z/]*)")
+_UNITS = {
+    "": (1.0, ""), "m": (1.0, "length"), "cm": (0.01, "length"), "mm": (0.001, "length"), "rad": (1.0, "angle"),
+    "deg": (math.pi / 180, "angle"), "s": (1.0, "time"), "min": (60.0, "time"),
+}
+
+
+class NestingError(Exception):
+    """A term or condition is nested deeper than MAX_DEPTH."""
+
+    def __init__(self, span: Span) -> None:
+        self.span = span
+        super().__init__(str(span))
+
+
+def span_of(file: str, node: Branch | Token) -> Span:
+    place = node if isinstance(node, Token) else node.meta
+    numbers = (place.start_pos, place.end_pos, place.line, place.column, place.end_line, place.end_column)
+    start, end, line, column, end_line, end_column = (n or 0 for n in numbers)
+    return Span(file, start, end, line, column, end_line, end_column)
+
+
+def branches(tree: Branch, *kinds: str) -> list[Branch]:
+    """The children that are trees, of those kinds where any are named."""
+    return [c for c in tree.children if isinstance(c, Tree) and (not kinds or c.data in kinds)]
+
+
+def tokens(tree: Branch) -> list[Token]:
+    return [c for c in tree.children if isinstance(c, Token)]
+
+
+class TermBuilder:
+    """Builds terms and conditions of one file; `problems` collects what the grammar alone could not refuse."""
+
+    def __init__(self, file: str) -> None:
+        self.file = file
+        self.problems: list[Diagnostic] = []
+        self._depth = 0
+
+    def span(self, node: Branch | Token) -> Span:
+        return span_of(self.file, node)
+
+    # --- terms ---------------------------------------------------------------------------------------------------
+
+    def term(self, node: Child) -> s.Term:
+        assert isinstance(node, Tree)
+        self._enter(node)
+        try:
+            return self._term(node)
+        finally:
+            self._depth -= 1
+
+    def maybe_term(self, node: Child) -> s.Term | None:
+        return None if node is None else self.term(node)
+
+    def terms(self, nodes: Iterable[Child]) -> tuple[s.Term, ...]:
+        return tuple(self.term(n) for n in nodes if n is not None)
+
+    def _term(self, tree: Branch) -> s.Term:
+        span, children = self.span(tree), tree.children
+        match str(tree.data):
+            case "number":
+                return self._number(tree)
+            case "text":
+                return self.text(tokens(tree)[0])
+            case "name":
+                return s.Name(str(children[0]), span=span)
+            case "wildcard":
+                return s.Wildcard(span=span)
+            case "index":
+                return s.Index(self.term(children[0]), self.term(children[1]), span=span)
+            case "attribute":
+                return s.Attribute(self.term(children[0]), str(children[1]), span=span)
+            case "call":
+                return self.call(tree)
+            case "group":
+                return self.term(children[0])
+            case "vector":
+                return self._vector(tree)
+            case "negate":
+                return s.Negate(self.term(children[1]), span=span)
+            case "binary":
+                return s.Binary(str(children[1]), self.term(children[0]), self.term(children[2]), span=span)
+            case "conditional":
+                condition, then, otherwise = children
+                return s.Conditional(self.formula(condition), self.term(then), self.term(otherwise), span=span)
+            case "aggregate":
+                operator, binders, body = children
+                return s.Aggregate(str(operator), self.binders(binders), self.term(body), span=span)
+        self.problem("E0016", "a value is needed here, not a condition", span)
+        return s.Wildcard(span=span)
+
+    def _number(self, tree: Branch) -> s.Number:
+        text = str(tree.children[0])
+        match = _NUMBER.fullmatch(text)
+        assert match is not None
+        unit, slash, _ = match[2].partition("/")
+        factor, kind = _UNITS[unit]
+        value = float(match[1]) * factor
+        if not math.isfinite(value):
+            self.problem("E0009", f"{text} is too large a number", self.span(tree))
+            value = 0.0
+        return s.Number(value, "speed" if slash else kind, text, span=self.span(tree))
+
+    def text(self, token: Token) -> s.Text:
+        return s.Text(str(token)[1:-1], span=self.span(token))
+
+    def call(self, tree: Branch) -> s.Call:
+        return s.Call(str(tree.children[0]), self.terms(tree.children[1:]), span=self.span(tree))
+
+    def _vector(self, tree: Branch) -> s.Vector:
+        if len(tree.children) > 3:
+            self.problem("E0001", "a vector has two or three components", self.span(tree),
+                         help="arguments of a literal are separated by blanks: `(on X A)`")
+        return s.Vector(self.terms(tree.children), span=self.span(tree))
+
+    # --- conditions ----------------------------------------------------------------------------------------------
+
+    def formula(self, node: Child) -> s.Formula:
+        assert isinstance(node, Tree)
+        self._enter(node)
+        try:
+            return self._formula(node)
+        finally:
+            self._depth -= 1
+
+    def formulas(self, nodes: Iterable[Child]) -> tuple[s.Formula, ...]:
+        return tuple(self.formula(n) for n in nodes if n is not None)
+
+    def _formula(self, tree: Branch) -> s.Formula:
+        span, children = self.span(tree), tree.children
+        match str(tree.data):
+            case "disjunction":
+                return s.Or(self.formulas(children), span=span)
+            case "conjunction":
+                return s.And(self.formulas(children), span=span)
+            case "not_":
+                return s.Not(self.formula(children[0]), span=span)
+            case "compare":
+                return s.Compare(str(children[1]), self.term(children[0]), self.term(children[2]), span=span)
+            case "exists":
+                return s.Exists(self.binders(children[0]), self.formula(children[1]), span=span)
+            case "forall":
+                return s.Forall(self.binders(children[0]), self.formula(children[1]), span=span)
+            case "previous":
+                return self._previous(tree)
+            case "logic_literal" | "motion_literal":
+                return self.literal(tree)
+            case "group":
+                return self._group(tree)
+        self.problem("E0016", "a condition is needed here, not a value", span, help=_condition_help(tree))
+        return s.And((), span=span)
+
+    def _group(self, tree: Branch) -> s.Formula:
+        """`(p)` is a literal without arguments where a condition is needed, and a name where a value is."""
+        inner = branches(tree)[0]
+        if inner.data == "name":
+            return s.Literal(str(inner.children[0]), (), False, span=self.span(tree))
+        return self.formula(inner)
+
+    def _previous(self, tree: Branch) -> s.Previous:
+        written = self._text_has_parenthesis(tree)
+        args = self.terms(tree.children[1:]) if written else None
+        return s.Previous(str(tree.children[0]), args, span=self.span(tree))
+
+    def _text_has_parenthesis(self, tree: Branch) -> bool:
+        name = tokens(tree)[0]
+        return (tree.meta.end_pos or 0) > (name.end_pos or 0)
+
+    def literal(self, tree: Branch) -> s.Literal:
+        motion = tree.data == "motion_literal"
+        return s.Literal(str(tree.children[0]), self.terms(tree.children[1:]), motion, span=self.span(tree))
+
+    # --- variables -----------------------------------------------------------------------------------------------
+
+    def binders(self, node: Child) -> tuple[s.Parameter, ...]:
+        assert isinstance(node, Tree)
+        return tuple(p for child in branches(node) for p in self._grouped(child))
+
+    def parameters(self, node: Child) -> tuple[s.Parameter, ...]:
+        """The parameters of a `parameters` tree; none where the declaration has no parentheses."""
+        return () if node is None else self.binders(node)
+
+    def signature(self, tree: Branch) -> tuple[s.Parameter, ...]:
+        return tuple(p for child in branches(tree, "parameter") for p in self._grouped(child))
+
+    def _grouped(self, tree: Branch) -> list[s.Parameter]:
+        """`A B: gripper = x` gives a parameter for each name."""
+        names, rest = tokens(tree), branches(tree)
+        kind = self.type(rest[0])
+        default = self.term(rest[1]) if len(rest) > 1 else None
+        return [s.Parameter(str(n), kind, default, span=self.span(n)) for n in names]
+
+    def type(self, tree: Branch) -> s.Type:
+        span, children = self.span(tree), tree.children
+        if tree.data == "chain_type":
+            return s.ChainType(str(children[0]), str(children[1]), span=span)
+        if tree.data == "range_type":
+            return s.RangeType(self.term(children[0]), self.term(children[1]), span=span)
+        return s.NamedType(str(children[0]), span=span)
+
+    # --- helpers -------------------------------------------------------------------------------------------------
+
+    def problem(self, code: str, message: str, span: Span, help: str | None = None) -> None:
+        self.problems.append(Diagnostic(code, message, span, help=help))
+
+    def _enter(self, tree: Branch) -> None:
+        if self._depth >= MAX_DEPTH:
+            raise NestingError(self.span(tree))
+        self._depth += 1
+
+
+def _condition_help(tree: Branch) -> str | None:
+    if tree.data == "name":
+        return f"a literal stands in parentheses: `({tree.children[0]} …)`"
+    if tree.data == "call":
+        return f"a literal is written `({tree.children[0]} X Y)`, its arguments separated by blanks"
+    return None
+
+
+def first(nodes: Sequence[Branch]) -> Branch | None:
+    return nodes[0] if nodes else None

@@ -1,0 +1,61 @@
+"""Files to sources, refused with a code where they are no readable text."""
+
+from __future__ import annotations
+
+import os
+import stat
+
+from .diagnostics import Diagnostic, SourceError
+from .source import Source
+
+MAX_BYTES = 1_000_000
+
+
+def read_source(path: str | os.PathLike[str]) -> Source:
+    """The text of file `path`, with line ends as `\\n` and without a byte order mark.
+
+    Raises SourceError (E0010 … E0015) when it is missing, unreadable, no regular file, empty, not UTF-8 text or
+    larger than MAX_BYTES; of a larger file nothing is read.
+    """
+    shown = os.fspath(path)
+    content = _read(shown)
+    if b"\0" in content:
+        raise _refusal("E0014", f"`{shown}` is not a text file", "a source is text in UTF-8")
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as e:
+        line = content.count(b"\n", 0, e.start) + 1
+        raise _refusal("E0014", f"`{shown}` is not UTF-8 text: wrong byte in line {line}", "save it as UTF-8") from None
+    if not text.strip():
+        raise _refusal("E0013", f"`{shown}` is empty", "`tamplang new NAME` writes a first task")
+    return Source(shown, text.replace("\r\n", "\n").replace("\r", "\n"))
+
+
+def _read(path: str) -> bytes:
+    try:
+        status = os.stat(path)
+        if stat.S_ISDIR(status.st_mode):
+            raise _refusal("E0012", f"`{path}` is a directory, not a file")
+        if not stat.S_ISREG(status.st_mode):
+            raise _refusal("E0012", f"`{path}` is not a regular file")
+        if status.st_size > MAX_BYTES:
+            raise _too_large(path, status.st_size)
+        with open(path, "rb") as stream:
+            content = stream.read(MAX_BYTES + 1)
+    except (FileNotFoundError, NotADirectoryError):
+        raise _refusal("E0010", f"there is no file `{path}`") from None
+    except ValueError:
+        raise _refusal("E0010", f"{path!r} is not a file name") from None
+    except OSError as e:
+        raise _refusal("E0011", f"cannot read `{path}`: {e.strerror or e}") from None
+    if len(content) > MAX_BYTES:
+        raise _too_large(path, len(content))
+    return content
+
+
+def _too_large(path: str, size: int) -> SourceError:
+    return _refusal("E0015", f"`{path}` is too large: {size / 1e6:.1f} MB, at most 1 MB", "use loops for large scenes")
+
+
+def _refusal(code: str, message: str, help: str | None = None) -> SourceError:
+    return SourceError([Diagnostic(code, message, help=help)])
