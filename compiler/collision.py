@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .ir import Body, Fact, Function, ModuleType, Pose, Problem, Shape, Var, Vec3, World
+from .ir import Body, Fact, Function, Joint, ModuleType, Pose, Problem, Shape, Var, Vec3, World
 
 if TYPE_CHECKING:
     from ..runtime.skeleton import Skeleton
@@ -128,8 +128,8 @@ def _on_axis(axis: Vec3, point: Array) -> bool:
 
 
 def _hoist(type_: ModuleType, joint: int, centre: Array) -> tuple[int, Array]:
-    """The same point in the frame nearest to the root that carries it: a joint that turns about an axis through
-    a point does not move it."""
+    """The same point in the frame nearest to the root that carries it: a joint that turns about an axis
+    through a point does not move it."""
     while joint >= 0 and type_.joints[joint].kind == "revolute":
         if not _on_axis(type_.joints[joint].axis, centre):
             break
@@ -189,19 +189,23 @@ def _lineage(type_: ModuleType, joint: int) -> list[int]:
     return found
 
 
-def _travel(type_: ModuleType, joint: int) -> float:
-    """How far the frame of a joint can be from that of its parent at most."""
-    j = type_.joints[joint]
-    slide = max(abs(j.lower), abs(j.upper)) if j.kind == "prismatic" else 0.0
-    return math.hypot(*j.placement[:3]) + slide
+def _slide(joint: Joint) -> float:
+    """How far a joint can carry its frame from where it is placed."""
+    return max(abs(joint.lower), abs(joint.upper)) if joint.kind == "prismatic" else 0.0
 
 
 def _length_between(type_: ModuleType, a: tuple[int, Vec3], b: tuple[int, Vec3]) -> float:
     """An upper bound of the distance of two points fixed to joint frames, along the joints between them."""
-    if a[0] == b[0]:
-        return math.dist(a[1], b[1])
-    apart = set(_lineage(type_, a[0])) ^ set(_lineage(type_, b[0]))
-    return math.hypot(*a[1]) + math.hypot(*b[1]) + sum(_travel(type_, j) for j in apart)
+    ends: list[Vec3] = []
+    length = 0.0
+    for (joint, point), (other, _) in ((a, b), (b, a)):
+        shared = _lineage(type_, other)
+        while joint != -1 and joint not in shared:
+            placement = type_.joints[joint].placement
+            length += math.hypot(*point) + _slide(type_.joints[joint])
+            point, joint = (placement[0], placement[1], placement[2]), type_.joints[joint].parent
+        ends.append(point)
+    return length + math.dist(ends[0], ends[1])
 
 
 def _joints_between(type_: ModuleType, a: Sphere, b: Sphere) -> int:
@@ -282,18 +286,18 @@ def contacts(skeleton: Skeleton) -> tuple[PhaseContacts, ...]:
     return tuple(result)
 
 
-def taper(contact: PhaseContacts, objects: Pair, slices: int, margin: float, over: int = 3) -> Array | None:
-    """The margin `(slices + 1,)` of a pair of objects along a phase: `margin`, but falling to zero over the
-    `over` slices next to a contact that ends or begins; None for a pair that touches all the time."""
+def taper(contact: PhaseContacts, objects: Pair, times: Array, slices: int, over: int = 3) -> Array | None:
+    """The share of the margin that a pair of objects must keep at `times`, counted in slices from the start of
+    the phase: 1, but falling to 0 over the `over` slices next to a contact that ends or begins; None for a pair
+    that touches all the time."""
     if objects in contact.during:
         return None
-    weight = np.ones(slices + 1)
-    rise = np.minimum(1.0, np.arange(slices + 1) / over)
+    share = np.ones(times.shape)
     if objects in contact.start:
-        weight = np.minimum(weight, rise)
+        share = np.minimum(share, times / over)
     if objects in contact.end:
-        weight = np.minimum(weight, rise[::-1])
-    return margin * weight
+        share = np.minimum(share, (slices - times) / over)
+    return share
 
 
 # --- what is near ---------------------------------------------------------------------------------
@@ -310,7 +314,7 @@ def reach(type_: ModuleType, effector: str) -> float:
 
 
 def shape_distance(shape: Shape, pose: Pose | Array, point: Array) -> float:
-    """Distance from a point `(3,)` of the world to a shape, 0 inside; exact for boxes and spheres, else a bound."""
+    """Distance from a point `(3,)` of the world to a shape, 0 inside; a lower bound unless box or sphere."""
     local = pose_matrix(pose)[:3, :3].T @ (point - np.asarray(pose, dtype=float)[:3])
     if shape.kind == "box":
         outside = np.maximum(np.abs(local) - np.array(shape.size) / 2, 0.0)
