@@ -287,9 +287,9 @@ def contacts(skeleton: Skeleton) -> tuple[PhaseContacts, ...]:
 
 
 def taper(contact: PhaseContacts, objects: Pair, times: Array, slices: int, over: int = 3) -> Array | None:
-    """The share of the margin that a pair of objects must keep at `times`, counted in slices from the start of
-    the phase: 1, but falling to 0 over the `over` slices next to a contact that ends or begins; None for a pair
-    that touches all the time."""
+    """The share of the margin that a pair of objects must keep at `times`, counted in slices from the start
+    of the phase: 1, but falling to 0 over the `over` slices next to a contact that ends or begins; None for a
+    pair that touches all the time."""
     if objects in contact.during:
         return None
     share = np.ones(times.shape)
