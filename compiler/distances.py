@@ -1,0 +1,135 @@
+"""Symbolic measures of shapes: gap, highest and lowest point, inclusion, as CasADi expressions in metres."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from .kinematics import Expression, Frame, axis, unrotate
+
+SMOOTH = 1e-10
+"""Squared metres under the roots: keeps their derivatives finite where a distance is zero."""
+
+PARALLEL = 1e-6
+"""Squared sine below which two edges count as parallel and give no separating axis."""
+
+SIZES = {"box": 3, "sphere": 1, "capsule": 2, "cylinder": 2}
+"""How many numbers describe each kind of shape, in the order of `ir.Shape.size`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Solid:
+    """A shape at a symbolic frame. `size` as in `ir.Shape`; an object without a shape is a sphere of radius 0."""
+
+    frame: Frame
+    kind: str
+    size: Sequence[Expression]
+
+
+def _length(v: Expression) -> Expression:
+    return ca.sqrt(ca.dot(v, v) + SMOOTH)
+
+
+def _largest(items: Sequence[Expression]) -> Expression:
+    result = items[0]
+    for item in items[1:]:
+        result = ca.fmax(result, item)
+    return result
+
+
+def rounded_box_distance(excess: Sequence[Expression]) -> Expression:
+    """Signed distance to a box from how far a point is beyond its sides along each axis (design section 6)."""
+    outside = ca.vertcat(*[ca.fmax(e, 0) for e in excess])
+    return _length(outside) + ca.fmin(_largest(excess), 0)
+
+
+def _point_gap(point: Expression, solid: Solid) -> Expression:
+    """Signed distance of a point (3,) to the surface of a shape."""
+    if solid.kind == "sphere":
+        return _length(point - solid.frame.position) - solid.size[0]
+    local = unrotate(solid.frame.quaternion, point - solid.frame.position)
+    if solid.kind == "box":
+        return rounded_box_distance([ca.fabs(local[i]) - solid.size[i] / 2 for i in range(3)])
+    radius, half = solid.size[0], solid.size[1] / 2
+    if solid.kind == "capsule":
+        beyond = local[2] - ca.fmin(ca.fmax(local[2], -half), half)
+        return _length(ca.vertcat(local[0], local[1], beyond)) - radius
+    return rounded_box_distance([_length(local[:2]) - radius, ca.fabs(local[2]) - half])
+
+
+def extent(solid: Solid, direction: Expression) -> Expression:
+    """How far the shape reaches from its centre along a unit direction (3,)."""
+    along = [ca.dot(direction, axis(solid.frame.quaternion, letter)) for letter in "xyz"]
+    if solid.kind == "sphere":
+        return solid.size[0]
+    if solid.kind == "box":
+        return sum(ca.fabs(along[i]) * solid.size[i] / 2 for i in range(3))
+    radius, straight = solid.size[0], ca.fabs(along[2]) * solid.size[1] / 2
+    if solid.kind == "capsule":
+        return straight + radius
+    return straight + radius * ca.sqrt(along[0] ** 2 + along[1] ** 2 + SMOOTH)
+
+
+def _separation(a: Solid, b: Solid) -> Expression:
+    """Largest separation along candidate axes: for boxes zero exactly when they touch, and never above the true
+    distance; for capsules and cylinders a lower bound. Ericson, Real-Time Collision Detection, section 4.4."""
+    offset = b.frame.position - a.frame.position
+
+    def along(direction: Expression) -> Expression:
+        return ca.fabs(ca.dot(offset, direction)) - extent(a, direction) - extent(b, direction)
+
+    axes_a = [axis(a.frame.quaternion, letter) for letter in "xyz"]
+    axes_b = [axis(b.frame.quaternion, letter) for letter in "xyz"]
+    gaps = [along(direction) for direction in axes_a + axes_b]
+    for first in axes_a:
+        for second in axes_b:
+            edge = ca.cross(first, second)
+            squared = ca.dot(edge, edge)
+            gaps.append(ca.if_else(squared < PARALLEL, -1e3, along(edge / ca.sqrt(squared + SMOOTH))))
+    return _largest(gaps)
+
+
+def gap(a: Solid, b: Solid) -> Expression:
+    """Signed distance between two shapes, negative when they overlap. Exact when one is a sphere."""
+    if a.kind == "sphere":
+        return _point_gap(a.frame.position, b) - a.size[0]
+    if b.kind == "sphere":
+        return _point_gap(b.frame.position, a) - b.size[0]
+    return _separation(a, b)
+
+
+def top(solid: Solid) -> Expression:
+    """Height of the highest point."""
+    return solid.frame.position[2] + extent(solid, ca.SX([0, 0, 1]))
+
+
+def bottom(solid: Solid) -> Expression:
+    """Height of the lowest point."""
+    return solid.frame.position[2] - extent(solid, ca.SX([0, 0, 1]))
+
+
+def inside(solid: Solid, surface: Solid) -> Expression:
+    """How far the centre of `solid` is inside the four sides of the top face of `surface`, in the axes of
+    `surface` (4,); for a round surface four times the distance to its rim."""
+    local = unrotate(surface.frame.quaternion, solid.frame.position - surface.frame.position)
+    if surface.kind == "box":
+        x, y = surface.size[0] / 2, surface.size[1] / 2
+        return ca.vertcat(x - local[0], x + local[0], y - local[1], y + local[1])
+    return ca.repmat(surface.size[0] - _length(local[:2]), 4, 1)
+
+
+def radius(solid: Solid) -> Expression:
+    """Radius of a sphere, or of the sphere around another shape."""
+    if solid.kind == "sphere":
+        return ca.SX(solid.size[0])
+    if solid.kind == "box":
+        return ca.sqrt(sum(s**2 for s in solid.size)) / 2
+    if solid.kind == "capsule":
+        return solid.size[0] + solid.size[1] / 2
+    return ca.sqrt(solid.size[0] ** 2 + (solid.size[1] / 2) ** 2)
+
+
+PAIRS: dict[str, Callable[[Solid, Solid], Expression]] = {"gap": gap, "inside": inside}
+SINGLES: dict[str, Callable[[Solid], Expression]] = {"top": top, "bottom": bottom, "radius": radius}
