@@ -154,10 +154,10 @@ class TreeBuilder(TermBuilder):
                 made = self.text(shape) if isinstance(shape, Token) else self.call(_tree(shape))
                 return s.EffectorItem(str(name), _word(kind), made, self.maybe_term(at), self.maybe_term(normal), span=span)
             case "joint_item":
-                name, motion, limits, home, speed = children
-                kind = self.call(_tree(motion))
+                name, call, limits, home, speed = children
+                motion = self.call(_tree(call))
                 lower, upper = (None, None) if limits is None else self.terms(_tree(limits).children)
-                return s.JointItem(str(name), kind.function, kind.args, lower, upper, self.maybe_term(home),
+                return s.JointItem(str(name), motion.function, motion.args, lower, upper, self.maybe_term(home),
                                    self.maybe_term(speed), span=span)
             case "link_item":
                 between = children[1]

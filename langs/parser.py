@@ -1,4 +1,4 @@
-"""Text to syntax tree."""
+"""Text to syntax tree: the whole text at once when it is sound, else repaired mistake by mistake."""
 
 from __future__ import annotations
 
@@ -13,19 +13,40 @@ from .source import Source, Span
 
 
 def parse(source: Source) -> tuple[syntax.File, tuple[Diagnostic, ...]]:
-    """The tree of `source`, and what is wrong with its syntax. Declarations with mistakes are left out."""
-    whole = whole_span(source)
-    try:
-        tree = parser().parse(source.text)
-    except UnexpectedInput as e:
-        at = Span(source.path, e.pos_in_stream or 0, (e.pos_in_stream or 0) + 1, e.line, e.column, e.line, e.column + 1)
-        return syntax.File(source.path, (), span=whole), (Diagnostic("E0001", "unexpected text", at),)
+    """The tree of `source`, and all that is wrong with its syntax, in source order.
+
+    A file with mistakes gives the tree of its repaired text: what could not be repaired is left out.
+    """
+    tree, mistakes = _parse_tree(source)
     builder = TreeBuilder(source.path, source.text.split("\n"))
-    made: list[syntax.Declaration] = []
+    declarations: list[syntax.Declaration] = []
     for branch in tree.children:
         if isinstance(branch, Tree):
-            made.extend(_declaration(builder, branch))
-    return syntax.File(source.path, tuple(made), span=whole), tuple(builder.problems)
+            declarations.extend(_declaration(builder, branch))
+    lines = {d.span.line for d in mistakes if d.span is not None}
+    further = [d for d in builder.problems if d.span is not None and d.span.line not in lines]
+    found = sorted((*mistakes, *further), key=_position)
+    return syntax.File(source.path, tuple(declarations), span=_whole(source)), tuple(found)
+
+
+def _parse_tree(source: Source) -> tuple[Branch, list[Diagnostic]]:
+    lark = parser()
+    try:
+        return lark.parse(source.text), []
+    except UnexpectedInput:
+        return _repaired_tree(source)
+
+
+def _repaired_tree(source: Source) -> tuple[Branch, list[Diagnostic]]:
+    from .recovery import Recovery
+
+    lark = parser()
+    recovery = Recovery(lark, source)
+    feeder = lark.parse_interactive("")
+    for token in recovery.tokens():
+        feeder.feed_token(token)
+    tree: Branch = feeder.feed_token(recovery.automaton.token("$END", "", len(source.text)))
+    return tree, recovery.diagnostics
 
 
 def _declaration(builder: TreeBuilder, branch: Branch) -> list[syntax.Declaration]:
@@ -36,6 +57,10 @@ def _declaration(builder: TreeBuilder, branch: Branch) -> list[syntax.Declaratio
         return []
 
 
-def whole_span(source: Source) -> Span:
+def _position(diagnostic: Diagnostic) -> tuple[int, str]:
+    return (diagnostic.span.start if diagnostic.span is not None else 0, diagnostic.code)
+
+
+def _whole(source: Source) -> Span:
     lines = source.text.split("\n")
     return Span(source.path, 0, len(source.text), 1, 1, len(lines), len(lines[-1]) + 1)

@@ -1,0 +1,150 @@
+"""What the parser says about a mistake, in words of the language."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from lark import Token
+
+from .automaton import Automaton
+from .build_terms import span_of
+from .diagnostics import Diagnostic, Label, did_you_mean
+from .source import Source, Span
+
+UNITS = ("m", "cm", "mm", "rad", "deg", "s", "min", "m/s", "rad/s", "deg/s")
+_WORDS = {
+    "NAME": "a name", "NUMBER": "a number", "STRING": "a quoted text", "COMMA": "`,`", "COLON": "`:`", "LPAR": "`(`",
+    "RPAR": "`)`", "LBRACE": "`{`", "RBRACE": "`}`", "LSQB": "`[`", "RSQB": "`]`", "DOT": "`.`", "_DOTS": "`..`",
+    "EQUAL": "`=`", "LESS": "`<`", "$END": "the end of the file", "AGGREGATE": "`min`, `max` or `sum`",
+}
+_VALUE_STARTS = {"NAME", "NUMBER", "STRING", "_ANY", "LPAR", "LSQB", "MINUS", "AGGREGATE", "_EXISTS", "_FORALL",
+                 "_PREVIOUS", "_NOT", "_IF"}
+_GROUPS = (
+    ({"_IMPORT", "_RULE", "_TASK"}, {"_IMPORT", "_TYPE", "_PREDICATE", "_DERIVED", "_MODULE", "_MOTION", "_RULE",
+                                     "_PLACEMENT", "_HEURISTIC", "_SCENE", "_TASK"}, "a declaration such as `rule` or `task`"),
+    ({"_GOAL", "_GUIDE"}, {"_GOAL", "_GUIDE", "_OPTIONS", "_FACT", "_FOR", "_FORALL", "_IF", "_SCENE", "NAME"},
+     "an item such as `goal`, `fact` or `for`"),
+    ({"LESS", "ORDER"}, {"EQUAL", "LESS", "ORDER"}, "a comparison"),
+    ({"SIGN", "STAR"}, {"SIGN", "MINUS", "STAR"}, "an operator"),
+)
+_BEFORE_CONDITION = {"_PRE", "_WHERE", "_GOAL", "_IF", "_AND", "_OR", "_NOT"}
+_CLOSING = {")": "(", "]": "[", "}": "{"}
+_INSTEAD = {"&": "`and`", "|": "`or`", "!": "`not` or `!=`", ";": None, "'": '`"`', "’": '`"`', "“": '`"`', "”": '`"`',
+            "≤": "`<=`", "≥": "`>=`", "≠": "`!=`", "·": "`*`", "×": "`*`", "∧": "`and`", "∨": "`or`", "∃": "`exists`",
+            "∀": "`forall`", "…": "`..`"}
+
+
+def misspelt(source: Source, token: Token, keyword: str) -> Diagnostic:
+    return Diagnostic("E0004", f"`{token}` is no keyword", span_of(source.path, token), help=f"did you mean `{keyword}`?")
+
+
+def lacking(source: Source, sign: str, before: Sequence[Token], found: Token) -> Diagnostic:
+    """One sign lacks between the tokens `before` and `found`."""
+    opening = _CLOSING.get(sign)
+    opened = None if opening is None else _unclosed(source, before, opening)
+    after = f" after `{before[-1]}`" if before else ""
+    if opened is None:
+        return Diagnostic("E0003", f"missing `{sign}`{after}", _gap(source, before, found))
+    place = span_of(source.path, found) if sign == "}" else _gap(source, before, found)
+    name = "the end of the file" if found.type == "$END" else f"`{found}`"
+    return Diagnostic("E0005", f"missing `{sign}` before {name}" if sign == "}" else f"missing `{sign}`{after}", place,
+                      labels=(Label(span_of(source.path, opened), f"this `{opening}` is never closed"),))
+
+
+def _unclosed(source: Source, before: Sequence[Token], opening: str) -> Token | None:
+    """The bracket that lacks its partner. A closing brace at the start of a line that is indented differently from
+    the line of its opening brace shows that it was meant for an outer one."""
+    stack: list[Token] = []
+    suspect: Token | None = None
+    for token in before:
+        if token in _CLOSING.values():
+            stack.append(token)
+        elif token in _CLOSING and stack:
+            partner = stack.pop()
+            text = source.line(token.line or 1)
+            if token == "}" and text.lstrip().startswith("}") and _indent(text) != _indent(source.line(partner.line or 1)):
+                suspect = partner
+    open_ones = [t for t in stack if t == opening]
+    if opening == "{" and suspect is not None:
+        return suspect
+    return open_ones[-1] if open_ones else None
+
+
+def _indent(line: str) -> int:
+    return len(line) - len(line.lstrip())
+
+
+def _gap(source: Source, before: Sequence[Token], found: Token) -> Span:
+    """The character behind the last token before a gap, or the found token where there is none."""
+    if not before:
+        return span_of(source.path, found)
+    last = span_of(source.path, before[-1])
+    return Span(last.file, last.end, last.end + 1, last.end_line, last.end_column, last.end_line, last.end_column + 1)
+
+
+def dangling(source: Source, comma: Token) -> Diagnostic:
+    return Diagnostic("E0001", "nothing follows this `,`", span_of(source.path, comma), help="leave it out")
+
+
+def unreadable(source: Source, position: int, automaton: Automaton) -> tuple[Diagnostic, int]:
+    """The diagnostic for a character that starts no terminal, and how many characters to leave out."""
+    character = source.text[position]
+    line, column = automaton.place(position)
+    width = 1
+    if character == '"':
+        width = len(source.line(line)) - column + 1
+    elif source.text.startswith(("&&", "||"), position):
+        width = 2
+    span = Span(source.path, position, position + width, line, column, line, column + width)
+    if character == '"':
+        return Diagnostic("E0006", "this text has no closing quote", span, help='put `"` at its end, on the same line'), width
+    shown = f"`{character}`" if character.isprintable() else f"U+{ord(character):04X}"
+    if character == ";":
+        return Diagnostic("E0002", f"unknown character {shown}", span, help="lines need no sign at their end"), width
+    instead = _INSTEAD.get(character)
+    return Diagnostic("E0002", f"unknown character {shown}", span, help=f"write {instead}" if instead else None), width
+
+
+def unknown_unit(source: Source, number: Token, found: Token) -> Diagnostic | None:
+    """The diagnostic for a word right behind a number that can only be meant as its unit."""
+    if number.line != found.line or not str(number)[-1].isdigit():
+        return None
+    near = did_you_mean(str(found), UNITS)
+    return Diagnostic("E0007", f"unknown unit `{found}`", span_of(source.path, found),
+                      help=near or "units are m, cm, mm, rad, deg, s, min, and m/s or rad/s")
+
+
+def unexpected(source: Source, found: Token, previous: Token | None, accepted: Sequence[str],
+               keywords: Mapping[str, str]) -> Diagnostic:
+    words = expectations(accepted, previous, keywords)
+    name = "the file ends here" if found.type == "$END" else f"unexpected `{found}`"
+    behind = f": expected {words}" if words else ""
+    return Diagnostic("E0001", name + behind, span_of(source.path, found), help=_advice(found, previous, accepted))
+
+
+def _advice(found: Token, previous: Token | None, accepted: Sequence[str]) -> str | None:
+    if found.type in ("_PRE", "_WHERE", "_POST", "_COST"):
+        return "the parts of a rule stand in the order pre, where, post, cost, each at most once"
+    if found.type == "EQUAL" and previous is not None and previous.type == "EQUAL":
+        return "equality is written `=`"
+    if found.type == "COMMA" and "_ANY" in accepted and "SIGN" not in accepted:
+        return "arguments of a literal are separated by blanks: `(on X A)`"
+    return None
+
+
+def expectations(accepted: Sequence[str], previous: Token | None, keywords: Mapping[str, str]) -> str:
+    """What may stand here, as an English list; at most eight things."""
+    rest, found = set(accepted), list[str]()
+    if {"NUMBER", "LPAR", "MINUS"} <= rest:
+        condition = previous is not None and previous.type in _BEFORE_CONDITION
+        found.append("a condition" if condition else "a value")
+        rest -= _VALUE_STARTS
+    for needed, group, word in _GROUPS:
+        if needed <= rest:
+            found.append(word)
+            rest -= group
+    found += [_WORDS[k] for k in accepted if k in rest and k in _WORDS and k != "$END"]
+    found += [f"`{keywords[k]}`" for k in accepted if k in rest and k in keywords]
+    found += [_WORDS[k] for k in accepted if k in rest and k == "$END"]
+    shown = found if len(found) <= 8 else [*found[:7], "…"]
+    return " or ".join([", ".join(shown[:-1]), shown[-1]] if len(shown) > 1 else shown)

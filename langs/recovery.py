@@ -1,0 +1,231 @@
+"""Repair of a text that does not parse: every mistake gives one diagnostic, and the rest is read on.
+
+At a mistake several repairs are tried on the automaton, the surest kind first: a misspelt keyword or a wrong unit, then
+one sign that lacks or is too many, then leaving out the line. Within a kind the repair after which most can be read wins;
+where none works, the text up to the next declaration is skipped.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+from lark import Lark, Token
+
+from . import complaints
+from .automaton import Automaton, Stack, Unreadable
+from .diagnostics import Diagnostic
+from .source import Source
+
+MAX_ERRORS = 50
+LOOKAHEAD = 40
+ENOUGH = (2, 3, 3)
+"""How many tokens must be readable after a repair of each kind."""
+_SIGNS = {"COMMA": ",", "COLON": ":", "LPAR": "(", "RPAR": ")", "LBRACE": "{", "RBRACE": "}", "LSQB": "[", "RSQB": "]",
+          "EQUAL": "=", "_DOTS": ".."}
+_DECLARATION = re.compile(
+    r"^(import|type|predicate|derived|module|motion|rule|placement|heuristic|scene|task)(?!\w)", re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True)
+class Read:
+    """A token that fits, and the stack before it."""
+
+    token: Token
+    before: Stack
+
+
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """Keep the first `keep` tokens, then feed `feed`, then read on from `position`. Kind 0 corrects a word, 1 puts in
+    or leaves out a sign, 2 leaves out lines."""
+
+    kind: int
+    keep: int
+    feed: tuple[Token, ...]
+    position: int
+    diagnostic: Diagnostic
+
+
+class Recovery:
+    def __init__(self, parser: Lark, source: Source) -> None:
+        self.automaton = Automaton(parser, source.text)
+        self.source = source
+        self.reads: list[Read] = []
+        self.stack = self.automaton.bottom
+        self.position = 0
+        self.diagnostics: list[Diagnostic] = []
+
+    def tokens(self) -> list[Token]:
+        """The tokens of the repaired text; what was wrong is in `diagnostics`."""
+        while len(self.diagnostics) < MAX_ERRORS:
+            token = self.automaton.read(self.stack, self.position)
+            if token is None and self.automaton.step(self.stack, "$END") is not None:
+                return [r.token for r in self.reads]
+            if not isinstance(token, Token) or not self._feed(token):
+                self._repair(token)
+        self._forget(self._declaration_start())
+        return [r.token for r in self.reads]
+
+    def _feed(self, token: Token) -> bool:
+        after = self.automaton.step(self.stack, token.type)
+        if after is None:
+            return False
+        self.reads.append(Read(token, self.stack))
+        self.stack, self.position = after, token.end_pos or self.position
+        return True
+
+    def _forget(self, keep: int) -> None:
+        if keep < len(self.reads):
+            self.stack = self.reads[keep].before
+            del self.reads[keep:]
+
+    # --- repairs -------------------------------------------------------------------------------------------------
+
+    def _repair(self, found: Token | Unreadable | None) -> None:
+        repairs = list(self._repairs(found))
+        for kind, enough in enumerate(ENOUGH):
+            tried = [(self._reach(r), -i, r) for i, r in enumerate(repairs) if r.kind == kind]
+            reached, _, best = max(tried, default=(-1, 0, None))
+            if best is not None and reached >= enough:
+                self._apply(best)
+                return
+        self._skip_declaration(found)
+
+    def _apply(self, repair: Repair) -> None:
+        if not self.diagnostics or self.diagnostics[-1].span != repair.diagnostic.span:
+            self.diagnostics.append(repair.diagnostic)
+        self._forget(repair.keep)
+        for token in repair.feed:
+            self._feed(token)
+        self.position = repair.position
+
+    def _reach(self, repair: Repair) -> int:
+        """How many tokens beyond the mistake can be read after the repair; negative when the repair does not fit."""
+        stack = self.stack if repair.keep == len(self.reads) else self.reads[repair.keep].before
+        for token in repair.feed:
+            after = self.automaton.step(stack, token.type)
+            if after is None:
+                return -1
+            stack = after
+        again = sum((r.token.start_pos or 0) >= repair.position for r in self.reads[repair.keep:])
+        reached = self.automaton.run(stack, repair.position, LOOKAHEAD + again)
+        return min(reached - again, LOOKAHEAD)
+
+    def _repairs(self, found: Token | Unreadable | None) -> Iterator[Repair]:
+        if isinstance(found, Unreadable):
+            yield from self._unreadable(found)
+        else:
+            yield from self._keywords(found)
+            yield from self._insertions(found)
+            yield from self._omissions(found)
+        yield from self._skipped_lines(found)
+
+    def _recent(self, found: Token | None) -> Iterator[tuple[int, Token, Stack]]:
+        """The mistake and the tokens before it on its line, nearest first."""
+        if found is not None:
+            yield len(self.reads), found, self.stack
+        line = found.line if found is not None else (self.reads[-1].token.line if self.reads else 0)
+        for index in range(len(self.reads) - 1, max(-1, len(self.reads) - 9), -1):
+            read = self.reads[index]
+            if read.token.line != line:
+                return
+            yield index, read.token, read.before
+
+    def _keywords(self, found: Token | None) -> Iterator[Repair]:
+        for index, token, before in self._recent(found):
+            if token.type != "NAME":
+                continue
+            fitting = {self.automaton.keywords[k]: k for k in self.automaton.accepts(before) if k in self.automaton.keywords}
+            for near in get_close_matches(str(token), sorted(fitting), n=2, cutoff=0.6):
+                keyword = self._replaced(token, fitting[near], near)
+                yield Repair(0, index, (keyword,), token.end_pos or 0, complaints.misspelt(self.source, token, near))
+
+    def _insertions(self, found: Token | None) -> Iterator[Repair]:
+        end = len(self.source.text)
+        for back, (index, token, before) in enumerate(self._recent(found) if found is not None else self._at_end()):
+            if back > 2:
+                return
+            position = end if token.start_pos is None else token.start_pos
+            for kind in self.automaton.accepts(before):
+                if kind in _SIGNS:
+                    sign = self.automaton.token(kind, _SIGNS[kind], position)
+                    yield Repair(1, index, (sign,), position, self._lacking(kind, index, token))
+
+    def _at_end(self) -> Iterator[tuple[int, Token, Stack]]:
+        yield len(self.reads), self.automaton.token("$END", "", len(self.source.text)), self.stack
+
+    def _omissions(self, found: Token | None) -> Iterator[Repair]:
+        if found is None:
+            return
+        before = self.reads[-1].token if self.reads else None
+        unit = None if before is None else complaints.unknown_unit(self.source, before, found)
+        if unit is not None:
+            yield Repair(0, len(self.reads), (), found.end_pos or 0, unit)
+        if before is not None and before == ",":
+            yield Repair(1, len(self.reads) - 1, (), found.start_pos or 0, complaints.dangling(self.source, before))
+        yield Repair(1, len(self.reads), (), found.end_pos or 0, self._unexpected(found))
+
+    def _unreadable(self, found: Unreadable) -> Iterator[Repair]:
+        diagnostic, width = complaints.unreadable(self.source, found.position, self.automaton)
+        for kind in ("_AND", "_OR", "_NOT"):
+            word = self.automaton.token(kind, self.automaton.keywords[kind], found.position, width)
+            yield Repair(0, len(self.reads), (word,), found.position + width, diagnostic)
+        yield Repair(1, len(self.reads), (), found.position + width, diagnostic)
+
+    def _skipped_lines(self, found: Token | Unreadable | None) -> Iterator[Repair]:
+        """Leave out the whole line of the mistake, or it and one or two more."""
+        if found is None:
+            return
+        line = found.line or 1 if isinstance(found, Token) else self.automaton.place(found.position)[0]
+        keep = len(self.reads)
+        while keep > 0 and self.reads[keep - 1].token.line == line:
+            keep -= 1
+        for more in (1, 2, 3):
+            yield Repair(2, keep, (), self.automaton.line_start(line + more), self._complaint(found))
+
+    def _skip_declaration(self, found: Token | Unreadable | None) -> None:
+        self.diagnostics.append(self._complaint(found))
+        start = self.position if found is None else _start(found)
+        self._forget(self._declaration_start())
+        following = _DECLARATION.search(self.source.text, start)
+        if following is not None and following.start() == start and not self.reads_anything(start):
+            following = _DECLARATION.search(self.source.text, start + 1)
+        self.position = following.start() if following is not None else len(self.source.text)
+
+    def reads_anything(self, position: int) -> bool:
+        return self.automaton.run(self.stack, position, 1) > 0
+
+    def _declaration_start(self) -> int:
+        """The index of the first token of the declaration that is being read."""
+        for index in range(len(self.reads) - 1, -1, -1):
+            before = self.reads[index].before
+            if before.below is None or self.automaton.step(before, "$END") is not None:
+                return index
+        return 0
+
+    # --- what to say ---------------------------------------------------------------------------------------------
+
+    def _complaint(self, found: Token | Unreadable | None) -> Diagnostic:
+        if isinstance(found, Unreadable):
+            return complaints.unreadable(self.source, found.position, self.automaton)[0]
+        return self._unexpected(found)
+
+    def _unexpected(self, found: Token | None) -> Diagnostic:
+        before = [r.token for r in self.reads]
+        token = found or self.automaton.token("$END", "", len(self.source.text))
+        return complaints.unexpected(self.source, token, before[-1] if before else None,
+                                     self.automaton.accepts(self.stack), self.automaton.keywords)
+
+    def _lacking(self, kind: str, index: int, token: Token) -> Diagnostic:
+        before = [r.token for r in self.reads[:index]]
+        return complaints.lacking(self.source, _SIGNS[kind], before, token)
+
+    def _replaced(self, token: Token, kind: str, text: str) -> Token:
+        return Token(kind, text, token.start_pos, token.line, token.column, token.end_line, token.end_column, token.end_pos)
+
+
+def _start(found: Token | Unreadable) -> int:
+    return found.position if isinstance(found, Unreadable) else found.start_pos or 0
