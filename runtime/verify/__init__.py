@@ -1,0 +1,19 @@
+"""The independent checker: believes nothing that a plan says about itself.
+
+It shares no code with solver, search or constraint builder; of the compiler it uses the way from sources to IR.
+
+    replay.py      carries out every action by the rules' text
+    scene.py       builds the task anew from the stored sources and compares modules and bodies
+    structure.py   sizes, finite numbers, unit quaternions, time stamps
+    kinematics.py  Pinocchio forward kinematics of every sample
+    constraints.py motion predicates at switches, during intervals, and what they keep constant
+    motion.py      start, continuity, splines, joint limits and speeds, rest
+    collision.py   penetration along the swept motion, by coal
+    limits.py      the table of limits
+"""
+
+from __future__ import annotations
+
+from .check import check, verify
+
+__all__ = ["check", "verify"]

@@ -1,0 +1,65 @@
+"""Collects what the checks measure: the worst figure of every kind, and whatever breaks its limit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from ...langs.source import Span
+from ..plan import FailureRecord, MeasureRecord, PlaceRecord, VerdictRecord
+from .limits import LIMITS, unit_of
+
+
+def place_of(span: Span | None) -> PlaceRecord | None:
+    """The record of a source place."""
+    return None if span is None else PlaceRecord(span.file, span.line, span.column)
+
+
+class Findings:
+    """Measures and failures of one verification."""
+
+    def __init__(self) -> None:
+        self.measures: dict[str, MeasureRecord] = {}
+        self.failures: list[FailureRecord] = []
+        self.residuals: list[MeasureRecord] = []
+
+    def fail(
+        self,
+        kind: str,
+        message: str,
+        *,
+        amount: float = 0.0,
+        unit: str = "",
+        time: float | None = None,
+        between: Sequence[str] = (),
+        place: PlaceRecord | None = None,
+    ) -> None:
+        """Refuse the plan for a reason that is no measure, or whose measure says too little."""
+        finite = amount if math.isfinite(amount) else 0.0
+        self.failures.append(FailureRecord(kind, message, finite, unit, time, place, list(between)))
+
+    def measure(
+        self,
+        kind: str,
+        amount: float,
+        message: str,
+        *,
+        time: float | None = None,
+        between: Sequence[str] = (),
+        place: PlaceRecord | None = None,
+    ) -> bool:
+        """Record one figure of a kind in the table of limits; a failure when it is over. True when it is kept."""
+        limit, unit = LIMITS[kind], unit_of(kind)
+        worst = self.measures.get(kind)
+        if worst is None or amount > worst.amount:
+            self.measures[kind] = MeasureRecord(kind, amount, limit, unit, time, list(between), place)
+        if amount <= limit:
+            return True
+        self.fail(kind, message, amount=amount, unit=unit, time=time, between=between, place=place)
+        return False
+
+    def verdict(self) -> VerdictRecord:
+        """What was found; verified when nothing failed."""
+        measures = [self.measures[k] for k in LIMITS if k in self.measures]
+        worst = {m.kind: m.amount for m in measures}
+        return VerdictRecord(not self.failures, worst, measures, self.failures, self.residuals)

@@ -1,0 +1,281 @@
+"""Plain evaluation of the terms and formulas of rules on a set of ground facts."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from ...compiler import ir
+from .guards import Guards
+
+Value = str | int | float | ir.Chain
+Environment = Mapping[str, Value]
+TOLERANCE = 1e-9
+
+
+class ReplayError(Exception):
+    """A rule's text cannot be evaluated on what the plan says; the message says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """The logic facts, symmetric ones in both orders, and the action before; `guards` measures the scene."""
+
+    problem: ir.Problem
+    facts: frozenset[ir.Fact]
+    guards: Guards
+    previous: ir.Action | None = None
+    chains: dict[tuple[str, str], tuple[ir.Chain, ...]] = field(default_factory=dict)
+
+
+# --- variables ---------------------------------------------------------------------------------------------------
+
+
+def values(state: State, kind: ir.Type, environment: Environment) -> Sequence[Value]:
+    """What a variable of that type ranges over in this state."""
+    if isinstance(kind, ir.ObjectType):
+        return state.problem.of_type(kind.name)
+    if isinstance(kind, ir.RangeType):
+        first, last = (number(state, t, environment) for t in (kind.first, kind.last))
+        return range(math.ceil(first - TOLERANCE), math.floor(last + TOLERANCE) + 1)
+    if isinstance(kind, ir.ChainType):
+        return chains(state, kind)
+    raise ReplayError(f"a variable cannot range over {kind.name}")
+
+
+def chains(state: State, kind: ir.ChainType) -> tuple[ir.Chain, ...]:
+    """All maximal directed chains: from each outer effector, through linked modules, to the other outer effector."""
+    key = (kind.element, kind.predicate)
+    if key not in state.chains:
+        links = {f[1]: f[2] for f in sorted(state.facts) if f[0] == kind.predicate and len(f) == 3}
+        linked = set(links) | set(links.values())
+        members = set(state.problem.of_type(kind.element))
+        effectors = _effectors_of(state.problem)
+        owner = {e: m for m, names in effectors.items() for e in names}
+        found: list[ir.Chain] = []
+        for module in state.problem.world.modules:
+            if module in members:
+                for entry in effectors[module]:
+                    if entry not in linked:
+                        found.extend(_walk(module, entry, links, linked, owner, effectors, members, ()))
+        state.chains[key] = tuple(found)
+    return state.chains[key]
+
+
+def _effectors_of(problem: ir.Problem) -> dict[str, list[str]]:
+    return {m.name: [f"{m.name}.{e.name}" for e in m.type.effectors] for m in problem.world.modules.values()}
+
+
+def _walk(
+    module: str,
+    entry: str,
+    links: Mapping[str, str],
+    linked: set[str],
+    owner: Mapping[str, str],
+    effectors: Mapping[str, list[str]],
+    members: set[str],
+    before: tuple[tuple[str, str, str], ...],
+) -> Iterator[ir.Chain]:
+    for leave in effectors[module]:
+        if leave == entry:
+            continue
+        line = (*before, (module, entry, leave))
+        following = links.get(leave)
+        if following is None:
+            if leave not in linked:
+                yield ir.Chain(line)
+            continue
+        next_module = owner.get(following)
+        if next_module in members and all(next_module != m for m, _, _ in line):
+            yield from _walk(next_module, following, links, linked, owner, effectors, members, line)
+
+
+def bindings(
+    state: State, variables: Sequence[ir.Variable], environment: Environment
+) -> Iterator[dict[str, Value]]:
+    """All extensions of the environment by values of the variables."""
+    if not variables:
+        yield dict(environment)
+        return
+    first, *rest = variables
+    for value in values(state, first.type, environment):
+        yield from bindings(state, rest, {**environment, first.name: value})
+
+
+# --- terms -------------------------------------------------------------------------------------------------------
+
+
+def term(state: State, node: ir.Term, environment: Environment) -> Value:
+    """The object, number or chain that a term denotes."""
+    match node:
+        case ir.Number():
+            return node.value
+        case ir.Object():
+            return node.name
+        case ir.Var():
+            if node.name not in environment:
+                raise ReplayError(f"`{node.name}` has no value")
+            return environment[node.name]
+        case ir.ChainEnd():
+            chain = _chain(environment, node.chain)
+            return chain.last if node.last else chain.first
+        case ir.ChainModule():
+            return _chain_module(state, node, environment)
+        case ir.Function():
+            return _function(state, node, environment)
+        case ir.Arith():
+            return _arithmetic(node.operator, [number(state, t, environment) for t in node.operands])
+        case ir.Conditional():
+            branch = node.then if holds(state, node.condition, environment) else node.otherwise
+            return term(state, branch, environment)
+        case ir.Aggregate():
+            found = [number(state, node.body, e) for e in bindings(state, node.variables, environment)]
+            if node.operator == "sum":
+                return math.fsum(found)
+            return (min if node.operator == "min" else max)(found, default=math.inf)
+        case ir.Prune():
+            return math.inf
+        case _:
+            raise ReplayError(f"{type(node).__name__} has no value in a rule")
+
+
+def number(state: State, node: ir.Term, environment: Environment) -> float:
+    """The number that a term denotes."""
+    value = term(state, node, environment)
+    if isinstance(value, int | float):
+        return float(value)
+    raise ReplayError(f"{value} is no number")
+
+
+def _chain(environment: Environment, name: str) -> ir.Chain:
+    value = environment.get(name)
+    if not isinstance(value, ir.Chain):
+        raise ReplayError(f"`{name}` is no chain")
+    return value
+
+
+def _chain_module(state: State, node: ir.ChainModule, environment: Environment) -> str:
+    chain = _chain(environment, node.chain)
+    index = round(number(state, node.index, environment))
+    if not 1 <= index <= len(chain.modules):
+        raise ReplayError(f"{chain} has no module {index}")
+    module, entry, leave = chain.modules[index - 1]
+    return {"": module, "in": entry, "out": leave}[node.side]
+
+
+_NUMERIC: dict[str, Callable[[float], float]] = {
+    "sqrt": math.sqrt, "abs": abs, "sin": math.sin, "cos": math.cos, "floor": math.floor,
+}  # fmt: skip
+
+
+def _function(state: State, node: ir.Function, environment: Environment) -> Value:
+    if node.name in _NUMERIC:
+        return _NUMERIC[node.name](number(state, node.args[0], environment))
+    arguments = [term(state, a, environment) for a in node.args]
+    match node.name, arguments:
+        case "length", [ir.Chain() as chain]:
+            return len(chain.modules)
+        case "reach", [ir.Chain() as chain]:
+            return state.guards.chain_reach(chain)
+        case "reach", [str(first), str(second)]:
+            return state.guards.reach(first, second)
+        case "radius", [str(name)]:
+            return state.guards.radius(name)
+        case "distance", [str(first), str(second)]:
+            return state.guards.distance(first, second)
+        case "stride", [str(first), str(second), int() | float() as inset]:
+            return state.guards.stride(first, second, float(inset))
+        case _:
+            raise ReplayError(f"{node.name} cannot be evaluated in a rule")
+
+
+def _arithmetic(operator: str, operands: list[float]) -> float:
+    match operator, operands:
+        case "neg", [only]:
+            return -only
+        case "+", [left, right]:
+            return left + right
+        case "-", [left, right]:
+            return left - right
+        case "*", [left, right]:
+            return left * right
+        case "/", [left, right]:
+            return left / right if right else math.inf
+        case _:
+            raise ReplayError(f"unknown operator {operator}")
+
+
+# --- formulas ----------------------------------------------------------------------------------------------------
+
+
+def holds(state: State, formula: ir.Formula, environment: Environment) -> bool:
+    """Whether the formula is true of the state."""
+    match formula:
+        case ir.Literal():
+            return _literal(state, formula, environment)
+        case ir.Not():
+            return not holds(state, formula.operand, environment)
+        case ir.And():
+            return all(holds(state, f, environment) for f in formula.operands)
+        case ir.Or():
+            return any(holds(state, f, environment) for f in formula.operands)
+        case ir.Exists():
+            return any(holds(state, formula.body, e) for e in bindings(state, formula.variables, environment))
+        case ir.Forall():
+            return all(holds(state, formula.body, e) for e in bindings(state, formula.variables, environment))
+        case ir.Compare():
+            return _compare(state, formula, environment)
+        case ir.Previous():
+            return _previous(state, formula, environment)
+
+
+def pattern(state: State, terms: Sequence[ir.Term], environment: Environment) -> tuple[str | None, ...]:
+    """Names of the objects that terms denote; None for `ANY`."""
+    return tuple(None if isinstance(t, ir.Any_) else str(term(state, t, environment)) for t in terms)
+
+
+def matches(pattern: Sequence[str | None], names: Sequence[str]) -> bool:
+    """Whether names fit a pattern in which None fits everything."""
+    return len(pattern) == len(names) and all(p is None or p == n for p, n in zip(pattern, names, strict=True))
+
+
+def _literal(state: State, literal: ir.Literal, environment: Environment) -> bool:
+    derived = state.problem.derived.get(literal.predicate)
+    wanted = pattern(state, literal.args, environment)
+    if derived is None:
+        if None not in wanted:
+            return (literal.predicate, *wanted) in state.facts
+        return any(f[0] == literal.predicate and matches(wanted, f[1:]) for f in state.facts)
+    names = [v.name for v in derived.variables]
+    choices = [
+        [w] if w is not None else list(values(state, v.type, {})) for w, v in zip(wanted, derived.variables, strict=True)
+    ]
+    return any(
+        holds(state, derived.body, dict(zip(names, choice, strict=True))) for choice in itertools.product(*choices)
+    )
+
+
+def _compare(state: State, formula: ir.Compare, environment: Environment) -> bool:
+    left, right = term(state, formula.left, environment), term(state, formula.right, environment)
+    if not (isinstance(left, int | float) and isinstance(right, int | float)):
+        if formula.operator not in ("=", "!="):
+            raise ReplayError(f"{left} and {right} cannot be ordered")
+        return (left == right) == (formula.operator == "=")
+    difference = left - right if left != right else 0.0
+    return {
+        "=": abs(difference) <= TOLERANCE,
+        "!=": abs(difference) > TOLERANCE,
+        "<": difference < 0,
+        "<=": difference <= TOLERANCE,
+        ">": difference > 0,
+        ">=": difference >= -TOLERANCE,
+    }[formula.operator]
+
+
+def _previous(state: State, formula: ir.Previous, environment: Environment) -> bool:
+    action = state.previous
+    if action is None or action.rule != formula.rule:
+        return False
+    return formula.args is None or matches(pattern(state, formula.args, environment), [str(a) for a in action.args])

@@ -1,0 +1,70 @@
+"""Rigid motions as stacks of positions `(T, 3)` and rotation matrices `(T, 3, 3)`, and the measures between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True)
+class Frames:
+    """One frame at `T` instants: `position` `(T, 3)` in metres and `rotation` `(T, 3, 3)`, in the world."""
+
+    position: Array
+    rotation: Array
+
+    def __getitem__(self, index: slice | Indices) -> Frames:
+        return Frames(self.position[index], self.rotation[index])
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+    def compose(self, placement: Frames) -> Frames:
+        """The frames placed relative to these ones; `placement` has one instant or as many."""
+        shift = np.einsum("tij,tj->ti", *_broadcast(self.rotation, placement.position))
+        return Frames(self.position + shift, self.rotation @ placement.rotation)
+
+    def relative_to(self, base: Frames) -> Frames:
+        """These frames as seen from `base`."""
+        turned = np.swapaxes(base.rotation, -1, -2)
+        shift = np.einsum("tij,tj->ti", turned, self.position - base.position)
+        return Frames(shift, turned @ self.rotation)
+
+
+def _broadcast(rotation: Array, vector: Array) -> tuple[Array, Array]:
+    count = max(len(rotation), len(vector))
+    return np.broadcast_to(rotation, (count, 3, 3)), np.broadcast_to(vector, (count, 3))
+
+
+def frames(poses: ArrayLike) -> Frames:
+    """Poses `(T, 7)` or `(7,)` (x, y, z, qx, qy, qz, qw) as frames; quaternions are normalised."""
+    rows = np.atleast_2d(np.asarray(poses, dtype=float))
+    return Frames(rows[:, :3], rotation_matrices(rows[:, 3:]))
+
+
+def rotation_matrices(quaternions: Array) -> Array:
+    """Rotation matrices `(T, 3, 3)` of quaternions `(T, 4)` in the order x, y, z, w."""
+    x, y, z, w = (quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True)).T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def angles(first: Array, second: Array) -> Array:
+    """The angle `(T,)` in radians between rotations, accurate near zero."""
+    chord = np.linalg.norm(np.asarray(first - second), axis=(-2, -1)) / (2 * np.sqrt(2))
+    return np.asarray(2 * np.arcsin(np.clip(chord, 0.0, 1.0)))
+
+
+def pose_differences(first: Array, second: Array) -> tuple[Array, Array]:
+    """Distances in metres and angles in radians between poses `(T, 7)` and `(T, 7)`."""
+    a, b = frames(first), frames(second)
+    return np.linalg.norm(a.position - b.position, axis=1), angles(a.rotation, b.rotation)

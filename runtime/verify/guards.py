@@ -1,0 +1,153 @@
+"""Numeric guards of rules, measured on the scene at the start: distance, stride, reach, radius."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...compiler import ir
+from .geometry import Frames, frames
+from .shapes import Ruler, geometry, half_heights, round_radius, transform
+
+POINT = 1e-9
+FACE = 1e-9
+"""Radius that stands for a point and thickness that stands for a face, metres."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Placed:
+    """A shape in the scene; `frame` has one instant."""
+
+    shape: ir.Shape
+    frame: Frames
+
+
+_Side = tuple[list[int], list[int], ir.Effector]
+
+
+class Guards:
+    """The start scene of a problem, measured at will; every figure is computed once."""
+
+    def __init__(self, problem: ir.Problem) -> None:
+        self._world = problem.world
+        self._ruler = Ruler()
+        self._known: dict[tuple[str, ...], float] = {}
+        self._placed: dict[str, list[_Placed]] = {}
+
+    def distance(self, first: str, second: str) -> float:
+        """Smallest distance between two things at the start, 0 when they overlap."""
+        key = ("distance", *sorted((first, second)))
+        if key not in self._known:
+            pairs = ((a, b) for a in self._shapes(first) for b in self._shapes(second))
+            self._known[key] = max(0.0, min((self._between(a, b) for a, b in pairs), default=math.inf))
+        return self._known[key]
+
+    def stride(self, first: str, second: str, inset: float) -> float:
+        """Smallest distance between the top faces of two things, each shrunk by `inset` on every side."""
+        key = ("stride", *sorted((first, second)), repr(inset))
+        if key not in self._known:
+            self._known[key] = max(0.0, self._between(self._face(first, inset), self._face(second, inset)))
+        return self._known[key]
+
+    def radius(self, name: str) -> float:
+        """Radius of a round shape, or of the sphere around a box; 0 for an effector without a shape."""
+        shape = self._one_shape(name).shape
+        return 0.0 if shape.size == (POINT,) else round_radius(shape.kind, shape.size)
+
+    def reach(self, first: str, second: str) -> float:
+        """Upper bound of the distance between two effectors of one module: the lengths between them, summed."""
+        one, other = self._world.effector(first), self._world.effector(second)
+        if one is None or other is None or one[0].name != other[0].name:
+            return math.inf
+        kind = one[0].type
+        above, below = (list(_joints_above(kind, e.joint)) for e in (one[1], other[1]))
+        total, ends = 0.0, []
+        sides: tuple[_Side, _Side] = ((above, below, one[1]), (below, above, other[1]))
+        for line, others, effector in sides:
+            point = effector.placement[:3]
+            for joint in line:
+                if joint in others:
+                    break
+                total += math.hypot(*point) + _travel(kind.joints[joint])
+                point = kind.joints[joint].placement[:3]
+            ends.append(point)
+        return total + math.dist(*ends)
+
+    def chain_reach(self, chain: ir.Chain) -> float:
+        """Upper bound of the distance between the ends of a chain of docked modules."""
+        inner = sum(self.reach(entry, leave) for _, entry, leave in chain.modules)
+        docks = zip(chain.modules, chain.modules[1:], strict=False)
+        return inner + sum(self.radius(a[2]) + self.radius(b[1]) for a, b in docks)
+
+    def _between(self, first: _Placed, second: _Placed) -> float:
+        sides = []
+        for placed in (first, second):
+            sides += [_solid(placed.shape), transform(placed.frame.position[0], placed.frame.rotation[0])]
+        return self._ruler.distance(*sides)
+
+    def _shapes(self, name: str) -> list[_Placed]:
+        if name not in self._placed:
+            self._placed[name] = list(self._find_shapes(name))
+        return self._placed[name]
+
+    def _one_shape(self, name: str) -> _Placed:
+        return self._shapes(name)[0]
+
+    def _find_shapes(self, name: str) -> Iterator[_Placed]:
+        body, end = self._world.bodies.get(name), self._world.effector(name)
+        if body is not None:
+            yield _Placed(body.shape, frames(body.pose))
+            return
+        module = end[0] if end is not None else self._world.modules[name]
+        joints = _joint_frames(module)
+        if end is not None:
+            shape = end[1].shape or ir.Shape("sphere", (POINT,))
+            yield _Placed(shape, joints[end[1].joint].compose(frames(end[1].placement)))
+            return
+        for part in (*module.type.effectors, *module.type.links):
+            if part.shape is not None:
+                yield _Placed(part.shape, joints[part.joint].compose(frames(part.placement)))
+
+    def _face(self, name: str, inset: float) -> _Placed:
+        placed = self._one_shape(name)
+        shape, at = placed.shape, placed.frame
+        if shape.kind != "box":
+            height = float(half_heights(shape.kind, shape.size, at.rotation)[0])
+            return _Placed(ir.Shape("sphere", (POINT,)), Frames(at.position + np.array([0.0, 0.0, height]), at.rotation))
+        upright = int(np.argmax(np.abs(at.rotation[0, 2])))
+        half = 0.5 * shape.size[upright] * np.sign(at.rotation[0, 2, upright])
+        sides = [max(s - 2 * inset, FACE) for s in shape.size]
+        sides[upright] = FACE
+        top = Frames(at.position + half * at.rotation[:, :, upright], at.rotation)
+        return _Placed(ir.Shape("box", tuple(sides)), top)
+
+
+def _solid(shape: ir.Shape) -> Any:
+    return geometry(shape.kind, shape.size)
+
+
+def _joint_frames(module: ir.Module) -> dict[int, Frames]:
+    """The frame of every joint at the start, by the plain definition; -1 is the module frame."""
+    found = {-1: frames(module.pose)}
+    for index, (joint, value) in enumerate(zip(module.type.joints, module.joints, strict=True)):
+        axis = np.asarray(joint.axis) / np.linalg.norm(joint.axis)
+        if joint.kind == "prismatic":
+            motion = [*(axis * value), 0.0, 0.0, 0.0, 1.0]
+        else:
+            motion = [0.0, 0.0, 0.0, *(axis * math.sin(value / 2)), math.cos(value / 2)]
+        found[index] = found[joint.parent].compose(frames(joint.placement)).compose(frames(motion))
+    return found
+
+
+def _joints_above(kind: ir.ModuleType, joint: int) -> Iterator[int]:
+    while joint >= 0:
+        yield joint
+        joint = kind.joints[joint].parent
+
+
+def _travel(joint: ir.Joint) -> float:
+    return max(abs(joint.lower), abs(joint.upper)) if joint.kind == "prismatic" else 0.0

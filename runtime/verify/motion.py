@@ -1,0 +1,189 @@
+"""The motion itself: start, continuity, splines, joint limits and speeds, and that what nothing carries stays put."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from ...compiler import ir
+from ..plan import ModuleRecord, Plan
+from .findings import Findings
+from .geometry import Array, pose_differences
+from .kinematics import Motion
+from .limits import LIMITS
+from .replay import Story
+
+SPEED_SAMPLES = 10
+"""Speeds are read from a spline at so many points per knot interval."""
+
+
+def check_motion(
+    problem: ir.Problem, plan: Plan, story: Story, motion: Motion, findings: Findings
+) -> None:
+    """Everything about the motion that does not depend on shapes or motion predicates."""
+    _check_start(plan, motion, findings)
+    _check_jumps(motion, findings)
+    for module in plan.modules:
+        _check_limits(module, motion, findings)
+        _check_speeds(module, motion, findings)
+    _check_splines(plan, motion, findings)
+    for name in sorted(motion.moving):
+        if name in problem.world.bodies and not problem.world.bodies[name].movable:
+            findings.fail("rest", f"{name} cannot be moved, but the plan moves it", between=[name])
+    for index, mode in enumerate(story.modes[: len(motion.ranges)]):
+        _check_rest(problem, mode, index, motion, findings)
+
+
+def _check_start(plan: Plan, motion: Motion, findings: Findings) -> None:
+    poses = {m.name: m.pose for m in plan.modules} | {b.name: b.pose for b in plan.bodies}
+    for name, pose in poses.items():
+        shift, turn = pose_differences(motion.poses[name][:1], np.array([pose]))
+        message = f"{name} does not start where the scene puts it"
+        findings.measure("start_m", float(shift[0]), message, time=0.0, between=[name])
+        findings.measure("start_rad", float(turn[0]), message, time=0.0, between=[name])
+    for module in plan.modules:
+        if module.start:
+            off = np.abs(motion.joints[module.name][0] - module.start)
+            joint = module.joints[int(np.argmax(off))].name
+            message = f"joint {joint} of {module.name} does not start at its home value"
+            findings.measure("start_rad", float(off.max()), message, time=0.0, between=[module.name])
+
+
+def _check_jumps(motion: Motion, findings: Findings) -> None:
+    """The two samples at a switch must be the same."""
+    for _, last in motion.ranges[:-1]:
+        time = float(motion.times[last])
+        for name in sorted(motion.moving):
+            pair = motion.poses[name][last : last + 2]
+            shift, turn = pose_differences(pair[:1], pair[1:])
+            message = f"{name} jumps at the switch"
+            findings.measure("jump_m", float(shift[0]), message, time=time, between=[name])
+            findings.measure("jump_rad", float(turn[0]), message, time=time, between=[name])
+            joints = motion.joints.get(name)
+            if joints is not None and joints.shape[1]:
+                jump = float(np.max(np.abs(joints[last + 1] - joints[last])))
+                findings.measure("jump_rad", jump, message, time=time, between=[name])
+
+
+# --- joints ------------------------------------------------------------------------------------------------------
+
+
+def _check_limits(module: ModuleRecord, motion: Motion, findings: Findings) -> None:
+    for index, joint in enumerate(module.joints):
+        values = motion.joints[module.name][:, index]
+        over = np.maximum(np.maximum(joint.lower - values, values - joint.upper), 0.0)
+        at = int(np.argmax(over))
+        kind = "joint_limit_m" if joint.kind == "prismatic" else "joint_limit_rad"
+        message = f"joint {joint.name} of {module.name} leaves its limits"
+        findings.measure(
+            kind, float(over[at]), message, time=float(motion.times[at]), between=[module.name, joint.name]
+        )
+
+
+def _check_speeds(module: ModuleRecord, motion: Motion, findings: Findings) -> None:
+    """Differences of neighbouring samples: what a player of the samples would see."""
+    limits = np.array([j.speed for j in module.joints])
+    for first, last in motion.ranges:
+        steps = np.diff(motion.times[first : last + 1])
+        if not len(limits) or not len(steps):
+            continue
+        speeds = np.abs(np.diff(motion.joints[module.name][first : last + 1], axis=0)) / steps[:, None]
+        _record_speed(module, speeds / limits, motion.times[first:last], findings)
+
+
+def _record_speed(module: ModuleRecord, ratios: Array, times: Array, findings: Findings) -> None:
+    at, joint = np.unravel_index(int(np.argmax(ratios)), ratios.shape)
+    name = module.joints[int(joint)].name
+    message = f"joint {name} of {module.name} is faster than its limit"
+    findings.measure(
+        "joint_speed_ratio", float(ratios[at, joint]), message,
+        time=float(times[at]), between=[module.name, name],
+    )  # fmt: skip
+
+
+def _check_splines(plan: Plan, motion: Motion, findings: Findings) -> None:
+    """Stored joint values lie on the stored splines, whose speed keeps the limits, too."""
+    from scipy.interpolate import CubicSpline
+
+    modules = {m.name: m for m in plan.modules}
+    for spline in plan.splines:
+        module = modules[spline.module]
+        if not module.joints:
+            continue
+        first, last = motion.ranges[spline.phase]
+        knots = np.asarray(spline.knots)
+        curve = CubicSpline(knots, np.asarray(spline.values), bc_type="clamped")
+        off = np.abs(curve(motion.times[first : last + 1]) - motion.joints[module.name][first : last + 1])
+        at, joint = np.unravel_index(int(np.argmax(off)), off.shape)
+        message = f"joint {module.joints[int(joint)].name} of {module.name} leaves its spline"
+        findings.measure(
+            "spline_rad", float(off[at, joint]), message,
+            time=float(motion.times[first + at]), between=[module.name],
+        )  # fmt: skip
+        times = np.linspace(knots[0], knots[-1], SPEED_SAMPLES * (len(knots) - 1) + 1)
+        limits = np.array([j.speed for j in module.joints])
+        _record_speed(module, np.abs(curve(times, 1)) / limits, times, findings)
+
+
+# --- rest --------------------------------------------------------------------------------------------------------
+
+
+def _check_rest(
+    problem: ir.Problem, mode: Iterable[ir.Fact], index: int, motion: Motion, findings: Findings
+) -> None:
+    """Among things whose relative poses are kept, but which nothing holds to a fixed body, one must rest."""
+    for group in _groups(problem, mode):
+        if any(n in problem.world.bodies and not problem.world.bodies[n].movable for n in group):
+            continue
+        if not any(n in motion.moving for n in group):
+            continue
+        first, last = motion.ranges[index]
+        names = [n for thing in group for n in _frames_of(problem, thing)]
+        shift, turn, name = min(_movement(motion, n, first, last) for n in names)
+        message = f"{', '.join(group)} moves though nothing holds it"
+        time = float(motion.times[first])
+        findings.measure("rest_m", shift, message, time=time, between=group)
+        if shift <= LIMITS["rest_m"]:
+            findings.measure("rest_rad", turn, message, time=time, between=[name])
+
+
+def _movement(motion: Motion, name: str, first: int, last: int) -> tuple[float, float, str]:
+    frames = motion.frames[name][slice(first, last + 1)]
+    relative = frames.relative_to(frames[:1])
+    shift = float(np.max(np.linalg.norm(relative.position, axis=1)))
+    turn = float(np.max(np.linalg.norm(relative.rotation - np.eye(3), axis=(1, 2)))) / np.sqrt(2)
+    return shift, turn, name
+
+
+def _frames_of(problem: ir.Problem, thing: str) -> list[str]:
+    module = problem.world.modules.get(thing)
+    return [thing] if module is None else [thing, *(f"{thing}.{e.name}" for e in module.type.effectors)]
+
+
+def _groups(problem: ir.Problem, mode: Iterable[ir.Fact]) -> list[list[str]]:
+    """Modules and bodies, grouped by the poses that the literals of a mode keep."""
+    leader = {name: name for name in (*problem.world.modules, *problem.world.bodies)}
+
+    def find(name: str) -> str:
+        while leader[name] != name:
+            name = leader[name]
+        return name
+
+    for literal in sorted(mode):
+        predicate = problem.motions[literal[0]]
+        bound = dict(zip((v.name for v in predicate.variables), literal[1:], strict=True))
+        for row in predicate.rows:
+            if row.when == "keep" and isinstance(row.left, ir.Function) and row.left.name == "pose":
+                ends = [_thing(problem, bound, a) for a in row.left.args]
+                leader[find(ends[0])] = find(ends[1])
+    groups: dict[str, list[str]] = {}
+    for name in leader:
+        groups.setdefault(find(name), []).append(name)
+    return list(groups.values())
+
+
+def _thing(problem: ir.Problem, bound: Mapping[str, str], node: ir.Term) -> str:
+    name = bound[node.name] if isinstance(node, ir.Var) else node.name if isinstance(node, ir.Object) else ""
+    end = problem.world.effector(name)
+    return name if end is None else end[0].name

@@ -1,0 +1,158 @@
+"""Values of the terms of motion predicates on the sampled frames of a plan, with their units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...compiler import ir
+from .geometry import Array, Frames, Indices
+from .kinematics import Motion
+from .shapes import Ruler, geometry, half_heights, round_radius, transform
+
+LETTERS = {"x": 0, "y": 1, "z": 2}
+LENGTHS = frozenset({"position", "gap", "top", "bottom", "inside", "radius"})
+
+
+class MeaninglessRow(Exception):
+    """A row of a motion predicate cannot be evaluated; the message says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """Values `(T, rows)` and their unit: "m" or ""."""
+
+    values: Array
+    unit: str
+
+
+class Evaluator:
+    """Evaluates terms with the variables of one ground literal, on some samples of a motion."""
+
+    def __init__(self, shapes: Mapping[str, ir.Shape | None], motion: Motion) -> None:
+        self._shapes = shapes
+        self._motion = motion
+        self._ruler = Ruler()
+
+    def value(self, node: ir.Term, names: Mapping[str, str], at: Indices) -> Quantity:
+        """The term's value at samples `at`. Raises MeaninglessRow."""
+        match node:
+            case ir.Number():
+                return Quantity(np.full((len(at), 1), float(node.value)), "")
+            case ir.Vector():
+                parts = [self.value(t, names, at) for t in node.items]
+                return Quantity(np.hstack([p.values for p in parts]), _shared([p.unit for p in parts]))
+            case ir.Arith():
+                return _arithmetic(node.operator, [self.value(t, names, at) for t in node.operands])
+            case ir.Function():
+                return self._function(node, names, at)
+            case _:
+                raise MeaninglessRow(f"{type(node).__name__} has no value on a motion")
+
+    def frame(self, node: ir.Term, names: Mapping[str, str], index: Indices) -> Frames:
+        """The frames of the object that a term names."""
+        return self._motion.frames[_name(node, names)][index]
+
+    def _function(self, node: ir.Function, names: Mapping[str, str], index: Indices) -> Quantity:
+        unit = "m" if node.name in LENGTHS else ""
+        match node.name, node.args:
+            case "position", (subject,):
+                return Quantity(self.frame(subject, names, index).position, unit)
+            case "axis", (subject, ir.Letter() as letter):
+                return Quantity(self.frame(subject, names, index).rotation[:, :, LETTERS[letter.letter]], unit)
+            case ("top" | "bottom"), (subject,):
+                sign = 1.0 if node.name == "top" else -1.0
+                frame = self.frame(subject, names, index)
+                half = self._half_heights(_name(subject, names), frame)
+                return Quantity((frame.position[:, 2] + sign * half)[:, None], unit)
+            case "radius", (subject,):
+                shape = self._shapes[_name(subject, names)]
+                radius = 0.0 if shape is None else round_radius(shape.kind, shape.size)
+                return Quantity(np.full((len(index), 1), radius), unit)
+            case "gap", (first, second):
+                return Quantity(self._gap(first, second, names, index), unit)
+            case "inside", (first, second):
+                return Quantity(self._inside(first, second, names, index), unit)
+            case _:
+                return _numeric(node.name, [self.value(a, names, index) for a in node.args])
+
+    def _half_heights(self, name: str, frame: Frames) -> Array:
+        shape = self._shapes[name]
+        return np.zeros(len(frame)) if shape is None else half_heights(shape.kind, shape.size, frame.rotation)
+
+    def _gap(self, first: ir.Term, second: ir.Term, names: Mapping[str, str], index: Indices) -> Array:
+        sides = []
+        for node in (first, second):
+            shape = self._shapes[_name(node, names)] or ir.Shape("sphere", (1e-9,))
+            sides.append((geometry(shape.kind, shape.size), self.frame(node, names, index)))
+        (a, at_a), (b, at_b) = sides
+        return np.array([
+            [self._ruler.distance(
+                a, transform(at_a.position[t], at_a.rotation[t]), b, transform(at_b.position[t], at_b.rotation[t])
+            )]
+            for t in range(len(index))
+        ])  # fmt: skip
+
+    def _inside(self, first: ir.Term, second: ir.Term, names: Mapping[str, str], index: Indices) -> Array:
+        shape = self._shapes[_name(second, names)]
+        local = self.frame(first, names, index).relative_to(self.frame(second, names, index)).position
+        if shape is None:
+            raise MeaninglessRow(f"{_name(second, names)} has no shape to be inside of")
+        if shape.kind != "box":
+            return np.repeat(shape.size[0] - np.hypot(local[:, 0], local[:, 1])[:, None], 4, axis=1)
+        x, y = 0.5 * shape.size[0], 0.5 * shape.size[1]
+        return np.column_stack([x - local[:, 0], x + local[:, 0], y - local[:, 1], y + local[:, 1]])
+
+
+def _name(node: ir.Term, names: Mapping[str, str]) -> str:
+    if isinstance(node, ir.Var) and node.name in names:
+        return names[node.name]
+    if isinstance(node, ir.Object):
+        return node.name
+    raise MeaninglessRow(f"{node} names no object")
+
+
+def _shared(units: Sequence[str]) -> str:
+    return next((u for u in units if u), "")
+
+
+def _numeric(name: str, arguments: list[Quantity]) -> Quantity:
+    first = arguments[0]
+    match name, arguments:
+        case "dot", [a, b]:
+            return Quantity(np.sum(a.values * b.values, axis=1, keepdims=True), _shared([a.unit, b.unit]))
+        case "cross", [a, b]:
+            return Quantity(np.cross(a.values, b.values), _shared([a.unit, b.unit]))
+        case "norm", [a]:
+            return Quantity(np.linalg.norm(a.values, axis=1, keepdims=True), a.unit)
+        case "abs", [a]:
+            return Quantity(np.abs(a.values), a.unit)
+        case "sqrt", [a]:
+            return Quantity(np.sqrt(np.clip(a.values, 0.0, None)), "")
+        case ("sin" | "cos"), [a]:
+            return Quantity((np.sin if name == "sin" else np.cos)(a.values), "")
+        case _:
+            raise MeaninglessRow(f"{name} of {len(arguments)} values, {first.unit or 'plain'}, means nothing here")
+
+
+def _arithmetic(operator: str, operands: list[Quantity]) -> Quantity:
+    first, second = operands[0], operands[-1]
+    unit = _shared([o.unit for o in operands])
+    match operator, len(operands):
+        case "neg", 1:
+            return Quantity(-first.values, unit)
+        case "+", 2:
+            return Quantity(first.values + second.values, unit)
+        case "-", 2:
+            return Quantity(first.values - second.values, unit)
+        case "*", 2:
+            return Quantity(first.values * second.values, unit)
+        case "/", 2:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                quotient = np.nan_to_num(first.values / second.values, nan=math.inf)
+            return Quantity(quotient, unit if first.unit and not second.unit else "")
+        case _:
+            raise MeaninglessRow(f"unknown operator {operator}")

@@ -1,0 +1,106 @@
+"""The motion of a plan at any time: joints from the stored splines, poses smoothly between the stored samples.
+
+Of each module the frame that moves least in a phase, such as that of the foot it stands on, is interpolated, and the
+module follows from its joints; so a foot at rest stays at rest between the samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..plan import Plan
+from .geometry import Array, Frames, frames
+from .kinematics import Kinematics, Motion
+
+Curve = Callable[[Array], Array]
+IDENTITY = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+
+
+@dataclass(frozen=True, slots=True)
+class Placement:
+    """World frames, at some times, of everything that carries shapes: per module by joint, per body."""
+
+    times: Array
+    modules: dict[str, dict[int, Frames]]
+    bodies: dict[str, Frames]
+
+
+class Sampler:
+    """Samples the phases of a plan."""
+
+    def __init__(self, plan: Plan, motion: Motion, kinematics: Mapping[str, Kinematics]) -> None:
+        from scipy.interpolate import CubicSpline
+
+        self._spline = CubicSpline
+        self._motion = motion
+        self._kinematics = kinematics
+        self._joints: dict[tuple[str, int], Curve] = {
+            (s.module, s.phase): CubicSpline(s.knots, np.asarray(s.values), bc_type="clamped")
+            for s in plan.splines
+            if kinematics[s.module].module.joints
+        }
+        self._carried: dict[tuple[str, int], tuple[str, Curve]] = {}
+
+    def grid(self, phase: int, factor: int) -> Array:
+        """The stored times of a phase, each interval cut into `factor`."""
+        first, last = self._motion.ranges[phase]
+        stored = self._motion.times[first : last + 1]
+        count = len(stored) - 1
+        return np.interp(np.arange(factor * count + 1) / factor, np.arange(count + 1), stored)
+
+    def at(self, phase: int, times: Array) -> Placement:
+        """Everything at `times` `(T,)` of a phase."""
+        modules = {name: self._module(name, phase, times) for name in self._kinematics}
+        bodies = {n: self._body(n, phase, times) for n in self._motion.poses if n not in self._kinematics}
+        return Placement(times, modules, bodies)
+
+    def _body(self, name: str, phase: int, times: Array) -> Frames:
+        if name not in self._motion.moving:
+            return self._motion.frames[name][:1]
+        return self._follow(name, name, phase)(times)
+
+    def _module(self, name: str, phase: int, times: Array) -> dict[int, Frames]:
+        kinematics = self._kinematics[name]
+        curve = self._joints.get((name, phase))
+        joints = np.zeros((len(times), 0)) if curve is None else curve(times)
+        local = kinematics.joint_frames(np.tile(IDENTITY, (len(times), 1)), joints)
+        steady = self._steadiest(name, phase)
+        held = self._follow(name, steady, phase)(times)
+        if steady == name:
+            base = held
+        else:
+            end = kinematics.effector(steady.rpartition(".")[2], local)
+            base = held.compose(frames(IDENTITY).relative_to(end))
+        return {index: base.compose(frame) for index, frame in local.items()}
+
+    def _steadiest(self, name: str, phase: int) -> str:
+        first, last = self._motion.ranges[phase]
+        effectors = self._kinematics[name].module.effectors
+        names = [*(f"{name}.{e.name}" for e in effectors), name]
+
+        def travel(frame: str) -> float:
+            points = self._motion.frames[frame].position[first : last + 1]
+            return float(np.sum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+
+        return min(names, key=travel)
+
+    def _follow(self, thing: str, frame: str, phase: int) -> Callable[[Array], Frames]:
+        """The stored motion of a frame within a phase as a smooth curve."""
+        key = (thing, phase)
+        if key not in self._carried:
+            first, last = self._motion.ranges[phase]
+            stored = self._motion.frames[frame][slice(first, last + 1)]
+            rows = np.hstack([stored.position, stored.rotation.reshape(-1, 9)])
+            knots = self._motion.times[first : last + 1]
+            self._carried[key] = (frame, self._spline(knots, rows))
+        curve = self._carried[key][1]
+
+        def sample(times: Array) -> Frames:
+            rows = curve(times)
+            left, _, right = np.linalg.svd(rows[:, 3:].reshape(-1, 3, 3))
+            return Frames(rows[:, :3], left @ right)
+
+        return sample

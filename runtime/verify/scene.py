@@ -1,0 +1,104 @@
+"""The task anew from the plan's stored sources, and whether the plan's modules and bodies are those of its scene."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...compiler import ir
+from ..plan import BodyRecord, ModuleRecord, Plan, ShapeRecord
+from .findings import Findings
+
+TOLERANCE = 1e-9
+NO_LIMIT = 1e9
+"""Stands for an infinite limit in a plan file."""
+
+
+def check_sources(plan: Plan, findings: Findings) -> bool:
+    """Whether every stored source has the hash that is stored with it."""
+    before = len(findings.failures)
+    for source in plan.task.sources:
+        if hashlib.sha256(source.text.encode()).hexdigest() != source.sha256:
+            findings.fail("source", f"the text of {source.path} was changed: its hash differs")
+    return len(findings.failures) == before
+
+
+def check_scene(plan: Plan, problem: ir.Problem, findings: Findings) -> bool:
+    """Whether modules and bodies of the plan equal those of the problem, name by name."""
+    before = len(findings.failures)
+    world = problem.world
+    stored = [m.name for m in plan.modules] + [b.name for b in plan.bodies]
+    wanted = [*world.modules, *world.bodies]
+    if stored != wanted:
+        differing = sorted(set(stored) ^ set(wanted)) or "their order"
+        findings.fail("scene", f"the plan's things are not those of the scene: {differing}")
+        return False
+    for module in plan.modules:
+        for what in _module_differences(module, world.modules[module.name]):
+            findings.fail("scene", f"{what} of {module.name} differs from the scene", between=[module.name])
+    for body in plan.bodies:
+        for what in _body_differences(body, world.bodies[body.name]):
+            findings.fail("scene", f"{what} of {body.name} differs from the scene", between=[body.name])
+    return len(findings.failures) == before
+
+
+def _near(first: Sequence[float], second: Sequence[float]) -> bool:
+    return len(first) == len(second) and bool(np.allclose(first, second, rtol=0, atol=TOLERANCE))
+
+
+def _same_shape(record: ShapeRecord | None, shape: ir.Shape | None) -> bool:
+    if record is None or shape is None:
+        return record is None and shape is None
+    return record.kind == shape.kind and _near(record.size, shape.size)
+
+
+def _bounded(*values: float) -> list[float]:
+    return [min(max(v, -NO_LIMIT), NO_LIMIT) for v in values]
+
+
+def _module_differences(record: ModuleRecord, module: ir.Module) -> list[str]:
+    kind = module.type
+    found = [] if record.type == kind.name else ["the type"]
+    if not _near(record.pose, module.pose):
+        found.append("the start pose")
+    if not _near(record.start, module.joints):
+        found.append("a start joint value")
+    if [j.name for j in record.joints] != [j.name for j in kind.joints]:
+        found.append("the list of joints")
+    else:
+        for a, b in zip(record.joints, kind.joints, strict=True):
+            numbers = _near([a.lower, a.upper, a.speed], _bounded(b.lower, b.upper, b.speed))
+            frame = _near(a.placement, b.placement) and _near(a.axis, b.axis)
+            if not (numbers and frame and (a.kind, a.parent) == (b.kind, b.parent)):
+                found.append(f"joint {a.name}")
+    return found + _part_differences(record, kind)
+
+
+def _part_differences(record: ModuleRecord, kind: ir.ModuleType) -> list[str]:
+    found = []
+    if [e.name for e in record.effectors] != [e.name for e in kind.effectors]:
+        found.append("the list of effectors")
+    else:
+        for a, b in zip(record.effectors, kind.effectors, strict=True):
+            if a.joint != b.joint or not _near(a.placement, b.placement) or not _same_shape(a.shape, b.shape):
+                found.append(f"effector {a.name}")
+    if len(record.links) != len(kind.links):
+        return [*found, "the number of links"]
+    for number, (link, wanted) in enumerate(zip(record.links, kind.links, strict=True)):
+        same = link.joint == wanted.joint and _near(link.placement, wanted.placement)
+        if not same or not _same_shape(link.shape, wanted.shape):
+            found.append(f"link {number + 1}")
+    return found
+
+
+def _body_differences(record: BodyRecord, body: ir.Body) -> list[str]:
+    found = [] if record.type == body.type else ["the type"]
+    if not _same_shape(record.shape, body.shape):
+        found.append("the shape")
+    if not _near(record.pose, body.pose):
+        found.append("the start pose")
+    if record.movable != body.movable:
+        found.append("whether it can be moved")
+    return found

@@ -1,0 +1,132 @@
+"""The shapes of a plan that can collide: which belong to what, how large they are, and which pairs are looked at."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..plan import ModuleRecord, Plan, ShapeRecord
+from .geometry import Array, Frames, frames
+from .kinematics import Kinematics
+from .sampler import IDENTITY, Placement
+from .shapes import Ruler, bounding_radius, geometry, transform
+
+
+@dataclass(frozen=True, slots=True)
+class Solid:
+    """A shape fixed to joint `joint` of module `thing`, or (joint None) a body.
+
+    The shape lies within the convex hull of `points` `(M, 3)` (in its own frame) grown by `ball` metres.
+    """
+
+    name: str
+    thing: str
+    joint: int | None
+    placement: Frames
+    kind: str
+    size: tuple[float, ...]
+    radius: float
+    points: Array
+    ball: float
+    solid: Any
+
+    def frames(self, placement: Placement) -> Frames:
+        """The frames of the shape, at all times of the placement."""
+        count = len(placement.times)
+        if self.joint is not None:
+            return placement.modules[self.thing][self.joint].compose(self.placement)
+        frame = placement.bodies[self.thing]
+        if len(frame) == count:
+            return frame
+        return Frames(
+            np.broadcast_to(frame.position, (count, 3)), np.broadcast_to(frame.rotation, (count, 3, 3))
+        )
+
+
+def solids(plan: Plan) -> list[Solid]:
+    """All shapes of a plan: effectors and links of modules, then bodies. Raises MissingLibrary."""
+    found = []
+    for module in plan.modules:
+        for effector in module.effectors:
+            if effector.shape is not None:
+                name = f"{module.name}.{effector.name}"
+                found.append(_solid(name, module.name, effector.joint, effector.placement, effector.shape))
+        for number, link in enumerate(module.links):
+            name = f"{module.name} link {number + 1}"
+            found.append(_solid(name, module.name, link.joint, link.placement, link.shape))
+    return found + [_solid(b.name, b.name, None, IDENTITY, b.shape) for b in plan.bodies]
+
+
+def _solid(name: str, thing: str, joint: int | None, at: Sequence[float], shape: ShapeRecord) -> Solid:
+    size = tuple(shape.size)
+    points, ball = _hull(shape.kind, size)
+    return Solid(
+        name, thing, joint, frames(at), shape.kind, size,
+        bounding_radius(shape.kind, size), points, ball, geometry(shape.kind, size),
+    )  # fmt: skip
+
+
+def _hull(kind: str, size: tuple[float, ...]) -> tuple[Array, float]:
+    match kind:
+        case "sphere":
+            return np.zeros((1, 3)), size[0]
+        case "capsule":
+            return np.array([[0.0, 0.0, -size[1] / 2], [0.0, 0.0, size[1] / 2]]), size[0]
+        case "cylinder":
+            half = [size[0], size[0], size[1] / 2]
+        case _:
+            half = [s / 2 for s in size]
+    return np.array(list(itertools.product(*((-h, h) for h in half)))), 0.0
+
+
+def pairs(plan: Plan, found: Sequence[Solid]) -> list[tuple[int, int]]:
+    """Indices of all pairs of solids that could come to touch and may not: at least one of them moves, and they are
+    not neighbouring parts of one module."""
+    moving = {m.name for m in plan.modules} | {t.name for t in plan.body_tracks}
+    modules = {m.name: m for m in plan.modules}
+    neighbours = {name: _Neighbours(module, found) for name, module in modules.items()}
+    result = []
+    for i, k in itertools.combinations(range(len(found)), 2):
+        a, b = found[i], found[k]
+        if not (a.thing in moving or b.thing in moving):
+            continue
+        if a.thing == b.thing and neighbours[a.thing].include(a, b):
+            continue
+        result.append((i, k))
+    return result
+
+
+class _Neighbours:
+    """Parts of one module that may touch for ever: next to each other along its joints, or built into each other,
+    which shows when all joints are at zero (or at the limit nearest to it)."""
+
+    def __init__(self, module: ModuleRecord, found: Sequence[Solid]) -> None:
+        self._module = module
+        self._bearing = {s.joint for s in found if s.thing == module.name}
+        joints = np.array([[min(max(0.0, j.lower), j.upper) for j in module.joints]])
+        self._neutral = Kinematics(module).joint_frames(np.array([IDENTITY]), joints.reshape(1, -1))
+        self._ruler = Ruler()
+
+    def include(self, a: Solid, b: Solid) -> bool:
+        """Whether two parts of the module are neighbours."""
+        lines = [self._line(s.joint) for s in (a, b)]
+        common = next(j for j in lines[0] if j in lines[1])
+        inner = (set(lines[0]) ^ set(lines[1]) | {common}) - {a.joint, b.joint}
+        if a.joint == b.joint or not inner & self._bearing:
+            return True
+        sides = []
+        for solid, line in zip((a, b), lines, strict=True):
+            frame = self._neutral[line[0]].compose(solid.placement)
+            sides += [solid.solid, transform(frame.position[0], frame.rotation[0])]
+        return self._ruler.distance(*sides) <= 0.0
+
+    def _line(self, joint: int | None) -> list[int]:
+        """The joints from this one up to the module frame, which is -1."""
+        line = [-1 if joint is None else joint]
+        while line[-1] >= 0:
+            line.append(self._module.joints[line[-1]].parent)
+        return line

@@ -1,0 +1,180 @@
+"""Whether a plan's parts fit together at all: sizes, finite numbers, unit quaternions, times. Everything else
+relies on it, so a plan that fails here is not measured further."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ..plan import ModuleRecord, Plan, ShapeRecord
+from .findings import Findings
+from .limits import LIMITS
+from .shapes import SIZES
+
+Rows = Sequence[Sequence[float]]
+
+
+def check_structure(plan: Plan, findings: Findings) -> bool:
+    """Whether the plan is well formed; what is not is in the findings, with the part's name."""
+    before = len(findings.failures)
+    _check_times(plan, findings)
+    for name in _repeated([m.name for m in plan.modules] + [b.name for b in plan.bodies]):
+        findings.fail("structure", f"{name} occurs twice", between=[name])
+    for module in plan.modules:
+        _check_module(module, findings)
+    for body in plan.bodies:
+        _check_shape(body.shape, body.name, findings)
+        _check_poses([body.pose], 1, f"pose of {body.name}", body.name, findings)
+    _check_tracks(plan, findings)
+    if len(findings.failures) == before:
+        _check_splines(plan, findings)
+    return len(findings.failures) == before
+
+
+def _repeated(names: Sequence[str]) -> list[str]:
+    return sorted({n for n in names if names.count(n) > 1})
+
+
+def _numbers(rows: Rows, width: int) -> bool:
+    return all(len(row) == width and all(math.isfinite(v) for v in row) for row in rows)
+
+
+# --- times -------------------------------------------------------------------------------------------------------
+
+
+def _check_times(plan: Plan, findings: Findings) -> None:
+    if not plan.times or not _numbers([plan.times], len(plan.times)):
+        findings.fail("times", "the time stamps are missing or not finite")
+        return
+    steps = np.diff(plan.times)
+    if plan.times[0] != 0.0:
+        findings.fail("times", f"time starts at {plan.times[0]} s, not at 0", amount=plan.times[0], unit="s")
+    if np.any(steps < 0):
+        at = int(np.argmin(steps))
+        findings.fail("times", "time runs backwards", amount=float(-steps[at]), unit="s", time=plan.times[at])
+        return
+    bounds = [t for p in plan.phases for t in (p.start, p.end)]
+    if not _numbers([bounds], len(bounds)):
+        findings.fail("times", "the start or end of a phase is not finite")
+        return
+    found = phase_ranges(plan.times)
+    if len(found) != max(1, len(plan.phases)):
+        message = f"{len(plan.phases)} phases, but the time stamps of {len(found)}"
+        findings.fail("times", message, amount=float(abs(len(found) - len(plan.phases))))
+        return
+    for index, (phase, (first, last)) in enumerate(zip(plan.phases, found, strict=False)):
+        for stored, sampled in ((phase.start, plan.times[first]), (phase.end, plan.times[last])):
+            message = f"phase {index + 1} says {stored} s, its samples {sampled} s"
+            findings.measure("time_s", abs(stored - sampled), message, time=sampled)
+        if last == first:
+            findings.fail("times", f"phase {index + 1} has a single sample", time=phase.start)
+
+
+def phase_ranges(times: Sequence[float]) -> list[tuple[int, int]]:
+    """First and last sample of every phase: a time stamp that occurs twice ends one and starts the next."""
+    breaks = [i for i in range(len(times) - 1) if times[i + 1] == times[i]]
+    return list(zip([0, *(i + 1 for i in breaks)], [*breaks, len(times) - 1], strict=True))
+
+
+# --- records -----------------------------------------------------------------------------------------------------
+
+
+def _check_shape(shape: ShapeRecord, owner: str, findings: Findings) -> None:
+    good = SIZES.get(shape.kind) == len(shape.size) and _numbers([shape.size], len(shape.size))
+    if not good or min(shape.size) <= 0:
+        message = f"{owner} has a {shape.kind} of size {shape.size}"
+        findings.fail("structure", message, between=[owner])
+
+
+def _check_poses(poses: Rows, count: int, what: str, owner: str, findings: Findings) -> None:
+    if len(poses) != count:
+        findings.fail("structure", f"{what}: {len(poses)} rows for {count} time stamps", between=[owner])
+    elif not _numbers(poses, 7):
+        findings.fail("not finite", f"{what}: a row is not seven finite numbers", between=[owner])
+    elif count:
+        off = np.abs(np.linalg.norm(np.asarray(poses)[:, 3:], axis=1) - 1)
+        worst = int(np.argmax(off))
+        findings.measure("quaternion", float(off[worst]), f"{what}: no unit quaternion", between=[owner])
+
+
+def _check_module(module: ModuleRecord, findings: Findings) -> None:
+    name = module.name
+    count = len(module.joints)
+    _check_poses([module.pose], 1, f"pose of {name}", name, findings)
+    if not _numbers([module.start], count):
+        findings.fail("structure", f"{name} does not have {count} finite start values", between=[name])
+    for index, joint in enumerate(module.joints):
+        _check_poses([joint.placement], 1, f"placement of {name} {joint.name}", name, findings)
+        numbers = [*joint.axis, joint.lower, joint.upper, joint.speed]
+        good = _numbers([numbers], 6) and any(joint.axis) and joint.kind in ("revolute", "prismatic")
+        if not good or not -1 <= joint.parent < index or joint.lower > joint.upper or joint.speed <= 0:
+            findings.fail("structure", f"{name} has a joint {joint.name} that makes no sense", between=[name])
+    for effector in module.effectors:
+        where = f"{name}.{effector.name}"
+        _check_part(effector.joint, effector.placement, effector.shape, where, count, findings)
+    for number, link in enumerate(module.links):
+        _check_part(link.joint, link.placement, link.shape, f"{name} link {number + 1}", count, findings)
+
+
+def _check_part(
+    joint: int, placement: list[float], shape: ShapeRecord | None, where: str, count: int, findings: Findings
+) -> None:
+    _check_poses([placement], 1, f"placement of {where}", where, findings)
+    if not -1 <= joint < count:
+        findings.fail("structure", f"{where} is fixed to joint {joint} of {count}", between=[where])
+    if shape is not None:
+        _check_shape(shape, where, findings)
+
+
+# --- tracks ------------------------------------------------------------------------------------------------------
+
+
+def _check_tracks(plan: Plan, findings: Findings) -> None:
+    modules = {m.name: m for m in plan.modules}
+    tracks, body_tracks = [t.name for t in plan.tracks], [t.name for t in plan.body_tracks]
+    if sorted(tracks) != sorted(modules):
+        findings.fail("structure", f"tracks of {sorted(tracks)} for modules {sorted(modules)}")
+    unknown = sorted(set(body_tracks) - {b.name for b in plan.bodies})
+    for name in _repeated(body_tracks) + unknown:
+        findings.fail("structure", f"a track of {name}, which is no body or has two", between=[name])
+    count = len(plan.times)
+    for name, poses in _all_poses(plan):
+        _check_poses(poses, count, f"track of {name}", name, findings)
+    for track in plan.tracks:
+        if track.name in modules:
+            width = len(modules[track.name].joints)
+            if len(track.joints) != count:
+                message = f"joints of {track.name}: {len(track.joints)} rows for {count} time stamps"
+                findings.fail("structure", message, between=[track.name])
+            elif not _numbers(track.joints, width):
+                message = f"joints of {track.name}: a row is not {width} finite numbers"
+                findings.fail("not finite", message, between=[track.name])
+
+
+def _all_poses(plan: Plan) -> Iterator[tuple[str, list[list[float]]]]:
+    for track in plan.tracks:
+        yield track.name, track.poses
+    for body_track in plan.body_tracks:
+        yield body_track.name, body_track.poses
+
+
+def _check_splines(plan: Plan, findings: Findings) -> None:
+    """One spline per module and phase, with equidistant knots from its start to its end."""
+    widths = {m.name: len(m.joints) for m in plan.modules}
+    wanted = sorted((m, k) for m in widths for k in range(len(plan.phases)))
+    if sorted((s.module, s.phase) for s in plan.splines) != wanted:
+        findings.fail("structure", "there is not one spline for every module and phase")
+        return
+    for spline in plan.splines:
+        name = f"spline of {spline.module} in phase {spline.phase + 1}"
+        count = len(spline.knots)
+        good = count >= 2 and len(spline.values) == count and _numbers([spline.knots], count)
+        if not good or not _numbers(spline.values, widths[spline.module]):
+            findings.fail("structure", f"{name} is incomplete or not finite", between=[spline.module])
+            continue
+        phase = plan.phases[spline.phase]
+        even = np.linspace(phase.start, phase.end, count)
+        if np.max(np.abs(even - spline.knots)) > 10 * LIMITS["time_s"]:
+            findings.fail("times", f"{name}: the knots do not divide the phase evenly", time=phase.start)
