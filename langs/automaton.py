@@ -68,9 +68,12 @@ class Automaton:
         """The next terminal from `position`, one that fits where there is one; None at the end of the text."""
         try:
             try:
-                return self._lexer.lexers[stack.state].next_token(self._at(position), None)
+                fitting = self._lexer.lexers[stack.state].next_token(self._at(position), None)
+                if self.step(stack, fitting.type) is not None:
+                    return fitting
             except UnexpectedCharacters:
-                return self._lexer.root_lexer.next_token(self._at(position), None)
+                pass
+            return self._lexer.root_lexer.next_token(self._at(position), None)
         except UnexpectedCharacters as e:
             return Unreadable(e.pos_in_stream or 0)
         except EOFError:

@@ -82,6 +82,12 @@ def _gap(source: Source, before: Sequence[Token], found: Token) -> Span:
     return Span(last.file, last.end, last.end + 1, last.end_line, last.end_column, last.end_line, last.end_column + 1)
 
 
+def bare_literal(source: Source, words: Sequence[Token]) -> Diagnostic:
+    first, last = span_of(source.path, words[0]), span_of(source.path, words[-1])
+    span = Span(first.file, first.start, last.end, first.line, first.column, last.end_line, last.end_column)
+    return Diagnostic("E0003", "missing parentheses around a literal", span, help=f"write `({' '.join(words)})`")
+
+
 def dangling(source: Source, comma: Token) -> Diagnostic:
     return Diagnostic("E0001", "nothing follows this `,`", span_of(source.path, comma), help="leave it out")
 

@@ -119,6 +119,7 @@ class Recovery:
             yield from self._unreadable(found)
         else:
             yield from self._keywords(found)
+            yield from self._bare_literal()
             yield from self._insertions(found)
             yield from self._omissions(found)
         yield from self._skipped_lines(found)
@@ -138,10 +139,38 @@ class Recovery:
         for index, token, before in self._recent(found):
             if token.type != "NAME":
                 continue
+            if index > 0 and self.reads[index - 1].token == "," and str(token) in self.automaton.keywords.values():
+                comma = self.reads[index - 1].token
+                yield Repair(0, index - 1, (), token.start_pos or 0, complaints.dangling(self.source, comma))
             fitting = {self.automaton.keywords[k]: k for k in self.automaton.accepts(before) if k in self.automaton.keywords}
             for near in get_close_matches(str(token), sorted(fitting), n=2, cutoff=0.6):
                 keyword = self._replaced(token, fitting[near], near)
                 yield Repair(0, index, (keyword,), token.end_pos or 0, complaints.misspelt(self.source, token, near))
+
+    def _bare_literal(self) -> Iterator[Repair]:
+        """`goal held target`: a literal without its parentheses, where only a condition can stand."""
+        for index in range(len(self.reads) - 1, max(-1, len(self.reads) - 6), -1):
+            name, stack = self.reads[index].token, self.reads[index].before
+            opened = index > 0 and self.reads[index - 1].token == "("
+            if name.type == "NAME" and not opened and self.automaton.step(stack, "_NOT") is not None:
+                break
+        else:
+            return
+        words = [self.automaton.token("LPAR", "(", name.start_pos or 0), name]
+        token = self.automaton.read(self._after(stack, words), name.end_pos or 0)
+        while isinstance(token, Token) and token.type == "NAME" and token.line == name.line:
+            words.append(token)
+            token = self.automaton.read(self._after(stack, words), token.end_pos or 0)
+        if len(words) > 2 and token != ")":
+            end = words[-1].end_pos or 0
+            closed = (*words, self.automaton.token("RPAR", ")", end))
+            yield Repair(0, index, closed, end, complaints.bare_literal(self.source, words[1:]))
+
+    def _after(self, stack: Stack, tokens: list[Token]) -> Stack:
+        """The stack after as many of the tokens as fit."""
+        for token in tokens:
+            stack = self.automaton.step(stack, token.type) or stack
+        return stack
 
     def _insertions(self, found: Token | None) -> Iterator[Repair]:
         end = len(self.source.text)
@@ -166,7 +195,8 @@ class Recovery:
             yield Repair(0, len(self.reads), (), found.end_pos or 0, unit)
         if before is not None and before == ",":
             yield Repair(1, len(self.reads) - 1, (), found.start_pos or 0, complaints.dangling(self.source, before))
-        yield Repair(1, len(self.reads), (), found.end_pos or 0, self._unexpected(found))
+        in_literal = found == "," and "_ANY" in self.automaton.accepts(self.stack)
+        yield Repair(0 if in_literal else 1, len(self.reads), (), found.end_pos or 0, self._unexpected(found))
 
     def _unreadable(self, found: Unreadable) -> Iterator[Repair]:
         diagnostic, width = complaints.unreadable(self.source, found.position, self.automaton)
