@@ -1,0 +1,73 @@
+"""Plan to HTML page. The templates, style and scripts lie beside it; meshcat's comes from its wheel."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import msgspec
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from ..plan import Plan, write_text_atomically
+from .replay import replay_data
+from .view import build_view, figure
+
+FOLDER = Path(__file__).parent / "templates"
+SCRIPTS = ("scene.js", "player.js", "page.js")
+
+
+def script_json(data: Any) -> Markup:
+    """JSON that may stand in a script element: no `<`, `>`, `&`, and no line separators of JavaScript."""
+    text = msgspec.json.encode(data).decode()
+    for character in "<>&\u2028\u2029":
+        text = text.replace(character, f"\\u{ord(character):04x}")
+    return Markup(text)
+
+
+def script_text(text: str) -> Markup:
+    """A script of our own or of a library, safe inside a script element."""
+    return Markup(text.replace("</script", "<\\/script").replace("<!--", "<\\!--"))
+
+
+@cache
+def meshcat_script() -> tuple[Markup, str]:
+    """meshcat's viewer with three.js in one script, and its licences."""
+    import meshcat
+
+    viewer = Path(meshcat.__file__).parent / "viewer"
+    bundle = viewer / "dist" / "main.min.js"
+    licences = (viewer / "LICENSE", viewer / "dist" / "main.min.js.LICENSE.txt")
+    text = "\n\n".join(p.read_text(encoding="utf-8") for p in licences if p.is_file())
+    return script_text(bundle.read_text(encoding="utf-8")), text
+
+
+@cache
+def environment() -> Environment:
+    result = Environment(
+        loader=FileSystemLoader(FOLDER),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    result.filters["figure"] = figure
+    return result
+
+
+def render_report(plan: Plan) -> str:
+    """The whole page as text: HTML with style, scripts, scene and motion inside. Same plan, same text."""
+    script, licences = meshcat_script()
+    return environment().get_template("report.html.j2").render(
+        view=build_view(plan),
+        style=Markup((FOLDER / "report.css").read_text(encoding="utf-8")),
+        scripts=[script, *(script_text((FOLDER / name).read_text(encoding="utf-8")) for name in SCRIPTS)],
+        replay=script_json(replay_data(plan)),
+        licences=licences,
+    )
+
+
+def write_report(plan: Plan, path: str | Path) -> None:
+    """Write the page for `plan`, atomically. Raises OSError."""
+    write_text_atomically(path, render_report(plan))

@@ -1,0 +1,276 @@
+"""The 3-D scene and its motion: meshcat commands recorded without a server, and sampled frames."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..plan import PhaseRecord, Plan, ShapeRecord
+from .kinematics import Array, joint_frames, pose_rows
+from .robots import ACCENT, FIXED, PALETTE, group_modules, lighten, module_colours
+
+MOST_SAMPLES = 2400
+FOCUS_POINTS = 300
+UPRIGHT = (0.0, 0.0, 0.0, 0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
+
+
+class Recorder:
+    """Stands in for meshcat's window: keeps the packed commands instead of sending them to a server."""
+
+    def __init__(self) -> None:
+        self.commands: list[str] = []
+
+    def send(self, command: Any) -> None:
+        import umsgpack
+
+        self.commands.append(base64.b64encode(umsgpack.packb(command.lower())).decode("ascii"))
+
+
+@dataclass(slots=True)
+class Scene:
+    """What the page's player needs. `frames` pairs a scene path with its poses `(T, 7)`; `paint` lists what
+    takes the colour of its robot: path, module index, share of white; `names` maps objects to scene paths."""
+
+    times: Array
+    recorder: Recorder = field(default_factory=Recorder)
+    frames: list[tuple[str, Array]] = field(default_factory=list)
+    paint: list[tuple[str, int, float]] = field(default_factory=list)
+    names: dict[str, str] = field(default_factory=dict)
+    points: list[Array] = field(default_factory=list)
+    still: list[Array] = field(default_factory=list)
+
+
+def pick_samples(times: Sequence[float]) -> NDArray[np.intp]:
+    """Indices of the time stamps to keep: all, or an even choice that keeps both sides of switches."""
+    count = len(times)
+    step = -(-count // MOST_SAMPLES) if count else 1
+    keep = np.arange(count) % step == 0
+    stamps = np.asarray(times, dtype=np.float64)
+    same = np.flatnonzero(np.diff(stamps) <= 0.0)
+    keep[same] = True
+    keep[same + 1] = True
+    keep[-1:] = True
+    return np.flatnonzero(keep)
+
+
+def matrix(pose: Array) -> Array:
+    """Homogeneous matrix `(4, 4)` of one pose `(7,)`."""
+    x, y, z, w = pose[3:]
+    result = np.eye(4)
+    result[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    result[:3, 3] = pose[:3]
+    return result
+
+
+def parts(shape: ShapeRecord) -> list[tuple[str, Any, Array]]:
+    """Name, meshcat geometry and placement of every part of a shape; none for an unknown shape."""
+    from meshcat import geometry
+
+    size = [float(s) for s in shape.size]
+    centre, upright = pose_rows([(0, 0, 0, 0, 0, 0, 1)])[0], pose_rows([UPRIGHT])[0]
+    if shape.kind == "box" and len(size) == 3:
+        return [("box", geometry.Box(size), centre)]
+    if shape.kind == "sphere" and len(size) == 1:
+        return [("ball", geometry.Sphere(size[0]), centre)]
+    if shape.kind in ("capsule", "cylinder") and len(size) == 2:
+        radius, length = size
+        result = [("tube", geometry.Cylinder(length, radius), upright)]
+        if shape.kind == "capsule":
+            for name, side in (("low", -0.5), ("high", 0.5)):
+                cap = centre.copy()
+                cap[2] = side * length
+                result.append((name, geometry.Sphere(radius), cap))
+        return result
+    return []
+
+
+def extent(shape: ShapeRecord | None) -> float:
+    """Radius of a ball around the shape's centre that holds it, metres."""
+    if shape is None or not shape.size:
+        return 0.0
+    if shape.kind == "box":
+        return float(np.linalg.norm(shape.size)) / 2.0
+    return float(shape.size[0]) + (float(shape.size[1]) / 2.0 if len(shape.size) > 1 else 0.0)
+
+
+class Builder:
+    """Draws one plan into a `Scene`."""
+
+    def __init__(self, plan: Plan) -> None:
+        import meshcat
+
+        self.plan = plan
+        self.picked = pick_samples(plan.times)
+        stamps = np.asarray(plan.times, dtype=np.float64)[self.picked]
+        self.scene = Scene(stamps if len(stamps) else np.zeros(1))
+        self.viewer: Any = meshcat.Visualizer(window=self.scene.recorder)
+
+    def sampled(self, rows: Sequence[Sequence[float]]) -> list[Sequence[float]]:
+        """The rows at the kept time stamps; short tracks keep their last row."""
+        return [rows[min(int(i), len(rows) - 1)] for i in self.picked] if rows else []
+
+    def add_shape(self, path: str, shape: ShapeRecord, placement: Array, colour: str) -> list[str]:
+        from meshcat.geometry import Mesh, MeshPhongMaterial
+
+        drawn: list[str] = []
+        for name, form, offset in parts(shape):
+            part = f"{path}/{name}"
+            form.uuid = f"{part}/form"
+            paint = MeshPhongMaterial(color=int(colour[1:], 16), shininess=18, side=0)
+            paint.uuid = f"{part}/paint"
+            mesh = Mesh(form, paint)
+            mesh.uuid = part
+            self.viewer[part].set_object(mesh)
+            self.viewer[part].set_transform(matrix(offset))
+            drawn.append(part)
+        self.viewer[path].set_transform(matrix(placement))
+        return drawn
+
+    def add_frame(self, path: str, poses: Array, size: float) -> None:
+        """A frame at its first pose; when it moves, its poses too."""
+        self.viewer[path].set_transform(matrix(poses[0]))
+        moves = len(poses) > 1 and bool(np.ptp(poses, axis=0).max() > 1e-7)
+        if moves:
+            self.scene.frames.append((path, poses))
+        ball = np.concatenate([poses[:, :3], np.full((len(poses), 1), size)], axis=1)
+        (self.scene.points if moves else self.scene.still).append(ball)
+
+    def add_modules(self) -> None:
+        tracks = {t.name: t for t in self.plan.tracks}
+        mode = self.plan.phases[0].mode if self.plan.phases else self.plan.final_mode
+        colours = module_colours(self.plan, group_modules(self.plan, mode))
+        for index, module in enumerate(self.plan.modules):
+            track = tracks.get(module.name)
+            base = pose_rows(self.sampled(track.poses) if track else [])
+            rows = self.sampled(track.joints) if track and module.joints else [[]] * len(base)
+            joints = joint_rows(rows, module.start, len(module.joints))
+            if len(base) != len(joints) or not len(base):
+                base = pose_rows([module.pose])
+                joints = joint_rows([module.start], module.start, len(module.joints))
+            frames = joint_frames(module, base, joints)
+            self.add_module(index, frames, colours[index])
+
+    def add_module(self, index: int, frames: list[Array], colour: str) -> None:
+        module = self.plan.modules[index]
+        root = f"module{index}"
+        self.scene.names[module.name] = f"{root}/frame0"
+        used = {0}
+        for number, link in enumerate(module.links):
+            at = min(max(link.joint + 1, 0), len(frames) - 1)
+            used.add(at)
+            path = f"{root}/frame{at}/link{number}"
+            for part in self.add_shape(path, link.shape, pose_rows([link.placement])[0], colour):
+                self.scene.paint.append((part, index, 0.0))
+        for number, effector in enumerate(module.effectors):
+            at = min(max(effector.joint + 1, 0), len(frames) - 1)
+            used.add(at)
+            path = f"{root}/frame{at}/effector{number}"
+            self.scene.names[f"{module.name}.{effector.name}"] = path
+            placement = pose_rows([effector.placement])[0]
+            shape = effector.shape or ShapeRecord("sphere", [0.015])
+            for part in self.add_shape(path, shape, placement, lighten(colour, 0.45)):
+                self.scene.paint.append((part, index, 0.45))
+        size = max([0.02, *(extent(e.shape) for e in module.effectors)])
+        for at in sorted(used):
+            self.add_frame(f"{root}/frame{at}", frames[at], size)
+
+    def add_bodies(self) -> None:
+        tracks = {t.name: t for t in self.plan.body_tracks}
+        for index, body in enumerate(self.plan.bodies):
+            path = f"body{index}"
+            self.scene.names[body.name] = path
+            track = tracks.get(body.name)
+            poses = pose_rows((self.sampled(track.poses) if track else []) or [body.pose])
+            centre = pose_rows([(0, 0, 0, 0, 0, 0, 1)])[0]
+            accent = body.movable or track is not None
+            self.add_shape(f"{path}/shape", body.shape, centre, ACCENT if accent else FIXED)
+            if accent:
+                self.add_frame(path, poses, extent(body.shape))
+            else:
+                self.viewer[path].set_transform(matrix(poses[0]))
+
+    def add_settings(self) -> None:
+        self.viewer["/Grid"].set_property("visible", False)
+        self.viewer["/Axes"].set_property("visible", False)
+        for light in ("PointLightNegativeX", "PointLightPositiveX", "SpotLight"):
+            self.viewer[f"/Lights/{light}"].set_property("visible", False)
+
+
+def joint_rows(rows: Sequence[Sequence[float]], start: Sequence[float], count: int) -> Array:
+    """Joint values `(T, count)`; rows of another length take the start values, or zero."""
+    first = list(start) if len(start) == count else [0.0] * count
+    good = [row if len(row) == count else first for row in rows]
+    return np.nan_to_num(np.array(good, dtype=np.float64).reshape(len(good), count))
+
+
+def camera_view(scene: Scene) -> dict[str, Any]:
+    """What the camera must see, as balls (x, y, z, radius), and the unit vector from there to the camera.
+
+    The camera looks across the main horizontal direction of motion, a little from behind and from above.
+    """
+    groups = scene.points + scene.still or [np.zeros((1, 4))]
+    picks = max(1, FOCUS_POINTS // len(groups))
+    balls = np.concatenate([g[:: max(1, -(-len(g) // picks))] for g in groups])
+    moving = np.concatenate(scene.points) if scene.points else balls
+    flat = moving[:, :2] - moving[:, :2].mean(axis=0)
+    values, vectors = np.linalg.eigh(flat.T @ flat + np.diag([1e-9, 0.0]))
+    along = vectors[:, int(np.argmax(values))]
+    if along[0] < -1e-9 or (abs(along[0]) <= 1e-9 and along[1] < 0):
+        along = -along
+    azimuth = float(np.arctan2(along[1], along[0])) - np.deg2rad(118.0)
+    elevation = np.deg2rad(22.0)
+    direction = [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
+    return {"balls": np.round(balls, 4).tolist(), "direction": [round(float(d), 4) for d in direction]}
+
+
+def joined_modules(plan: Plan, phase: PhaseRecord) -> str:
+    """The robots of more than one module in a phase, for the caption of the replay."""
+    robots = [r.modules for r in group_modules(plan, phase.mode) if len(r.modules) > 1]
+    return ", ".join(" + ".join(plan.modules[i].name for i in modules) for modules in robots)
+
+
+def packed(array: Array, kind: str) -> str:
+    """Base64 of the array's little-endian numbers, row by row."""
+    return base64.b64encode(np.ascontiguousarray(array, dtype=kind).tobytes()).decode("ascii")
+
+
+def replay_data(plan: Plan) -> dict[str, Any]:
+    """The player's data, ready for JSON: commands, time stamps, frames, names, colours and camera."""
+    builder = Builder(plan)
+    builder.add_settings()
+    builder.add_bodies()
+    builder.add_modules()
+    scene = builder.scene
+    modes = [p.mode for p in plan.phases] + [plan.final_mode]
+    colours = [module_colours(plan, group_modules(plan, mode)) for mode in modes]
+    joints = [
+        joint_rows(builder.sampled(t.joints), [], len(m.joints))
+        for m in plan.modules
+        for t in plan.tracks
+        if t.name == m.name and t.joints and m.joints
+    ]
+    phases = [
+        (p.start, p.end, f"{i}. {p.action}", joined_modules(plan, p)) for i, p in enumerate(plan.phases, 1)
+    ]
+    return {
+        "commands": scene.recorder.commands,
+        "times": packed(scene.times, "<f8"),
+        "frames": [path for path, _ in scene.frames],
+        "poses": packed(np.concatenate([p for _, p in scene.frames]), "<f4") if scene.frames else "",
+        "names": scene.names,
+        "paint": scene.paint,
+        "colours": colours,
+        "joints": [packed(rows, "<f4") for rows in joints],
+        "view": camera_view(scene),
+        "phases": phases,
+        "palette": PALETTE,
+    }

@@ -1,0 +1,232 @@
+"use strict";
+/* The 3-D scene: meshcat's viewer filled from recorded commands, moved by the page. World frame: z up, metres. */
+
+function decodeBytes(text) {
+  const raw = atob(text);
+  const bytes = new Uint8Array(raw.length);
+  for (let i = 0; i < raw.length; i++) bytes[i] = raw.charCodeAt(i);
+  return bytes;
+}
+
+function mixWithWhite(colour, share) {
+  const part = (at) => {
+    const value = parseInt(colour.slice(at, at + 2), 16);
+    return Math.round(value + (255 - value) * share);
+  };
+  return (part(1) << 16) | (part(3) << 8) | part(5);
+}
+
+/* Index of the last time stamp that is not after `time`, and the share of the way to the next one. */
+function locate(times, time) {
+  let low = 0, high = times.length - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (times[middle] <= time) low = middle; else high = middle - 1;
+  }
+  const next = Math.min(low + 1, times.length - 1);
+  const span = times[next] - times[low];
+  return { low, next, share: span > 0 ? Math.min(1, Math.max(0, (time - times[low]) / span)) : 0 };
+}
+
+class ReplayScene {
+  constructor(data, pane) {
+    this.data = data;
+    this.pane = pane;
+    this.times = new Float64Array(decodeBytes(data.times).buffer);
+    this.poses = new Float32Array(decodeBytes(data.poses).buffer);
+    this.viewer = new MeshCat.Viewer(pane);
+    window.onload = null;
+    const resize = this.viewer.set_3d_pane_size.bind(this.viewer);
+    this.viewer.set_3d_pane_size = () => resize(pane.clientWidth || 1, pane.clientHeight || 1);
+    for (const command of data.commands) this.viewer.handle_command_bytearray(decodeBytes(command));
+    this.frames = data.frames.map((path) => this.node(path));
+    this.painted = data.paint.map(([path, module, share]) =>
+      ({ material: this.node(path + "/<object>").material, module, share }));
+    this.light();
+    this.drawTraces();
+    this.setBackground();
+    this.setUpCamera();
+  }
+
+  node(path) {
+    return this.viewer.scene_tree.find(["meshcat", ...path.split("/")]).object;
+  }
+
+  light() {
+    const { THREE } = MeshCat;
+    const { centre, radius } = this.bounds();
+    const sun = new THREE.DirectionalLight(0xffffff, 0.62);
+    sun.position.set(centre[0] - 0.35 * radius, centre[1] - 0.6 * radius, centre[2] + 2 * radius);
+    sun.target.position.set(...centre);
+    sun.castShadow = true;
+    sun.shadow.mapSize.set(1024, 1024);
+    sun.shadow.bias = -0.0006;
+    sun.shadow.normalBias = 0.006;
+    const reach = 1.3 * radius;
+    Object.assign(sun.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.01, far: 5 * radius });
+    sun.shadow.camera.updateProjectionMatrix();
+    this.viewer.set_object(["Lights", "Sun"], sun);
+    this.viewer.scene.add(sun.target);
+    this.viewer.set_property(["Lights", "AmbientLight", "<object>"], "intensity", 0.5);
+    this.viewer.set_property(["Lights", "FillLight", "<object>"], "intensity", 0.2);
+  }
+
+  /* Ball around everything that the camera must see. */
+  bounds() {
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    for (const ball of this.data.view.balls) {
+      for (let k = 0; k < 3; k++) {
+        low[k] = Math.min(low[k], ball[k] - ball[3]);
+        high[k] = Math.max(high[k], ball[k] + ball[3]);
+      }
+    }
+    const centre = low.map((value, k) => (value + high[k]) / 2);
+    return { centre, radius: Math.max(0.5, Math.hypot(...low.map((value, k) => high[k] - value)) / 2) };
+  }
+
+  drawTraces() {
+    const { THREE } = MeshCat;
+    this.traces = new THREE.Group();
+    const count = this.times.length;
+    const stride = Math.max(1, Math.floor(count / 1200));
+    for (const path of Object.values(this.data.names)) {
+      const cut = path.lastIndexOf("/effector");
+      const frame = cut < 0 ? -1 : this.data.frames.indexOf(path.slice(0, cut));
+      if (frame < 0) continue;
+      const offset = this.node(path).position;
+      const points = [];
+      for (let i = 0; i < count; i += stride) {
+        const p = this.poses.subarray(7 * (frame * count + i));
+        const turned = offset.clone().applyQuaternion(new THREE.Quaternion(p[3], p[4], p[5], p[6]));
+        points.push(turned.add(new THREE.Vector3(p[0], p[1], p[2])));
+      }
+      const module = Number(path.slice(6, path.indexOf("/")));
+      const colour = this.data.palette[module % this.data.palette.length];
+      const material = new THREE.LineBasicMaterial({ color: colour, transparent: true, opacity: 0.75 });
+      this.traces.add(new THREE.Line(new THREE.BufferGeometry().setFromPoints(points), material));
+    }
+    this.viewer.set_object(["meshcat", "traces"], this.traces);
+  }
+
+  setBackground() {
+    const dark = window.matchMedia("(prefers-color-scheme: dark)");
+    const apply = () => {
+      this.viewer.set_property(["Background"], "top_color", dark.matches ? [0.13, 0.15, 0.18] : [0.93, 0.95, 0.97]);
+      this.viewer.set_property(["Background"], "bottom_color", dark.matches ? [0.07, 0.08, 0.1] : [0.8, 0.83, 0.87]);
+      this.viewer.set_dirty();
+    };
+    dark.addEventListener("change", apply);
+    apply();
+  }
+
+  setUpCamera() {
+    const { viewer, pane } = this;
+    this.moved = false;
+    this.following = false;
+    viewer.camera.fov = 34;
+    viewer.controls.enableZoom = false;
+    viewer.controls.addEventListener("start", () => { this.moved = true; });
+    pane.addEventListener("pointerdown", () => pane.focus({ preventScroll: true }));
+    pane.addEventListener("focus", () => { viewer.controls.enableZoom = true; });
+    pane.addEventListener("blur", () => { viewer.controls.enableZoom = false; });
+    new ResizeObserver(() => {
+      viewer.set_3d_pane_size();
+      if (!this.moved) this.showWhole();
+    }).observe(pane);
+    viewer.set_3d_pane_size();
+    this.showWhole();
+  }
+
+  /* The nearest camera, from the given direction, that has every ball inside the picture. */
+  showWhole() {
+    const { THREE } = MeshCat;
+    const { camera, controls } = this.viewer;
+    const back = new THREE.Vector3(...this.data.view.direction).normalize();
+    const right = new THREE.Vector3(0, 0, 1).cross(back).normalize();
+    const up = back.clone().cross(right);
+    const slopeUp = Math.tan((camera.fov * Math.PI) / 360) * 0.92;
+    const slopes = [slopeUp * camera.aspect, slopeUp];
+    const extremes = [[-Infinity, -Infinity], [-Infinity, -Infinity]];
+    let nearest = -Infinity, farthest = Infinity;
+    for (const [x, y, z, radius] of this.data.view.balls) {
+      const point = new THREE.Vector3(x, y, z);
+      const depth = point.dot(back);
+      nearest = Math.max(nearest, depth + radius);
+      farthest = Math.min(farthest, depth - radius);
+      [point.dot(right), point.dot(up)].forEach((side, k) => {
+        const pad = radius * Math.hypot(1, slopes[k]);
+        extremes[k][0] = Math.max(extremes[k][0], side + slopes[k] * depth + pad);
+        extremes[k][1] = Math.max(extremes[k][1], -side + slopes[k] * depth + pad);
+      });
+    }
+    const across = extremes.map(([plus, minus]) => (plus - minus) / 2);
+    const away = Math.max(...extremes.map(([plus, minus], k) => (plus + minus) / (2 * slopes[k])), nearest + 0.3);
+    const middle = (nearest + farthest) / 2;
+    const at = (depth) => {
+      const p = new THREE.Vector3().addScaledVector(right, across[0]).addScaledVector(up, across[1]).addScaledVector(back, depth);
+      return new THREE.Vector3(p.x, p.z, -p.y);
+    };
+    camera.position.copy(at(away));
+    camera.far = 20 * (away - farthest);
+    controls.target.copy(at(middle));
+    controls.update();
+    this.moved = false;
+    this.viewer.set_dirty();
+  }
+
+  follow(on) {
+    this.following = on;
+    if (!on) { this.showWhole(); return; }
+    const { camera, controls } = this.viewer;
+    const offset = camera.position.clone().sub(controls.target);
+    this.moved = true;
+    controls.target.copy(this.movingCentre());
+    camera.position.copy(controls.target).addScaledVector(offset.normalize(), Math.min(offset.length(), 5.5));
+    this.viewer.set_dirty();
+  }
+
+  movingCentre() {
+    const { THREE } = MeshCat;
+    const sum = new THREE.Vector3();
+    for (const frame of this.frames) sum.add(frame.position);
+    if (this.frames.length) sum.divideScalar(this.frames.length);
+    return new THREE.Vector3(sum.x, sum.z, -sum.y);
+  }
+
+  show(time, colours) {
+    const { low, next, share } = locate(this.times, time);
+    const count = this.times.length;
+    const before = this.following ? this.movingCentre() : null;
+    this.frames.forEach((object, frame) => {
+      const a = 7 * (frame * count + low), b = 7 * (frame * count + next), p = this.poses;
+      const mix = (k, sign) => p[a + k] * (1 - share) + sign * p[b + k] * share;
+      object.position.set(mix(0, 1), mix(1, 1), mix(2, 1));
+      const dot = p[a + 3] * p[b + 3] + p[a + 4] * p[b + 4] + p[a + 5] * p[b + 5] + p[a + 6] * p[b + 6];
+      const sign = dot < 0 ? -1 : 1;
+      object.quaternion.set(mix(3, sign), mix(4, sign), mix(5, sign), mix(6, sign)).normalize();
+    });
+    if (before) {
+      const shift = this.movingCentre().sub(before);
+      this.viewer.camera.position.add(shift);
+      this.viewer.controls.target.add(shift);
+    }
+    if (colours && colours !== this.colours) {
+      this.colours = colours;
+      for (const part of this.painted) part.material.color.setHex(mixWithWhite(colours[part.module], part.share));
+    }
+    this.viewer.set_dirty();
+  }
+
+  /* Pose of a drawn object as it stands in the scene now: x, y, z, qx, qy, qz, qw in the world frame. */
+  pose(name) {
+    if (!Object.hasOwn(this.data.names, name)) return null;
+    const { THREE } = MeshCat;
+    const object = this.node(this.data.names[name]);
+    object.updateWorldMatrix(true, false);
+    this.viewer.scene.updateMatrixWorld();
+    const matrix = this.viewer.scene.matrixWorld.clone().invert().multiply(object.matrixWorld);
+    const position = new THREE.Vector3(), turn = new THREE.Quaternion();
+    matrix.decompose(position, turn, new THREE.Vector3());
+    return [...position.toArray(), ...turn.toArray()];
+  }
+}

@@ -1,0 +1,215 @@
+"""The timeline: a row per module and per moved thing, a block per phase; and the joint plots."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..plan import JointRecord, Plan
+from .kinematics import Array
+from .replay import joint_rows, pick_samples
+from .robots import ACCENT, Robot, effector_owners, group_modules, module_colours
+
+RULE_COLOURS = ("#5b6ee1", "#c7683c", "#3c9a5f", "#b04a8f", "#6d8a1f", "#2b8fa3", "#a0522d", "#7a6bb5")
+PLOT_POINTS = 260
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """One phase in one row, in percent of the whole time; `acts` when the row's thing takes part."""
+
+    phase: int
+    left: float
+    width: float
+    colour: str
+    robot: str
+    acts: bool
+    title: str
+
+
+@dataclass(frozen=True, slots=True)
+class TimelineRow:
+    name: str
+    kind: str
+    blocks: list[Block]
+
+
+@dataclass(frozen=True, slots=True)
+class Bracket:
+    """Rows `first` to `last` that are one robot in a phase; `closed` when no other row is between."""
+
+    phase: int
+    left: float
+    width: float
+    first: int
+    last: int
+    closed: bool
+    colour: str
+
+
+@dataclass(frozen=True, slots=True)
+class Timeline:
+    total: float
+    rules: list[tuple[str, str]]
+    actions: list[Block]
+    rows: list[TimelineRow]
+    brackets: list[Bracket]
+    ticks: list[tuple[float, str]]
+
+
+def total_time(plan: Plan) -> float:
+    """Seconds from start to the end of all motion."""
+    return max([0.0, *plan.times[-1:], *(p.end for p in plan.phases)])
+
+
+def rule_colours(plan: Plan) -> dict[str, str]:
+    rules = dict.fromkeys(p.rule for p in plan.phases)
+    return {rule: RULE_COLOURS[i % len(RULE_COLOURS)] for i, rule in enumerate(rules)}
+
+
+def ticks(total: float) -> list[tuple[float, str]]:
+    """Round times along the axis, as percent and label."""
+    if total <= 0.0 or not math.isfinite(total):
+        return []
+    rough = total / 10.0
+    power = 10.0 ** math.floor(math.log10(rough))
+    step = next(power * f for f in (1.0, 2.0, 5.0, 10.0) if power * f >= rough)
+    return [(100.0 * k * step / total, f"{k * step:g}") for k in range(int(total / step) + 1)]
+
+
+def acting(plan: Plan) -> list[set[str]]:
+    """Per phase the modules and bodies that the action names, and those that move."""
+    owners = effector_owners(plan)
+    modules = {m.name: i for i, m in enumerate(plan.modules)}
+    result: list[set[str]] = []
+    for phase in plan.phases:
+        names = {a for literal in phase.added for a in literal.args} | set(phase.args)
+        taking = {plan.modules[owners[n]].name for n in names if n in owners}
+        result.append(taking | {n for n in names if n in modules} | moving(plan, phase.start, phase.end))
+    return result
+
+
+def moving(plan: Plan, start: float, end: float) -> set[str]:
+    """Names of the modules and bodies whose samples change between two times."""
+    inside = [i for i, t in enumerate(plan.times) if start <= t <= end]
+    found: set[str] = set()
+    if len(inside) < 2:
+        return found
+    first, last = inside[0], inside[-1]
+    while first < last and plan.times[first + 1] <= plan.times[first]:
+        first += 1
+    while last > first and plan.times[last - 1] >= plan.times[last]:
+        last -= 1
+    for track in plan.tracks:
+        if changes(track.poses, first, last) or changes(track.joints, first, last):
+            found.add(track.name)
+    for body in plan.body_tracks:
+        if changes(body.poses, first, last):
+            found.add(body.name)
+    return found
+
+
+def changes(rows: Sequence[Sequence[float]], first: int, last: int) -> bool:
+    chosen = rows[first : last + 1]
+    return any(abs(a - b) > 1e-4 for row in chosen for a, b in zip(row, chosen[0], strict=False))
+
+
+def build_timeline(plan: Plan) -> Timeline:
+    total = total_time(plan)
+    scale = 100.0 / total if total > 0.0 else 0.0
+    colours = rule_colours(plan)
+    taking = acting(plan)
+    robots = [group_modules(plan, p.mode) for p in plan.phases]
+    hues = [module_colours(plan, groups) for groups in robots]
+
+    def block(index: int, name: str, robot: str) -> Block:
+        phase = plan.phases[index]
+        acts = not name or name in taking[index]
+        return Block(
+            index,
+            phase.start * scale,
+            max(0.0, phase.end - phase.start) * scale,
+            colours[phase.rule],
+            robot,
+            acts,
+            f"{index + 1}. {phase.action}",
+        )
+
+    def bracket(index: int, robot: Robot) -> Bracket:
+        phase, first, last = plan.phases[index], min(robot.modules), max(robot.modules)
+        closed = last - first + 1 == len(robot.modules)
+        width = max(0.0, phase.end - phase.start) * scale
+        return Bracket(index, phase.start * scale, width, first, last, closed, robot.hue)
+
+    count = range(len(plan.phases))
+    rows = [
+        TimelineRow(m.name, "module", [block(i, m.name, hues[i][at]) for i in count])
+        for at, m in enumerate(plan.modules)
+    ]
+    for body in plan.bodies:
+        if body.movable and any(body.name in names for names in taking):
+            rows.append(TimelineRow(body.name, "body", [block(i, body.name, ACCENT) for i in count]))
+    brackets = [bracket(i, r) for i in count for r in robots[i] if len(r.modules) > 1]
+    actions = [block(i, "", "") for i in count]
+    return Timeline(total, list(colours.items()), actions, rows, brackets, ticks(total))
+
+
+@dataclass(frozen=True, slots=True)
+class Plot:
+    """One joint over time in a box of 1000 by 100: the curve as an SVG path, and where its limits lie."""
+
+    joint: str
+    unit: str
+    lower: float
+    upper: float
+    path: str
+    lower_y: float
+    upper_y: float
+    peak: float
+    column: int
+
+
+@dataclass(frozen=True, slots=True)
+class ModulePlots:
+    name: str
+    track: int
+    plots: list[Plot]
+
+
+def build_plots(plan: Plan) -> list[ModulePlots]:
+    """Small multiples per module with a track. `track` counts them in the order of the replay's joints."""
+    total = total_time(plan)
+    picked = pick_samples(plan.times)
+    stride = max(1, len(picked) // PLOT_POINTS)
+    chosen = sorted({*picked[::stride].tolist(), *picked[-1:].tolist()})
+    result: list[ModulePlots] = []
+    for module in plan.modules:
+        for track in plan.tracks:
+            if track.name != module.name or not (track.joints and module.joints and chosen) or total <= 0.0:
+                continue
+            sampled = [track.joints[min(i, len(track.joints) - 1)] for i in chosen]
+            rows = joint_rows(sampled, [], len(module.joints))
+            times = np.array([plan.times[i] for i in chosen])
+            plots = [plot(j, times * 1000.0 / total, rows[:, k], k) for k, j in enumerate(module.joints)]
+            result.append(ModulePlots(module.name, len(result), plots))
+    return result
+
+
+def plot(joint: JointRecord, across: Array, values: Array, column: int) -> Plot:
+    """The plot of one joint: `across` holds the samples' places on the axis, 0 to 1000, `values` rad or m."""
+    low = min([v for v in (joint.lower, float(values.min())) if math.isfinite(v)])
+    high = max([v for v in (joint.upper, float(values.max())) if math.isfinite(v)])
+    margin = 0.06 * (high - low) or 1.0
+    low, high = low - margin, high + margin
+
+    def height(value: float) -> float:
+        return round(100.0 * (high - value) / (high - low), 2) if math.isfinite(value) else -10.0
+
+    points = " ".join(f"{x:.1f},{height(float(v))}" for x, v in zip(across, values, strict=True))
+    unit = "rad" if joint.kind == "revolute" else "m"
+    peak = float(values[int(np.argmax(np.abs(values)))])
+    lower_y, upper_y = height(joint.lower), height(joint.upper)
+    return Plot(joint.name, unit, joint.lower, joint.upper, points, lower_y, upper_y, peak, column)

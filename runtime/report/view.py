@@ -1,0 +1,163 @@
+"""Everything the page shows, as plain records for the template."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..plan import LiteralRecord, MeasureRecord, PhaseRecord, Plan
+from .robots import Robot, group_modules, literal_text
+from .sources import Line, Link, Sources
+from .timeline import ModulePlots, Timeline, build_plots, build_timeline, rule_colours, total_time
+from .tree import Tree, build_tree
+
+
+@dataclass(frozen=True, slots=True)
+class LiteralView:
+    text: str
+    link: Link | None
+
+
+@dataclass(frozen=True, slots=True)
+class PhaseView:
+    """One row of the skeleton table; `line` is the number of the rule's line to highlight in `rule_lines`."""
+
+    index: int
+    record: PhaseRecord
+    colour: str
+    link: Link | None
+    rule_lines: list[Line]
+    line: int
+    added: list[LiteralView]
+    literals: list[LiteralView]
+    mode: list[LiteralView]
+    robots: list[str]
+
+
+@dataclass(frozen=True, slots=True)
+class MeasureView:
+    """A figure against its limit. `share` is amount over limit, or None where that says nothing."""
+
+    record: MeasureRecord
+    link: Link | None
+    share: float | None
+    worst: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Linked:
+    """Any record with the link of its place."""
+
+    record: object
+    link: Link | None
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    plan: Plan
+    verdict: str
+    optimality: str
+    seconds: float
+    duration: float
+    phases: list[PhaseView]
+    final: list[LiteralView]
+    timeline: Timeline
+    plots: list[ModulePlots]
+    stages: list[tuple[str, float, float]]
+    refusals: list[Linked]
+    failures: list[Linked]
+    measures: list[MeasureView]
+    residuals: list[MeasureView]
+    tree: Tree
+    sources: Sources
+
+
+def figure(amount: float, unit: str) -> str:
+    """A number for people: three digits, small lengths in millimetres, short times in milliseconds."""
+    if not math.isfinite(amount):
+        return "unlimited" if amount > 0 else "–"
+    small = {"m": "mm", "s": "ms"}.get(unit)
+    if small and abs(amount) < 0.1:
+        amount, unit = amount * 1000.0, small
+    if amount != 0.0 and abs(amount) < 1e-6:
+        text = f"{amount:.0e}"
+    else:
+        text = f"{amount:.3g}" if abs(amount) < 1000 else f"{amount:.0f}"
+    return f"{text} {unit}".strip()
+
+
+def optimality(plan: Plan) -> str:
+    statistics = plan.statistics
+    if statistics.optimal:
+        return "optimal"
+    if statistics.gap is None:
+        return "not proved optimal"
+    return f"at most {statistics.gap:g} above the optimum"
+
+
+def shares(records: Sequence[MeasureRecord], sources: Sources) -> list[MeasureView]:
+    ratios = [abs(r.amount) / r.limit if r.limit > 0.0 and math.isfinite(r.limit) else None for r in records]
+    known = [s for s in ratios if s is not None]
+    worst = max(known) if known else None
+    return [
+        MeasureView(r, sources.link(r.place), s, s is not None and s == worst and s > 0.0)
+        for r, s in zip(records, ratios, strict=True)
+    ]
+
+
+def stages(plan: Plan) -> tuple[list[tuple[str, float, float]], float]:
+    """Name, seconds and percent of the total of every stage; and the total."""
+    seconds = dict(plan.statistics.seconds)
+    total = seconds.pop("total", sum(seconds.values()))
+    whole = max(total, sum(seconds.values()), 1e-12)
+    return [(name, value, 100.0 * value / whole) for name, value in seconds.items()], total
+
+
+def robot_text(plan: Plan, robot: Robot) -> str:
+    return " + ".join(plan.modules[i].name for i in robot.modules)
+
+
+def build_view(plan: Plan) -> View:
+    """The page's content, from nothing but the plan; phases, verdict, tracks and tree may be missing."""
+    sources = Sources(plan.task.sources)
+    colours = rule_colours(plan)
+
+    def literals(records: Sequence[LiteralRecord], motion: bool) -> list[LiteralView]:
+        return [LiteralView(literal_text(r, motion), sources.link(r.place)) for r in records]
+
+    phases = [
+        PhaseView(
+            index,
+            record,
+            colours[record.rule],
+            sources.link(record.place),
+            sources.excerpt(record.place),
+            record.place.line if record.place else 0,
+            literals(record.added, True),
+            literals(record.literals, False),
+            literals(record.mode, True),
+            [robot_text(plan, r) for r in group_modules(plan, record.mode)],
+        )
+        for index, record in enumerate(plan.phases)
+    ]
+    verdict = plan.verdict
+    times, total = stages(plan)
+    return View(
+        plan,
+        "not verified" if verdict is None else "verified" if verdict.verified else "refused",
+        optimality(plan),
+        total,
+        total_time(plan),
+        phases,
+        literals(plan.final_mode, True),
+        build_timeline(plan),
+        build_plots(plan),
+        times,
+        [Linked(r, sources.link(r.place)) for r in plan.statistics.refusals],
+        [Linked(f, sources.link(f.place)) for f in (verdict.failures if verdict else [])],
+        shares(verdict.measures if verdict else [], sources),
+        shares(verdict.residuals if verdict else [], sources),
+        build_tree(plan),
+        sources,
+    )
