@@ -1,0 +1,69 @@
+"""Collects the diagnostics of the checks, each with the span of the exact word it speaks of, one per mistake."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+
+from ..langs.diagnostics import Diagnostic, Label, did_you_mean
+from ..langs.source import Source, Span
+
+
+class Findings:
+    """A growing list of diagnostics. The first message at a place wins: later ones there follow from it."""
+
+    def __init__(self, sources: Iterable[Source]) -> None:
+        self._texts: Mapping[str, str] = {s.path: s.text for s in sources}
+        self._order = {path: i for i, path in enumerate(self._texts)}
+        self._found: dict[tuple[str, Span | None], Diagnostic] = {}
+
+    def add(self, diagnostic: Diagnostic) -> None:
+        key = (diagnostic.code if diagnostic.span is None else diagnostic.code[0], diagnostic.span)
+        self._found.setdefault(key, diagnostic)
+
+    def report(
+        self,
+        code: str,
+        span: Span | None,
+        message: str,
+        *,
+        help: str | None = None,
+        note: str | None = None,
+        labels: Iterable[tuple[Span | None, str]] = (),
+    ) -> None:
+        """Add one diagnostic; labels without a span are left out."""
+        kept = tuple(Label(where, text) for where, text in labels if where is not None)
+        self.add(Diagnostic(code, message, span, kept, help, note))
+
+    def unknown(self, code: str, what: str, name: str, span: Span, candidates: Iterable[str]) -> None:
+        """A name that nothing declares, with the nearest of `candidates` as the hint."""
+        self.report(code, span, f"unknown {what} `{name}`", help=did_you_mean(name, candidates))
+
+    def word(self, span: Span, word: str, occurrence: int = 0) -> Span:
+        """The span of `word` inside `span`; `span` itself where the word is not found."""
+        text = self._texts.get(span.file)
+        if text is None:
+            return span
+        pattern = re.compile(rf"(?<!\w){re.escape(word)}(?!\w)")
+        matches = list(pattern.finditer(text, span.start, span.end))
+        if len(matches) <= occurrence:
+            return span
+        start, end = matches[occurrence].span()
+        before = text[span.start : start]
+        breaks = before.count("\n")
+        line = span.line + breaks
+        column = span.column + len(before) if not breaks else len(before) - before.rfind("\n")
+        return Span(span.file, start, end, line, column, line, column + len(word))
+
+    @property
+    def has_errors(self) -> bool:
+        return any(d.is_error for d in self._found.values())
+
+    def sorted(self) -> tuple[Diagnostic, ...]:
+        """All diagnostics by file (the main file first), then by place."""
+        return tuple(sorted(self._found.values(), key=self._place))
+
+    def _place(self, d: Diagnostic) -> tuple[int, int, str]:
+        if d.span is None:
+            return -1, 0, d.code
+        return self._order.get(d.span.file, len(self._order)), d.span.start, d.code

@@ -1,0 +1,127 @@
+"""Stage 1: a file and all that it imports, read and parsed. Path or sources in, a library of declarations out."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+
+from ..langs import syntax
+from ..langs.diagnostics import Diagnostic, SourceError
+from ..langs.parser import parse
+from ..langs.reader import read_source
+from ..langs.source import Source
+from .findings import Findings
+from .library import Library, build_library
+
+STANDARD = "std"
+STANDARD_FOLDER = Path(__file__).parent.parent / "stdlib"
+EXTENSION = ".tamp"
+
+
+class _Loader:
+    """Follows imports depth first. `given` holds texts that need no disk, by path."""
+
+    def __init__(self, given: Mapping[str, Source]) -> None:
+        self.given = given
+        self.sources: dict[str, Source] = {}
+        self.files: dict[str, syntax.File] = {}
+        self.diagnostics: list[Diagnostic] = []
+        self.open: list[str] = []
+
+    def load(self, source: Source) -> None:
+        self.sources[source.path] = source
+        file, diagnostics = parse(source)
+        self.files[source.path] = file
+        self.diagnostics += diagnostics
+        self.open.append(source.path)
+        for declaration in file.declarations:
+            if isinstance(declaration, syntax.Import):
+                self.follow(source, declaration)
+        self.open.pop()
+
+    def follow(self, importer: Source, declaration: syntax.Import) -> None:
+        path = resolved(importer.path, declaration)
+        if path in self.open:
+            ring = [*self.open[self.open.index(path) :], path]
+            message = f"files import each other: {' imports '.join(ring)}"
+            self.diagnostics.append(Diagnostic("E0112", message, declaration.span))
+        elif path not in self.sources:
+            source = self.read(path, declaration)
+            if source is not None:
+                self.load(source)
+
+    def read(self, path: str, declaration: syntax.Import) -> Source | None:
+        if path in self.given:
+            return self.given[path]
+        location = on_disk(path)
+        try:
+            return Source(path, read_source(location).text)
+        except SourceError as error:
+            for found in error.diagnostics:
+                self.diagnostics.append(self.missing(location, found, declaration))
+            return None
+
+    def missing(self, location: Path, found: Diagnostic, declaration: syntax.Import) -> Diagnostic:
+        if found.code != "E0010":
+            return Diagnostic(found.code, found.message, declaration.span, (), found.help)
+        what = f'"{declaration.target}"' if declaration.is_path else declaration.target
+        near = neighbours(location)
+        names = get_close_matches(location.stem, near, n=3, cutoff=0.5)
+        help = None
+        if names:
+            help = "did you mean " + " or ".join(f"`{_import_of(n, declaration)}`" for n in names) + "?"
+        elif not declaration.is_path and near:
+            help = "the standard library has " + ", ".join(f"{STANDARD}.{n}" for n in near)
+        return Diagnostic("E0111", f"nothing to import under {what}", declaration.span, (), help)
+
+
+def _import_of(stem: str, declaration: syntax.Import) -> str:
+    head = os.path.dirname(declaration.target)
+    return f'import "{os.path.join(head, stem + EXTENSION)}"' if declaration.is_path else f"import {STANDARD}.{stem}"
+
+
+def neighbours(location: Path) -> list[str]:
+    """The names, without ending, of the source files beside `location`."""
+    try:
+        return sorted(p.stem for p in location.parent.iterdir() if p.suffix == EXTENSION)
+    except OSError:
+        return []
+
+
+def resolved(importer: str, declaration: syntax.Import) -> str:
+    """The path of an import as the user should see it; files of the standard library are `std/NAME.tamp`."""
+    if not declaration.is_path:
+        return "/".join(declaration.target.split(".")) + EXTENSION
+    return os.path.normpath(os.path.join(os.path.dirname(importer), declaration.target))
+
+
+def on_disk(path: str) -> Path:
+    """Where the file that is shown as `path` lies."""
+    head, _, tail = path.partition("/")
+    return STANDARD_FOLDER / tail if head == STANDARD and tail else Path(path)
+
+
+def load_sources(sources: Sequence[Source]) -> tuple[Library, Findings, bool]:
+    """The library of `sources[0]`, whose imports are looked up among `sources` first; findings so far; and whether the
+    text could be parsed without errors."""
+    loader = _Loader({s.path: s for s in sources[1:]})
+    loader.load(sources[0])
+    findings = Findings(loader.sources.values())
+    for diagnostic in loader.diagnostics:
+        findings.add(diagnostic)
+    parsed = not findings.has_errors
+    library = build_library(tuple(loader.sources.values()), tuple(loader.files.values()), findings)
+    return library, findings, parsed
+
+
+def load_library(path: str | os.PathLike[str]) -> Library:
+    """The file at `path` with all its imports. Raises SourceError with all errors of syntax, imports and duplicate
+    declarations of all files."""
+    library, findings, _ = load_sources([read_source(path)])
+    if findings.has_errors:
+        raise SourceError(findings.sorted())
+    return library
+
+

@@ -1,0 +1,100 @@
+"""Kinds of values and how they combine: plain numbers, lengths, angles, vectors, objects and chains."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """`name` is number, length, angle, time, speed, vector, rows, pose, object, chain or unknown (after an error, to
+    keep quiet about what follows). `type` is the object type, or the element type of a chain; `ends` the type of a
+    chain's effectors."""
+
+    name: str
+    type: str = ""
+    ends: str = ""
+
+    @property
+    def is_scalar(self) -> bool:
+        return self.name in SCALARS
+
+    @property
+    def known(self) -> bool:
+        return self.name != "unknown"
+
+    def __str__(self) -> str:
+        if self.name == "object":
+            return f"an object of type `{self.type}`"
+        return PHRASES[self.name]
+
+
+SCALARS = ("number", "length", "angle", "time", "speed")
+PHRASES = {
+    "number": "a plain number",
+    "length": "a length",
+    "angle": "an angle",
+    "time": "a time",
+    "speed": "a speed",
+    "vector": "a vector",
+    "rows": "several lengths",
+    "pose": "a pose",
+    "object": "an object",
+    "chain": "a chain",
+    "letter": "one of the letters x, y, z",
+    "unknown": "something unknown",
+}
+SIZES = {"vector": 3, "rows": 4, "pose": 6}
+
+UNKNOWN = Kind("unknown")
+NUMBER = Kind("number")
+LENGTH = Kind("length")
+ANGLE = Kind("angle")
+VECTOR = Kind("vector")
+VALUE_TYPES = {"int": NUMBER, "real": NUMBER, "length": LENGTH, "angle": ANGLE}
+EXAMPLES = {"length": "m", "angle": "deg", "time": "s", "speed": "rad/s"}
+
+
+def size_of(kind: Kind) -> int:
+    """How many scalar rows a value of this kind has."""
+    return SIZES.get(kind.name, 1)
+
+
+def added(left: Kind, right: Kind, left_literal: bool, right_literal: bool) -> Kind | None:
+    """The kind of a sum or difference, or None where the two do not mix. A plain literal number passes for a length."""
+    if not (left.known and right.known):
+        return UNKNOWN
+    if left == right and (left.is_scalar or left.name in ("vector", "rows")):
+        return left
+    names = {left.name, right.name}
+    if names == {"number", "length"}:
+        literal = left_literal if left.name == "number" else right_literal
+        return LENGTH if literal else None
+    if names in ({"rows", "length"}, {"rows", "number"}):
+        return Kind("rows")
+    return None
+
+
+def multiplied(left: Kind, right: Kind) -> Kind | None:
+    """The kind of a product: a plain number scales anything, a length scales a vector."""
+    if not (left.known and right.known):
+        return UNKNOWN
+    for one, other in ((left, right), (right, left)):
+        if one.name == "number" and (other.is_scalar or other.name in ("vector", "rows")):
+            return other
+        if one.name == "length" and other.name == "vector":
+            return other
+    return None
+
+
+def divided(left: Kind, right: Kind) -> Kind | None:
+    """The kind of a quotient: by a plain number, or of two values of one kind."""
+    if not (left.known and right.known):
+        return UNKNOWN
+    if right.name == "number" and (left.is_scalar or left.name in ("vector", "rows")):
+        return left
+    if left == right and left.is_scalar:
+        return NUMBER
+    if left.name == "vector" and right.name == "length":
+        return left
+    return None

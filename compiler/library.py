@@ -1,0 +1,142 @@
+"""Symbol tables: every declaration of a file and of all that it imports, by kind and name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TypeVar
+
+from ..langs import syntax
+from ..langs.source import Source, Span
+from . import ir
+from .findings import Findings
+
+BUILT_IN_TYPES: Mapping[str, str | None] = {"object": None, "effector": "object", "module": None}
+VALUE_TYPE_NAMES = ("int", "real", "length", "angle")
+
+Declared = TypeVar("Declared", bound=syntax.Declaration)
+
+
+@dataclass(frozen=True, slots=True)
+class Signature:
+    """What a use of a logic or motion predicate must fit. `variables` are its typed parameters."""
+
+    name: str
+    variables: tuple[ir.Variable, ...]
+    span: Span
+    static: bool = False
+    derived: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Library:
+    """Parsed files, the main one first, and their declarations."""
+
+    sources: tuple[Source, ...]
+    files: tuple[syntax.File, ...]
+    types: Mapping[str, str | None]
+    type_spans: Mapping[str, Span]
+    predicates: Mapping[str, syntax.PredicateDecl]
+    derived: Mapping[str, syntax.DerivedDecl]
+    motions: Mapping[str, syntax.MotionDecl]
+    rules: Mapping[str, syntax.RuleDecl]
+    placements: tuple[syntax.PlacementDecl, ...]
+    heuristics: Mapping[str, syntax.HeuristicDecl]
+    modules: Mapping[str, syntax.ModuleDecl]
+    scenes: Mapping[str, syntax.SceneDecl]
+    tasks: Mapping[str, syntax.TaskDecl]
+
+    @property
+    def path(self) -> str:
+        return self.sources[0].path
+
+    def is_a(self, type_name: str, ancestor: str) -> bool:
+        """Whether type `type_name` is `ancestor` or below it."""
+        current: str | None = type_name
+        while current is not None:
+            if current == ancestor:
+                return True
+            current = self.types.get(current)
+        return False
+
+    def overlap(self, one: str, other: str) -> bool:
+        """Whether an object can be of both types."""
+        return self.is_a(one, other) or self.is_a(other, one)
+
+
+class _Tables:
+    def __init__(self, files: tuple[syntax.File, ...], findings: Findings) -> None:
+        # Imported files first, so that of two declarations the later one, in the importing file, is reported.
+        self.declarations = [d for f in reversed(files) for d in f.declarations]
+        self.findings = findings
+
+    def of(self, kind: type[Declared]) -> dict[str, Declared]:
+        table: dict[str, Declared] = {}
+        for declaration in self.declarations:
+            if not isinstance(declaration, kind):
+                continue
+            name = getattr(declaration, "name")  # noqa: B009 - imports and placements have none and are not asked for
+            first = table.setdefault(name, declaration)
+            if first is not declaration:
+                self.duplicate(name, declaration.span, first.span)
+        return table
+
+    def duplicate(self, name: str, span: Span, first: Span) -> None:
+        at = self.findings.word
+        self.findings.report(
+            "E0110", at(span, name), f"`{name}` is declared twice", labels=[(at(first, name), "first declared here")]
+        )
+
+
+def build_library(sources: tuple[Source, ...], files: tuple[syntax.File, ...], findings: Findings) -> Library:
+    """The tables of `files`. Reports names declared twice, built-in names declared again, unknown parents of types and
+    types that are below themselves."""
+    tables = _Tables(files, findings)
+    predicates, derived = tables.of(syntax.PredicateDecl), tables.of(syntax.DerivedDecl)
+    for name in predicates.keys() & derived.keys():
+        tables.duplicate(name, derived[name].span, predicates[name].span)
+    modules = tables.of(syntax.ModuleDecl)
+    types, spans = _types(tables.of(syntax.TypeDecl), modules, tables)
+    return Library(
+        sources, files, types, spans, predicates, derived, tables.of(syntax.MotionDecl), tables.of(syntax.RuleDecl),
+        tuple(d for d in tables.declarations if isinstance(d, syntax.PlacementDecl)),
+        tables.of(syntax.HeuristicDecl), modules, tables.of(syntax.SceneDecl), tables.of(syntax.TaskDecl),
+    )  # fmt: skip
+
+
+def _types(
+    declared: Mapping[str, syntax.TypeDecl], modules: Mapping[str, syntax.ModuleDecl], tables: _Tables
+) -> tuple[dict[str, str | None], dict[str, Span]]:
+    findings = tables.findings
+    types: dict[str, str | None] = dict(BUILT_IN_TYPES)
+    spans: dict[str, Span] = {}
+    for name, declaration in [*declared.items(), *modules.items()]:
+        where = findings.word(declaration.span, name)
+        if name in BUILT_IN_TYPES or name in VALUE_TYPE_NAMES:
+            findings.report("E0118", where, f"`{name}` is a built-in type and cannot be declared again")
+            continue
+        if name in spans:
+            tables.duplicate(name, declaration.span, spans[name])
+            continue
+        spans[name] = where
+        types[name] = (declaration.parent or "object") if isinstance(declaration, syntax.TypeDecl) else "module"
+    for name, declaration in declared.items():
+        parent = types.get(name)
+        if name in spans and parent is not None and parent not in types:
+            findings.unknown("E0102", "type", parent, findings.word(declaration.span, parent), types)
+            types[name] = "object"
+    _break_cycles(types, spans, findings)
+    return types, spans
+
+
+def _break_cycles(types: dict[str, str | None], spans: Mapping[str, Span], findings: Findings) -> None:
+    for name in list(types):
+        seen = [name]
+        current = types[name]
+        while current is not None and current not in seen:
+            seen.append(current)
+            current = types[current]
+        if current == name:
+            ring = " < ".join([*seen, name])
+            findings.report("E0115", spans[name], f"type `{name}` is below itself: {ring}")
+            types[name] = "object"

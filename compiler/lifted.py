@@ -1,0 +1,80 @@
+"""Stage 3: all declarations of a library checked and lowered, before any task is built."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..langs import syntax
+from . import ir
+from .check_heuristics import check_heuristics
+from .check_logic import Placement, check_derived, check_placements, check_rules, lower_predicates
+from .check_motion import check_motions
+from .context import Context, build_context
+from .findings import Findings
+from .library import Library
+from .module_types import check_modules
+from .names import Scope
+from .scene import SceneBuilder
+from .scene_names import collect_objects
+from .values import parameter_entries
+
+
+@dataclass(frozen=True, slots=True)
+class Lifted:
+    """The lifted IR of a library. `buildable` is False when errors in it forbid to build its tasks."""
+
+    context: Context
+    predicates: dict[str, ir.Predicate]
+    derived: dict[str, ir.Derived]
+    motions: dict[str, ir.MotionPredicate]
+    rules: dict[str, ir.Rule]
+    placements: tuple[Placement, ...]
+    buildable: bool
+
+    @property
+    def library(self) -> Library:
+        return self.context.library
+
+    @property
+    def findings(self) -> Findings:
+        return self.context.findings
+
+
+def check_declarations(library: Library, findings: Findings, parsed: bool) -> Lifted:
+    """Check every declaration; after errors of syntax or imports nothing more is looked at, since what they hide would
+    only seem unknown."""
+    context = build_context(library, findings)
+    if not parsed:
+        return Lifted(context, {}, {}, {}, {}, (), False)
+    predicates, derived = lower_predicates(context), check_derived(context)
+    motions, rules, placements = check_motions(context), check_rules(context), check_placements(context)
+    check_heuristics(context)
+    check_modules(context)
+    _check_scenes(context, library.scenes)
+    _check_scenes(context, library.tasks)
+    return Lifted(context, predicates, derived, motions, rules, placements, not findings.has_errors)
+
+
+def _check_scenes(context: Context, table: Mapping[str, syntax.SceneDecl] | Mapping[str, syntax.TaskDecl]) -> None:
+    for declaration in table.values():
+        entries = parameter_entries(context, declaration.parameters)
+        objects = collect_objects(context, declaration.items)
+        SceneBuilder(context, objects).build(Scope("scene", entries, objects), declaration.items)
+        is_task = isinstance(declaration, syntax.TaskDecl)
+        if is_task and not _has_goal(context, declaration.items, set()):
+            where = context.findings.word(declaration.span, declaration.name)
+            context.findings.report("E0506", where, f"task `{declaration.name}` has no goal", help="add `goal (…)`")
+
+
+def _has_goal(context: Context, items: tuple[syntax.SceneItem, ...], seen: set[str]) -> bool:
+    for item in items:
+        if isinstance(item, syntax.GoalItem):
+            return True
+        if isinstance(item, syntax.ForItem | syntax.IfItem) and _has_goal(context, item.items, seen):
+            return True
+        if isinstance(item, syntax.SceneUse) and item.name not in seen:
+            scene = context.library.scenes.get(item.name)
+            if scene is None or _has_goal(context, scene.items, seen | {item.name}):
+                return True
+    return False

@@ -1,0 +1,98 @@
+"""The stages from text to problem, in order. Each takes what the one before gives.
+
+1. imports   path or texts → `Library`: every file parsed, every declaration in its table (imports, library)
+2. context   `Library` → signatures of predicates, types resolved (context)
+3. checks    declarations → lifted IR: logic, motion predicates, heuristics, module types; scenes and tasks are walked
+             without values for their parameters (check_logic, check_motion, check_heuristics, module_types, scene)
+4. scene     task + parameters + seed → bodies, modules, facts, goals (scene, placing, initial)
+5. start     the built scene → relaxation, movable bodies, overlaps, unreachable goals
+             (relaxation, check_start, reachability)
+6. problem   everything in one frozen `ir.Problem`
+
+Findings of all stages are collected and come out together; SourceError carries them when one is an error.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+
+from ..langs.diagnostics import Diagnostic, SourceError
+from ..langs.reader import read_source
+from ..langs.source import Source
+from . import ir
+from .imports import load_library, load_sources
+from .instantiate import instantiate
+from .lifted import Lifted, check_declarations
+from .parameters import UsageError, choose_task, parameter_values
+
+__all__ = ["UsageError", "check", "check_sources", "compile_problem", "compile_sources", "compile_text", "load_library"]
+
+
+def check(path: str | os.PathLike[str]) -> tuple[Diagnostic, ...]:
+    """Everything that is wrong with the file and what it imports, each task also built with its default parameters;
+    sorted by file and place."""
+    try:
+        source = read_source(path)
+    except SourceError as error:
+        return error.diagnostics
+    return check_sources([source])
+
+
+def check_sources(sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
+    """`check` for texts: `sources[0]` is the main file, the others serve its imports before the disk does."""
+    lifted = check_declarations(*load_sources(sources))
+    if lifted.buildable:
+        for task in lifted.library.tasks.values():
+            if task.span.file == lifted.library.path and all(p.default is not None for p in task.parameters):
+                instantiate(lifted, task, {}, 0)
+    return lifted.findings.sorted()
+
+
+def compile_problem(
+    path: str | os.PathLike[str],
+    task: str | None = None,
+    parameters: Mapping[str, str] | None = None,
+    seed: int = 0,
+) -> tuple[ir.Problem, tuple[Diagnostic, ...]]:
+    """The problem of one task of the file, and the warnings. `parameters` are raw texts of the command line, such as
+    {"n": "8", "rise": "20 cm"}.
+
+    Raises SourceError when the text has errors, UsageError when the task or a parameter is unknown or unfit.
+    """
+    return compile_sources([read_source(path)], task, parameters, seed)
+
+
+def compile_sources(
+    sources: Sequence[Source],
+    task: str | None = None,
+    parameters: Mapping[str, str] | None = None,
+    seed: int = 0,
+) -> tuple[ir.Problem, tuple[Diagnostic, ...]]:
+    """`compile_problem` for texts: `sources[0]` is the main file, the others serve its imports before the disk does, so
+    `problem.sources` compiles again to the same problem anywhere."""
+    lifted = check_declarations(*load_sources(sources))
+    if not lifted.buildable:
+        raise SourceError(lifted.findings.sorted())
+    chosen = choose_task(lifted.library, task)
+    values = parameter_values(chosen, parameters or {})
+    problem = instantiate(lifted, chosen, values, seed)
+    if problem is None or lifted.findings.has_errors:
+        raise SourceError(lifted.findings.sorted())
+    return problem, lifted.findings.sorted()
+
+
+def compile_text(
+    text: str,
+    name: str = "<text>",
+    task: str | None = None,
+    parameters: Mapping[str, str] | None = None,
+    seed: int = 0,
+) -> tuple[ir.Problem, tuple[Diagnostic, ...]]:
+    """`compile_problem` for one text."""
+    return compile_sources([Source(name, text)], task, parameters, seed)
+
+
+def lift(sources: Sequence[Source]) -> Lifted:
+    """Stages 1 to 3 alone, for tools that look at declarations."""
+    return check_declarations(*load_sources(sources))
