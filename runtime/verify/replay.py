@@ -142,7 +142,8 @@ class Interpreter:
     def _require_functional(self, facts: Facts) -> None:
         owners: dict[tuple[str, str], ir.Fact] = {}
         for fact in sorted(facts):
-            index = self.problem.predicates[fact[0]].functional_in
+            declared = self.problem.predicates.get(fact[0])
+            index = None if declared is None else declared.functional_in
             if index is not None:
                 other = owners.setdefault((fact[0], fact[1 + index]), fact)
                 if other != fact:
@@ -151,7 +152,8 @@ class Interpreter:
     def _symmetric(self, predicate: str, is_motion: bool) -> bool:
         table: Mapping[str, ir.Predicate | ir.MotionPredicate]
         table = self.problem.motions if is_motion else self.problem.predicates
-        return table[predicate].symmetric
+        declared = table.get(predicate)
+        return declared is not None and declared.symmetric
 
     def canonical(self, motion: Iterator[ir.Fact] | Facts | list[ir.Fact]) -> Facts:
         """Motion literals with the arguments of symmetric ones in alphabetical order."""
