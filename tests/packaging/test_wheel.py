@@ -51,7 +51,12 @@ def test_the_texts_of_a_room_are_there_once(wheel: list[str], room: str) -> None
 
 
 def test_the_command_and_its_texts_are_there(wheel: list[str]) -> None:
-    assert {"tamplang/__init__.py", "tamplang/cli/__init__.py", "tamplang/cli/starter.tamp", "tamplang/py.typed"} <= set(wheel)
+    assert {
+        "tamplang/__init__.py",
+        "tamplang/cli/__init__.py",
+        "tamplang/cli/starter.tamp",
+        "tamplang/py.typed",
+    } <= set(wheel)
     assert len(wheel) == len(set(wheel))
     assert not [name for name in wheel if "__pycache__" in name or name.endswith(".pyc")]
 
