@@ -18,9 +18,10 @@ Indices = NDArray[np.int64]
 
 
 class Layout:
-    """Offsets of every slot in z. Unknowns are ordered by slice, then in the order of `names`."""
+    """Offsets of every slot in z. Unknowns are ordered by slice, then in the order of `names`. Slices in `pinned` are
+    given, not unknown."""
 
-    def __init__(self, world: World, start: Configuration) -> None:
+    def __init__(self, world: World, start: Configuration, pinned: Mapping[int, Configuration] | None = None) -> None:
         modules = [(m.name, start.modules[m.name]) for m in world.modules.values()]
         bodies = [(b.name, start.bodies[b.name]) for b in world.bodies.values() if b.movable]
         parts = modules + bodies
@@ -29,15 +30,20 @@ class Layout:
         self.modules = [name for name, _ in modules]
         self.bodies = [name for name, _ in bodies]
         self.resting = {b.name: start.bodies[b.name] for b in world.bodies.values() if not b.movable}
-        self.constants: Array = np.concatenate([value for _, value in parts]) if parts else np.zeros(0)
-        offsets: dict[str, int] = {}
+        self._pinned: dict[int, dict[str, int]] = {}
+        values: list[Array] = []
         at = 0
-        for name in self.names:
-            offsets[name] = at
-            at += self.sizes[name]
+        for slice_, configuration in [(0, start), *sorted((pinned or {}).items())]:
+            given = configuration.modules | configuration.bodies
+            self._pinned[slice_] = {}
+            for name in self.names:
+                self._pinned[slice_][name] = at
+                values.append(given[name])
+                at += self.sizes[name]
+        self.constants: Array = np.concatenate([np.zeros(0), *values])
         self.first_unknown = at
         self.end = at
-        self.slices: list[dict[str, int]] = [offsets]
+        self.slices: list[dict[str, int]] = [dict(self._pinned[0])]
 
     def _allocate(self, offsets: dict[str, int], free: Iterable[str]) -> None:
         chosen = frozenset(free)
@@ -53,7 +59,11 @@ class Layout:
     def add_slice(self, free: Iterable[str]) -> int:
         """Append a slice in which `free` have slots of their own and all else is where it was. Returns its number."""
         offsets = dict(self.slices[-1])
-        self._allocate(offsets, free)
+        pinned = self._pinned.get(len(self.slices))
+        if pinned:
+            offsets |= {name: pinned[name] for name in free}
+        else:
+            self._allocate(offsets, free)
         self.slices.append(offsets)
         return len(self.slices) - 1
 

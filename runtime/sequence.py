@@ -48,8 +48,11 @@ def solve_sequence(
         if not chained.feasible:
             chained.seconds = time.monotonic() - began
             return chained
-        warm = chained.configurations[1:]
-    result = solve_span(skeleton, 0, last, settings, random, budget, origin, warm)
+        whole = solve_span(skeleton, 0, last, settings, random, budget, origin, chained.configurations[1:], tries=1)
+        result = whole if whole.feasible else chained
+        result.iterations = chained.iterations + whole.iterations
+    else:
+        result = solve_span(skeleton, 0, last, settings, random, budget, origin, warm)
     result.seconds = time.monotonic() - began
     return result
 

@@ -16,12 +16,12 @@ LIMIT = 0.1
 """Radians by which guesses keep away from joint limits."""
 
 
-def _tuple(pose: Array) -> Pose:
+def to_tuple(pose: Array) -> Pose:
     x, y, z, a, b, c, w = (float(v) for v in pose)
     return (x, y, z, a, b, c, w)
 
 
-def _inverse(pose: Pose) -> Pose:
+def inverse(pose: Pose) -> Pose:
     turn = (-pose[3], -pose[4], -pose[5], pose[6])
     x, y, z = poses.rotate(turn, (pose[0], pose[1], pose[2]))
     return (-x, -y, -z, *turn)
@@ -29,13 +29,13 @@ def _inverse(pose: Pose) -> Pose:
 
 def effector_pose(module: Module, effector: str, slot: Array) -> Pose:
     """The effector's frame in the world, from the module's slot `(7 + n,)`."""
-    return poses.compose(_tuple(slot[:7]), poses.effector_pose(module.type, effector, slot[7:].tolist()))
+    return poses.compose(to_tuple(slot[:7]), poses.effector_pose(module.type, effector, slot[7:].tolist()))
 
 
 def put_effector(module: Module, effector: str, slot: Array, target: Pose) -> None:
     """Move the module as a rigid thing, in place, so that its effector comes to `target`."""
     local = poses.effector_pose(module.type, effector, slot[7:].tolist())
-    slot[:7] = poses.compose(target, _inverse(local))
+    slot[:7] = poses.compose(target, inverse(local))
 
 
 def _height(body: Body) -> float:
@@ -63,7 +63,7 @@ class Guess:
             module, effector = found
             return effector_pose(module, effector.name, self.current.modules[module.name])
         slot = self.current.bodies.get(name)
-        return _tuple(self.current.modules[name][:7] if slot is None else slot)
+        return to_tuple(self.current.modules[name][:7] if slot is None else slot)
 
     def _shake(self) -> None:
         for name, slot in self.current.modules.items():

@@ -138,7 +138,7 @@ class SwitchProgram:
         iterations = 0
         for attempt in range(REFRESHES):
             program = self.program()
-            outcome = _run(program, x, options if attempt == 0 else POLISH, self.settings, budget)
+            outcome = run(program, x, options if attempt == 0 else POLISH, self.settings, budget)
             iterations += outcome.iterations
             x = outcome.x
             if not self._refresh(x) or outcome.status != "feasible":
@@ -155,7 +155,8 @@ class SwitchProgram:
         return program, x
 
 
-def _run(program: Program, x: Array, options: Options, settings: MotionSettings, budget: Budget) -> Outcome:
+def run(program: Program, x: Array, options: Options, settings: MotionSettings, budget: Budget) -> Outcome:
+    """The solver that the settings name."""
     if settings.solver == "ipopt":
         from .ipopt import solve_ipopt
 

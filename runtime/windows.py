@@ -11,6 +11,7 @@ from .budget import Budget
 from .settings import MotionSettings
 from .skeleton import Array, BoundResult, Configuration, Skeleton
 from .starts import guess, shake
+from .switches import SwitchProgram
 
 WINDOW = 4
 COMMIT = 2
@@ -75,4 +76,6 @@ def solve_windows(
             result.iterations = iterations
             return result
         del known[max(1, first + 1 - COMMIT * (1 + setbacks // 2)) :]
-    return BoundResult("seq", True, 0.0, 0.0, iterations, known, [], [])
+    whole = SwitchProgram(skeleton, 0, len(skeleton) - 1, start, settings, frozen=False)
+    cost = whole.program().cost(whole.pack(known))
+    return BoundResult("seq", True, cost, 0.0, iterations, known, [], [])
