@@ -1,0 +1,23 @@
+"""The command group."""
+
+from __future__ import annotations
+
+import click
+
+from .. import __version__
+from .check import check, fmt
+from .compile import compile_command
+from .develop import bench, explain, lsp
+from .new import new
+from .plans import report, verify
+from .solve import solve
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(__version__, message="tamplang %(version)s")
+def application() -> None:
+    """A language and toolchain for task and motion planning of modular, self-reconfiguring robots."""
+
+
+for _command in (new, check, solve, verify, report, compile_command, explain, fmt, lsp, bench):
+    application.add_command(_command)

@@ -1,0 +1,62 @@
+"""The commands `check` and `fmt`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .sources import FORMATS, diagnostics_in, formatted_diagnostics, reading_sources
+from .status import ExitStatus
+
+FILES = click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
+
+
+@click.command()
+@FILES
+@click.option("--format", "form", type=click.Choice(FORMATS), default="full", show_default=True, help="How to print.")
+def check(files: tuple[Path, ...], form: str) -> int:
+    """Print all errors and warnings of each FILE."""
+    diagnostics = diagnostics_in(files)
+    text = formatted_diagnostics(diagnostics, form)
+    if text:
+        click.echo(text)
+    errors = sum(d.is_error for d in diagnostics)
+    click.echo(_summary(len(files), errors, len(diagnostics) - errors), err=True)
+    return ExitStatus.SOURCE_ERRORS if errors else ExitStatus.DONE
+
+
+@click.command()
+@FILES
+@click.option("--check", "only_check", is_flag=True, help="Change nothing; end with status 1 if a file would change.")
+def fmt(files: tuple[Path, ...], only_check: bool) -> int:
+    """Lay out each FILE in the one standard way."""
+    changed = [file for file in files if _format(file, only_check)]
+    for file in changed:
+        click.echo(f"{'would change' if only_check else 'changed'}: {file}", err=True)
+    return ExitStatus.SOURCE_ERRORS if changed and only_check else ExitStatus.DONE
+
+
+def _format(file: Path, only_check: bool) -> bool:
+    """Whether the file differs from its standard form; unless `only_check` it is rewritten."""
+    from ..langs.formatter import format_source
+    from ..langs.reader import read_source
+
+    with reading_sources():
+        source = read_source(file)
+        text = format_source(source)
+    if text == source.text:
+        return False
+    if not only_check:
+        from ..runtime.plan import write_text_atomically
+
+        try:
+            write_text_atomically(file.resolve(), text)
+        except OSError as error:
+            raise click.UsageError(f"cannot write {file}: {error.strerror}") from error
+    return True
+
+
+def _summary(files: int, errors: int, warnings: int) -> str:
+    counts = (files, "file"), (errors, "error"), (warnings, "warning")
+    return ", ".join(f"{number} {noun}{'' if number == 1 else 's'}" for number, noun in counts)

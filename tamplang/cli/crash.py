@@ -1,0 +1,26 @@
+"""The last resort: an error that nobody foresaw becomes one sentence and a crash file."""
+
+from __future__ import annotations
+
+import os
+import platform
+import sys
+import tempfile
+import traceback
+from types import TracebackType
+
+from .status import ExitStatus
+
+
+def report_crash(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+    """Write the traceback to a crash file, name it on standard error and end with status 70 (a `sys.excepthook`)."""
+    from .. import __version__
+
+    descriptor, path = tempfile.mkstemp(prefix="tamplang-crash-", suffix=".txt")
+    with os.fdopen(descriptor, "w", encoding="utf-8", errors="backslashreplace") as stream:
+        stream.write(f"tamplang {__version__}, Python {platform.python_version()}, {platform.platform()}\n")
+        stream.write(f"command: {sys.argv}\n\n")
+        stream.writelines(traceback.format_exception(kind, error, trace))
+    print(f"internal error: {kind.__name__}: {error}", file=sys.stderr)
+    print(f"This is a bug in tamplang. Please report it with the file {path}", file=sys.stderr)
+    raise SystemExit(int(ExitStatus.INTERNAL_ERROR))

@@ -1,0 +1,77 @@
+"""The commands around writing programs: `explain`, `lsp` and `bench`."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@click.command()
+@click.argument("code")
+def explain(code: str) -> None:
+    """Explain the diagnostic CODE, such as E0301."""
+    from ..langs.codes import CODES
+    from ..langs.diagnostics import did_you_mean
+
+    code = code.upper()
+    info = CODES.get(code)
+    if info is None:
+        beginning = [known for known in CODES if known.startswith(code)]
+        near = f"there are {', '.join(beginning)}" if beginning else did_you_mean(code, CODES)
+        raise click.UsageError(f"there is no code {code}; {near or 'codes look like E0103'}")
+    click.echo(info.text(code))
+
+
+@click.command()
+def lsp() -> None:
+    """Serve an editor over standard input and output (Language Server Protocol)."""
+    try:
+        from ..lsp import serve
+    except ModuleNotFoundError as error:
+        if error.name is None or error.name.partition(".")[0] not in ("pygls", "lsprotocol"):
+            raise
+        raise click.ClickException(
+            "the language server needs the library pygls; install it with: pip install 'tamplang[lsp]'"
+        ) from error
+    serve()
+
+
+@click.command(context_settings={"ignore_unknown_options": True})
+@click.argument("name", required=False)
+@click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
+def bench(name: str | None, arguments: tuple[str, ...]) -> int:
+    """Run the benchmark NAME with its own ARGUMENTS; without NAME, list the benchmarks."""
+    scripts = benchmarks()
+    if name is None:
+        for known, script in scripts.items():
+            click.echo(f"{known:16}  {title(script)}")
+        return 0
+    if name not in scripts:
+        raise click.UsageError(f"there is no benchmark {name!r}; there are {', '.join(scripts)}")
+    return subprocess.run([sys.executable, str(scripts[name]), *arguments], check=False).returncode
+
+
+def benchmarks() -> dict[str, Path]:
+    """The benchmarks by name: every script in the folder `benchmarks` of the source tree.
+
+    Raises click.UsageError where there is no source tree.
+    """
+    folder = ROOT / "benchmarks"
+    if not (folder.is_dir() and (ROOT / "pyproject.toml").is_file()):
+        raise click.UsageError(
+            "the benchmarks are part of the source tree, not of the installed package; "
+            "run this command in a clone that was installed with: pip install -e ."
+        )
+    return {path.stem: path for path in sorted(folder.glob("*.py")) if not path.stem.startswith("_")}
+
+
+def title(script: Path) -> str:
+    """The first line of a script's docstring."""
+    documentation = ast.get_docstring(ast.parse(script.read_text(encoding="utf-8"))) or ""
+    return documentation.partition("\n")[0]

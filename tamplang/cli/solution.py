@@ -1,0 +1,106 @@
+"""What `solve` found: as files, as JSON and as lines for a terminal."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .outputs import numbered
+from .plans import verdict_lines
+from .sources import formatted_diagnostics
+
+if TYPE_CHECKING:
+    from ..api import Result
+    from ..compiler.ir import Problem
+    from ..runtime.plan import StatisticsRecord
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """The files that stand: a plan file for each plan, best first, and the report of the best."""
+
+    plans: tuple[Path, ...]
+    report: Path | None
+
+
+def write(result: Result, plan_file: Path, report_file: Path | None) -> Written:
+    """Write every plan, also one that the verifier refused, and the report of the best. Raises OSError."""
+    files = tuple(numbered(plan_file, number) for number in range(1, len(result.plans) + 1))
+    for plan, file in zip(result.plans, files, strict=True):
+        plan.save(file)
+    if result.plan is None or report_file is None:
+        return Written(files, None)
+    result.plan.report(report_file)
+    return Written(files, report_file)
+
+
+def result_json(problem: Problem, result: Result, written: Written, compile_seconds: float) -> dict[str, object]:
+    """The object that `solve --json` prints; `docs/cli.md` lists its fields."""
+    statistics = result.statistics
+    verdict = result.plan.record.verdict if result.plan is not None else None
+    return {
+        "status": result.status,
+        "task": problem.task,
+        "parameters": dict(problem.parameters),
+        "seed": problem.seed,
+        "actions": list(result.actions),
+        "length": len(result.actions),
+        "optimal": True if statistics.optimal else statistics.gap,
+        "tree_nodes": statistics.tree_nodes,
+        "expanded_nodes": statistics.expanded_nodes,
+        "bounds": {b.bound: {"solved": b.solved, "refused": b.refused} for b in statistics.bounds},
+        "cost": result.cost,
+        "seconds": _seconds(statistics, compile_seconds),
+        "verified": verdict is not None and verdict.verified,
+        "worst": verdict.worst if verdict is not None else {},
+        "plan": str(written.plans[0]) if written.plans else None,
+        "plans": [str(file) for file in written.plans],
+        "report": str(written.report) if written.report is not None else None,
+        "explanation": json.loads(formatted_diagnostics(result.explanation, "json", problem.sources)),
+    }
+
+
+def _seconds(statistics: StatisticsRecord, compile_seconds: float) -> dict[str, float]:
+    """Seconds by stage, with the time that reading the program took; every stage is there, 0 where it did not run."""
+    stages = dict.fromkeys(("total", "compile", "search", "seq", "seq_path", "path", "verify"), 0.0)
+    stages |= {stage.replace("-", "_"): seconds for stage, seconds in statistics.seconds.items()}
+    stages["total"] += compile_seconds
+    stages["compile"] += compile_seconds
+    return {stage: round(seconds, 4) for stage, seconds in stages.items()}
+
+
+HEADLINES = {
+    "solved": "solved",
+    "infeasible": "infeasible: it is proved that there is no plan",
+    "exhausted": "exhausted: every candidate was refused",
+    "budget": "the budget is spent",
+    "refused": "the verifier refuses the plan",
+    "interrupted": "interrupted",
+}
+
+
+def result_lines(problem: Problem, result: Result, written: Written) -> list[str]:
+    """What a person wants to know, on a terminal."""
+    lines = [f"{problem.task}: {HEADLINES[result.status]}"]
+    lines += [f"  {number:2}  {action}" for number, action in enumerate(result.actions, start=1)]
+    if result.actions:
+        optimal = ", optimal" if result.statistics.optimal else ""
+        lines.append(f"{len(result.actions)} actions, cost {result.cost:g}{optimal}")
+    lines.append(_effort(result.statistics))
+    if result.plan is not None and result.plan.record.verdict is not None:
+        lines += verdict_lines(result.plan.record.verdict)
+    if result.explanation:
+        lines.append(formatted_diagnostics(result.explanation, "full", problem.sources))
+    lines += [f"plan: {file}" for file in written.plans]
+    if written.report is not None:
+        lines.append(f"report: {written.report}")
+    return lines
+
+
+def _effort(statistics: StatisticsRecord) -> str:
+    """Seconds, nodes and bounds in one line."""
+    parts = [f"{statistics.seconds.get('total', 0.0):.1f} s", f"{statistics.tree_nodes} tree nodes"]
+    parts += [f"{b.bound}: {b.solved} solved, {b.refused} refused" for b in statistics.bounds]
+    return "; ".join(parts)

@@ -1,0 +1,99 @@
+"""The command `solve`: a task in, a verified plan out."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+
+import click
+
+from .libraries import needing_libraries
+from .outputs import checked_output, numbered
+from .parameters import parameters_option
+from .progress import shown_progress
+from .solution import result_json, result_lines, write
+from .sources import formatted_diagnostics, reading_sources
+from .status import OF_OUTCOME
+
+
+@click.command()
+@click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
+@click.argument("task", required=False)
+@parameters_option
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="For the scene and the search.")
+@click.option("--bound", type=click.Choice(["seq", "seq-path", "path"]), help="The finest motion bound to try.")
+@click.option("--search", type=click.Choice(["astar", "wastar", "bfs", "guide"]), help="How to look for skeletons.")
+@click.option("--horizon", type=click.IntRange(min=1), help="Receding horizon. Not available yet.")
+@click.option("--solutions", type=click.IntRange(min=1), default=1, show_default=True, help="How many plans to find.")
+@click.option("--time", "seconds", type=click.FloatRange(min=0, min_open=True), help="Seconds; inf for no limit.")
+@click.option("--nodes", type=click.IntRange(min=1), help="How large the search tree may grow.")
+@click.option("--jobs", type=click.IntRange(min=1), default=1, help="Processes. More than 1 is not available yet.")
+@click.option("--solver", type=click.Choice(["algn", "ipopt"]), help="For the motion programs.")
+@click.option("--out", type=click.Path(path_type=Path), help="The plan file.  [default: TASK.plan.json in this folder]")
+@click.option("--report", type=click.Path(path_type=Path), help="Write the report too: one HTML file.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object on standard output.")
+def solve(
+    file: Path,
+    task: str | None,
+    parameters: dict[str, str],
+    seed: int,
+    bound: str | None,
+    search: str | None,
+    horizon: int | None,
+    solutions: int,
+    seconds: float | None,
+    nodes: int | None,
+    jobs: int,
+    solver: str | None,
+    out: Path | None,
+    report: Path | None,
+    as_json: bool,
+) -> int:
+    """Plan the TASK of FILE: actions, motion, and an independent check of both.
+
+    What is not given here comes from the task's own options.
+    """
+    if horizon is not None:
+        raise click.UsageError("--horizon (receding horizon) is not available yet")
+    if jobs > 1:
+        raise click.UsageError("--jobs above 1 (several processes) is not available yet")
+    from ..api import Task
+    from ..compiler.pipeline import compile_problem
+
+    started = time.monotonic()
+    with reading_sources(as_json=as_json):
+        loaded = Task(*compile_problem(file, task, parameters, seed))
+    compiled = time.monotonic() - started
+    if loaded.warnings:
+        click.echo(formatted_diagnostics(loaded.warnings, "full", loaded.problem.sources), err=True)
+    plan_file, report_file = _files(file, loaded.problem.task, solutions, out, report)
+    with needing_libraries():
+        with shown_progress() as progress:
+            result = loaded.solve(
+                bound=bound,
+                search=search,
+                time=seconds,
+                nodes=nodes,
+                solutions=solutions,
+                solver=solver,
+                progress=progress,
+            )
+        written = write(result, plan_file, report_file)
+    if as_json:
+        click.echo(json.dumps(result_json(loaded.problem, result, written, compiled)))
+    else:
+        click.echo("\n".join(result_lines(loaded.problem, result, written)))
+    return OF_OUTCOME[result.status]
+
+
+def _files(source: Path, task: str, solutions: int, out: Path | None, report: Path | None) -> tuple[Path, Path | None]:
+    """The plan file and the report file, both known to be writable."""
+    plan_file = out if out is not None else Path(f"{task}.plan.json")
+    for number in range(1, solutions + 1):
+        checked_output(numbered(plan_file, number), inputs=(source,))
+    if report is not None:
+        checked_output(report, inputs=(source,))
+        if report.absolute() == plan_file.absolute():
+            raise click.UsageError(f"--out and --report are the same file: {report}")
+    return plan_file, report

@@ -1,0 +1,82 @@
+"""Programs and what is wrong with them: from files to diagnostics, and from diagnostics to text."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import click
+
+from .status import ExitStatus
+
+if TYPE_CHECKING:
+    from ..langs.diagnostics import Diagnostic
+    from ..langs.source import Source
+
+FORMATS = ("full", "concise", "json", "sarif")
+
+
+class SourceFailure(click.ClickException):
+    """A program with errors; shown as its diagnostics."""
+
+    exit_code = ExitStatus.SOURCE_ERRORS
+
+    def __init__(self, diagnostics: Sequence[Diagnostic], as_json: bool) -> None:
+        super().__init__("the program has errors")
+        self.diagnostics = diagnostics
+        self.as_json = as_json
+
+    def show(self, file: IO[Any] | None = None) -> None:
+        """Print the diagnostics on standard error, and with `as_json` one object on standard output too."""
+        click.echo(formatted_diagnostics(self.diagnostics, "full"), err=True)
+        if self.as_json:
+            diagnostics = json.loads(formatted_diagnostics(self.diagnostics, "json"))
+            click.echo(json.dumps({"status": "error", "diagnostics": diagnostics}))
+
+
+@contextmanager
+def reading_sources(as_json: bool = False) -> Iterator[None]:
+    """Around code that reads programs: turns their errors into `SourceFailure` and `click.UsageError`."""
+    from ..compiler.parameters import UsageError
+    from ..langs.diagnostics import SourceError
+
+    try:
+        yield
+    except SourceError as error:
+        raise SourceFailure(error.diagnostics, as_json) from error
+    except UsageError as error:
+        raise click.UsageError(str(error)) from error
+
+
+def diagnostics_in(files: Sequence[Path]) -> list[Diagnostic]:
+    """All errors and warnings of the files, in that order; what several of them import is told once."""
+    from ..compiler.pipeline import check
+
+    return list(dict.fromkeys(diagnostic for file in files for diagnostic in check(file)))
+
+
+def formatted_diagnostics(diagnostics: Sequence[Diagnostic], form: str, given: Sequence[Source] = ()) -> str:
+    """The diagnostics in one of `FORMATS`. `given` holds sources that need not be read again."""
+    return "\n".join(f"{d.span}: {d.code} {d.message}" for d in diagnostics)
+
+
+def sources_of(diagnostics: Sequence[Diagnostic], given: Sequence[Source]) -> list[Source]:
+    """The sources that the diagnostics point into; those that can no longer be read are left out."""
+    from ..compiler.imports import on_disk
+    from ..langs.diagnostics import SourceError
+    from ..langs.reader import read_source
+    from ..langs.source import Source
+
+    sources = {source.path: source for source in given}
+    for diagnostic in diagnostics:
+        for span in (diagnostic.span, *(label.span for label in diagnostic.labels)):
+            if span is None or span.file in sources:
+                continue
+            try:
+                sources[span.file] = Source(span.file, read_source(on_disk(span.file)).text)
+            except SourceError:
+                continue
+    return list(sources.values())

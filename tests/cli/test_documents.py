@@ -1,0 +1,59 @@
+"""docs/cli.md and the README against the command itself."""
+
+from __future__ import annotations
+
+import re
+
+import click
+
+from tamplang.cli.app import application
+from tamplang.cli.status import ExitStatus
+
+from .conftest import ROOT
+
+CLI = (ROOT / "docs" / "cli.md").read_text(encoding="utf-8")
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def section(command: str) -> str:
+    """The text below the heading of a command."""
+    found = re.search(rf"^### `tamplang {command}\b.*?(?=^##)", CLI, re.MULTILINE | re.DOTALL)
+    assert found is not None, command
+    return found.group()
+
+
+def test_every_command_and_option_is_documented() -> None:
+    for name, command in application.commands.items():
+        text = section(name)
+        for parameter in command.params:
+            if isinstance(parameter, click.Option):
+                assert all(option in text for option in parameter.opts), (name, parameter.opts)
+
+
+def test_no_option_is_documented_that_does_not_exist() -> None:
+    for name, command in application.commands.items():
+        known = {option for parameter in command.params for option in parameter.opts}
+        mentioned = set(re.findall(r"(?<![\w-])--[a-z]+", section(name)))
+        assert mentioned <= known, name
+
+
+def test_every_choice_is_documented() -> None:
+    for name, command in application.commands.items():
+        for parameter in command.params:
+            if isinstance(parameter.type, click.Choice):
+                assert all(choice in section(name) for choice in parameter.type.choices), (
+                    name,
+                    parameter.name,
+                )
+
+
+def test_every_exit_status_is_documented() -> None:
+    assert set(re.findall(r"^\| (\d+) \|", CLI, re.MULTILINE)) == {str(int(status)) for status in ExitStatus}
+
+
+def test_the_readme_has_one_command_to_run_and_one_to_test() -> None:
+    for heading in ("Run it", "Test it"):
+        text = re.search(rf"^## {heading}\n(.*?)(?=^## )", README, re.MULTILINE | re.DOTALL)
+        assert text is not None
+        (block,) = re.findall(r"^```sh\n(.*?)^```", text.group(1), re.MULTILINE | re.DOTALL)
+        assert len(block.splitlines()) == 1
