@@ -1,0 +1,248 @@
+"""The bound P_seqPath: with the switches given, every phase is a point-to-point problem of its own in joint values.
+
+Phases are solved all at once, in batches of equal structure: from a straight start, then from bumped starts, then from
+a sampled polyline. A path is accepted only by the swept check on its spline.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...compiler.collision import contacts
+from ..budget import Budget
+from ..settings import MotionSettings
+from ..skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton, Violation
+from .batch import Batch, sweep, worst_clash
+from .geometry import make_parts
+from .kinematics import mounted_poses
+from .sampling import sampled_starts
+from .smoothing import Schedule, path_cost, smooth_paths
+from .tree import PhaseTree, arrive, phase_tree, pose_vector
+
+LEVELS = ((1, 0.0), (8, 0.5), (24, 0.8))
+"""Starts per phase and the size of their bumps, radians, one attempt after the other."""
+SAMPLED_STARTS = 6
+SPEED_SHARE = 0.95
+SHORTEST = 1.0
+"""Least duration of a phase, seconds."""
+
+
+@dataclass(slots=True)
+class _Group:
+    """A batch with the best path of each phase so far."""
+
+    batch: Batch
+    paths: Array
+    cost: Array
+    solved: Array
+    clearance: Array
+
+
+@dataclass(slots=True)
+class PhaseReport:
+    """How the phases were solved: how many by each attempt (straight, bumped, bumped wide, sampled)."""
+
+    attempts: list[int] = field(default_factory=lambda: [0] * (len(LEVELS) + 1))
+
+
+def _straight(batch: Batch) -> Array:
+    share = np.arange(1, batch.slices) / batch.slices
+    share = (share * share * (3.0 - 2.0 * share))[:, None]
+    return batch.start[:, None] * (1.0 - share) + batch.end[:, None] * share
+
+
+def _bumped(batch: Batch, random: np.random.Generator, size: float) -> Array:
+    """Straight lines plus half and whole sine waves of random height, within the limits."""
+    inner = _straight(batch)
+    share = (np.arange(1, batch.slices) / batch.slices)[:, None]
+    shape = (len(batch), 1, inner.shape[2])
+    inner += np.sin(np.pi * share) * random.normal(0.0, size, shape)
+    inner += np.sin(2.0 * np.pi * share) * random.normal(0.0, size / 2.0, shape)
+    joints = batch.joints
+    return np.clip(inner, (joints.lower + joints.inset)[:, None], (joints.upper - joints.inset)[:, None])
+
+
+def _keep_best(group: _Group, index: Array, batch: Batch, paths: Array) -> None:
+    """Take over clean paths that are cheaper, or while there is none what is least in the way; `index` gives the
+    phase of the group behind each path."""
+    checked = sweep(batch, paths)
+    clean = checked.clean
+    cost = path_cost(batch, paths)
+    for k, phase in enumerate(index):
+        if clean[k] and (not group.solved[phase] or cost[k] < group.cost[phase]):
+            group.paths[phase], group.cost[phase], group.solved[phase] = paths[k], cost[k], True
+        elif not group.solved[phase] and checked.clearance[k] > group.clearance[phase]:
+            group.paths[phase], group.cost[phase] = paths[k], cost[k]
+            group.clearance[phase] = checked.clearance[k]
+
+
+def _attempt(group: _Group, index: Array, inner: Array, schedule: Schedule, budget: Budget) -> int:
+    """Smooth starts of the group's phases `index` (repeats allowed) and keep what is clean."""
+    batch = group.batch.take(index)
+    inner, iterations = smooth_paths(batch, inner, schedule, budget)
+    _keep_best(group, index, batch, batch.with_ends(inner))
+    return iterations
+
+
+def _solve(group: _Group, random: np.random.Generator, budget: Budget, report: PhaseReport) -> int:
+    """Attempt after attempt until every phase is solved; returns the iterations of the longest phases."""
+    iterations = 0
+    for level, (count, size) in enumerate(LEVELS):
+        index = np.repeat(np.flatnonzero(~group.solved), count)
+        if not len(index):
+            return iterations
+        batch = group.batch.take(index)
+        inner = _bumped(batch, random, size) if level else _straight(batch)
+        before = int(group.solved.sum())
+        iterations += _attempt(group, index, inner, Schedule(), budget)
+        report.attempts[level] += int(group.solved.sum()) - before
+    for phase in np.flatnonzero(~group.solved):
+        starts = sampled_starts(group.batch, int(phase), random, budget, SAMPLED_STARTS)
+        if starts is not None:
+            index = np.repeat(phase, SAMPLED_STARTS)
+            iterations += _attempt(group, index, starts, Schedule(weight=1e5), budget)
+        if not group.solved[phase]:
+            return iterations
+        report.attempts[-1] += 1
+    return iterations
+
+
+def _blocked(batch: Batch) -> list[Violation]:
+    """Phases whose first or last pose is blocked itself."""
+    found = []
+    for k, phase in enumerate(batch.phases):
+        for pose, column in ((batch.start[k], 0), (batch.end[k], len(batch.times) - 1)):
+            clash = worst_clash(batch, k, pose[None], slice(column, column + 1))
+            if clash.amount > 0.0:
+                found.append(Violation(int(phase), ("collision", *clash.pair), clash.amount, "m"))
+    return found
+
+
+def _failures(group: _Group) -> list[Violation]:
+    """The worst pair on the best path of every phase that is not solved."""
+    from scipy.interpolate import CubicSpline
+
+    found = []
+    for k in np.flatnonzero(~group.solved):
+        knots = np.arange(group.batch.slices + 1)
+        values = CubicSpline(knots, group.paths[k], bc_type="clamped")(group.batch.times)
+        clash = worst_clash(group.batch, int(k), values, slice(None))
+        found.append(Violation(int(group.batch.phases[k]), ("collision", *clash.pair), max(clash.amount, 0.0), "m"))
+    return found
+
+
+def solve_sequence_path(
+    skeleton: Skeleton, configurations: Sequence[Configuration], settings: MotionSettings, seed: int, budget: Budget
+) -> BoundResult:
+    """P_seqPath (thesis, section 3.2): motions between the given K + 1 switch configurations, whose switch rows hold
+    to 1e-6.
+
+    The result's configurations take their joint values from the given ones and their poses from the kinematics of
+    the phases before, so that what rests does not drift. When a phase fails, `paths` hold the best attempts and
+    `violations` the worst pair of each failed phase; a switch that is blocked itself is reported at once, without
+    paths. Raises UnsupportedPhase for phases that are no open chains, and OutOfTime.
+    """
+    started = time.perf_counter()
+    trees, states, drift = _chain(skeleton, configurations, settings)
+    groups = _groups(skeleton, trees, states, settings)
+    result = BoundResult("seq-path", False, math.inf, 0.0, 0, [states[0][0], *(e for _, e in states)], [], drift)
+    result.violations += [v for group in groups for v in _blocked(group.batch)]
+    if not result.violations:
+        report = PhaseReport()
+        for k, group in enumerate(groups):
+            result.iterations += _solve(group, np.random.default_rng([seed, k]), budget, report)
+        result.violations += [v for group in groups for v in _failures(group)]
+        result.cost = float(sum(group.cost.sum() for group in groups))
+        result.paths = _paths(skeleton, groups, trees, states, settings.slices)
+        result.feasible = not result.violations
+    result.violations.sort(key=lambda v: (-v.amount, v.phase))
+    result.seconds = time.perf_counter() - started
+    return result
+
+
+def _chain(
+    skeleton: Skeleton, configurations: Sequence[Configuration], settings: MotionSettings
+) -> tuple[list[PhaseTree], list[tuple[Configuration, Configuration]], list[Violation]]:
+    """The forest of each phase, the configurations at its two ends, and where the given poses disagree with them."""
+    trees, states, drift = [], [], []
+    current = configurations[0].copy()
+    for index, phase in enumerate(skeleton.phases):
+        given = configurations[index + 1]
+        tree = phase_tree(skeleton.problem, index, phase, current, given)
+        reached = arrive(tree, current, given)
+        for name, state in reached.modules.items():
+            off = float(np.abs(state[:3] - given.modules[name][:3]).max())
+            if off > settings.tolerance:
+                drift.append(Violation(index, ("drift", name), off, "m"))
+        trees.append(tree)
+        states.append((current, reached))
+        current = reached
+    return trees, states, drift
+
+
+def _groups(
+    skeleton: Skeleton, trees: Sequence[PhaseTree], states: Sequence[tuple[Configuration, Configuration]],
+    settings: MotionSettings,
+) -> list[_Group]:
+    """Phases that move, stacked by structure."""
+    world = skeleton.problem.world
+    touching = contacts(skeleton)
+    known: dict[object, object] = {}
+    stacked: dict[object, list[int]] = {}
+    parts = {t.phase: make_parts(t, world, known) for t in trees if t.variables}
+    for phase, (coarse, fine) in parts.items():
+        stacked.setdefault((coarse.structure, fine.structure), []).append(phase)
+    groups = []
+    for members in stacked.values():
+        batch = Batch(
+            [parts[p] for p in members], [states[p] for p in members], world, touching, settings.slices, settings.margin
+        )
+        count = len(members)
+        paths = batch.with_ends(_straight(batch))
+        groups.append(_Group(batch, paths, path_cost(batch, paths), np.zeros(count, bool), np.full(count, -np.inf)))
+    return groups
+
+
+def _paths(
+    skeleton: Skeleton, groups: Sequence[_Group], trees: Sequence[PhaseTree],
+    states: Sequence[tuple[Configuration, Configuration]], slices: int,
+) -> list[PhasePath]:
+    """Samples of everything in every phase: modules that rest in constant rows, bodies that are carried."""
+    motions = {int(p): (g.paths[k], duration(g.batch, g.paths, k)) for g in groups for k, p in enumerate(g.batch.phases)}
+    paths = []
+    for tree, (start, _) in zip(trees, states, strict=True):
+        values, seconds = motions.get(tree.phase, (np.zeros((slices + 1, 0)), SHORTEST))
+        modules = {m: np.tile(state, (slices + 1, 1)) for m, state in start.modules.items()}
+        for module, links in tree.links.items():
+            modules[module][:, :7] = _continuous(pose_vector(mounted_poses(tree, links[-1], values)), start.modules[module])
+        for column, (module, joint) in enumerate(tree.variables):
+            modules[module][:, 7 + joint] = values[:, column]
+        bodies = {
+            b: _continuous(pose_vector(mounted_poses(tree, mount, values)), start.bodies[b]) for b, mount in tree.bodies.items()
+        }
+        paths.append(PhasePath(modules, bodies, seconds))
+    return paths
+
+
+def _continuous(poses: Array, before: Array) -> Array:
+    """The same poses `(times, 7)`, with quaternions that do not change sign from one to the next."""
+    quaternions = np.concatenate([before[None, 3:7], poses[:, 3:]])
+    flips = np.cumprod(np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0, -1.0, 1.0))
+    return np.concatenate([poses[:, :3], poses[:, 3:] * flips[:, None]], axis=1)
+
+
+def duration(batch: Batch, paths: Array, phase: int) -> float:
+    """The shortest time of at least one second, in tenths, in which no joint exceeds its speed limit's share."""
+    from scipy.interpolate import CubicSpline
+
+    slices = batch.slices
+    a, b, c, _ = CubicSpline(np.arange(slices + 1), paths[phase], bc_type="clamped").c
+    turn = np.clip(np.where(np.abs(a) > 1e-12, -b / np.where(a == 0.0, 1.0, 3.0 * a), 0.0), 0.0, 1.0)
+    peaks = [np.abs((3.0 * a * u + 2.0 * b) * u + c).max(axis=0) for u in (0.0, 1.0, turn)]
+    slowest = float((np.max(peaks, axis=0) * slices / (SPEED_SHARE * batch.joints.speed[phase])).max(initial=0.0))
+    return max(SHORTEST, math.ceil(slowest * 10.0 - 1e-9) / 10.0)
