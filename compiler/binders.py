@@ -81,9 +81,11 @@ def _check_chain(context: Context, scope: Scope, node: syntax.ChainType) -> tupl
     ends = [v.type.name for v in signature.variables if isinstance(v.type, ir.ObjectType)]
     if len(ends) != 2 or not all(library.is_a(e, "effector") for e in ends) or signature.derived or signature.static:
         findings.report(
-            "E0202", where, f"chains are linked by a predicate of two effectors that rules change; `{node.predicate}` is none",
+            "E0202",
+            where,
+            f"chains are linked by a predicate of two effectors that rules change; `{node.predicate}` is none",
             labels=[(signature.span, "declared here")],
-        )  # fmt: skip
+        )
         return chain, UNKNOWN
     return chain, Kind("chain", node.element, ends[0])
 
@@ -100,7 +102,9 @@ def unrolled(context: Context, scope: Scope, binders: Sequence[syntax.Parameter]
     if first is None or last is None:
         return None
     if last - first >= LARGEST_LOOP:
-        context.findings.report("E0510", head.type.span, f"the loop has {last - first + 1} rounds, at most {LARGEST_LOOP} are allowed")
+        context.findings.report(
+            "E0510", head.type.span, f"the loop has {last - first + 1} rounds, at most {LARGEST_LOOP} are allowed"
+        )
         return None
     where = context.findings.word(head.span, head.name)
     inner = [

@@ -19,9 +19,7 @@ def check_heuristics(context: Context) -> None:
         lower_heuristic(context, heuristic, parameter_entries(context, heuristic.parameters, objects=True))
 
 
-def lower_heuristic(
-    context: Context, heuristic: syntax.HeuristicDecl, entries: Mapping[str, Entry]
-) -> ir.Heuristic:
+def lower_heuristic(context: Context, heuristic: syntax.HeuristicDecl, entries: Mapping[str, Entry]) -> ir.Heuristic:
     """The heuristic with its parameters replaced by what `entries` says."""
     scope = Scope("heuristic").with_entries(entries.items())
     start = None if heuristic.start is None else _value(context, scope, heuristic.start)
@@ -55,9 +53,12 @@ def _check_case(context: Context, scope: Scope, case: syntax.HeuristicCase) -> i
     if len(case.parameters) != len(rule.parameters):
         names = ", ".join(p.name for p in rule.parameters)
         findings.report(
-            "E0201", where, f"rule `{rule.name}` has {len(rule.parameters)} parameters, not {len(case.parameters)}",
-            help=f"write `{rule.name}({names})`", labels=[(declared, "declared here")],
-        )  # fmt: skip
+            "E0201",
+            where,
+            f"rule `{rule.name}` has {len(rule.parameters)} parameters, not {len(case.parameters)}",
+            help=f"write `{rule.name}({names})`",
+            labels=[(declared, "declared here")],
+        )
         return None
     return ir.Case(case.rule, _value(context, _pattern_scope(context, scope, case, rule), case.value))
 

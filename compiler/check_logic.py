@@ -35,9 +35,13 @@ def lower_predicates(context: Context) -> dict[str, ir.Predicate]:
         names = [v.name for v in signature.variables]
         key = declaration.functional_in
         lowered[declaration.name] = ir.Predicate(
-            declaration.name, signature.variables, declaration.static, declaration.symmetric,
-            names.index(key) if key in names else None, signature.span,
-        )  # fmt: skip
+            declaration.name,
+            signature.variables,
+            declaration.static,
+            declaration.symmetric,
+            names.index(key) if key in names else None,
+            signature.span,
+        )
     return lowered
 
 
@@ -47,9 +51,7 @@ def check_derived(context: Context) -> dict[str, ir.Derived]:
     for declaration in context.library.derived.values():
         scope, variables = bind(context, Scope("rule"), _unique(declaration.parameters))
         body = check_formula(context, scope, declaration.body)
-        lowered[declaration.name] = ir.Derived(
-            declaration.name, variables, body, context.logic[declaration.name].span
-        )
+        lowered[declaration.name] = ir.Derived(declaration.name, variables, body, context.logic[declaration.name].span)
     _check_circles(context, lowered)
     return lowered
 

@@ -33,7 +33,9 @@ def _check_rows(context: Context, scope: Scope, items: Sequence[syntax.MotionIte
         if isinstance(item, syntax.MotionFor):
             rounds = unrolled(context, scope, item.binders)
             if rounds is None:
-                context.findings.report("E0311", item.span, "loops of a motion predicate run over fixed ranges of numbers")
+                context.findings.report(
+                    "E0311", item.span, "loops of a motion predicate run over fixed ranges of numbers"
+                )
             for inner in rounds or ():
                 rows.extend(_check_rows(context, inner, item.rows))
         else:
@@ -67,9 +69,11 @@ def _check_row(context: Context, scope: Scope, item: syntax.MotionRow) -> ir.Row
     if item.operator not in ("=", "<=", ">="):
         near = {"<": "<=", ">": ">="}.get(item.operator)
         findings.report(
-            "E0402", item.span, f"rows of motion predicates compare by =, <= or >=, not by {item.operator}",
+            "E0402",
+            item.span,
+            f"rows of motion predicates compare by =, <= or >=, not by {item.operator}",
             help=f"use `{near}`" if near else None,
-        )  # fmt: skip
+        )
         return None
     if not (left.kind.known and right.kind.known):
         return None
@@ -108,10 +112,12 @@ def _check_sizes(context: Context, item: syntax.MotionRow, left: Typed, right: T
     names = {one.name, other.name}
     if size_of(one) != size_of(other) and not ("rows" in names and (names & {"length", "number"})):
         context.findings.report(
-            "E0401", item.span, f"{_sized(one)} cannot be compared with {_sized(other)}",
+            "E0401",
+            item.span,
+            f"{_sized(one)} cannot be compared with {_sized(other)}",
             help="compare with a plain 0, or with a vector `(x, y, z)`" if "vector" in names else None,
             labels=[(item.left.span, _sized(one)), (item.right.span, _sized(other))],
-        )  # fmt: skip
+        )
         return False
     if added(one, other, left.literal, right.literal) is None:
         context.findings.report("E0203", item.span, f"{one} cannot be compared with {other}")

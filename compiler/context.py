@@ -29,7 +29,9 @@ class Context:
             self.findings.report("E0208", node.span, "a type of objects is needed here")
             return None
         if node.name in VALUE_TYPE_NAMES:
-            self.findings.report("E0208", node.span, f"`{node.name}` is a type of values; a type of objects is needed here")
+            self.findings.report(
+                "E0208", node.span, f"`{node.name}` is a type of values; a type of objects is needed here"
+            )
             return None
         if node.name not in self.library.types:
             self.findings.unknown("E0102", "type", node.name, node.span, self.library.types)
@@ -43,7 +45,10 @@ def build_context(library: Library, findings: Findings) -> Context:
     logic: dict[str, Signature] = {}
     for predicate in library.predicates.values():
         logic[predicate.name] = Signature(
-            predicate.name, _parameters(context, predicate), findings.word(predicate.span, predicate.name), predicate.static
+            predicate.name,
+            _parameters(context, predicate),
+            findings.word(predicate.span, predicate.name),
+            predicate.static,
         )
         _check_modifiers(context, predicate, logic[predicate.name])
     for derived in library.derived.values():

@@ -38,9 +38,11 @@ def _check_effect(context: Context, scope: Scope, item: syntax.Effect) -> ir.Eff
     if signature.static or signature.derived:
         kind = "static" if signature.static else "derived"
         context.findings.report(
-            "E0305", context.findings.word(item.literal.span, literal.predicate),
-            f"`{literal.predicate}` is {kind}: a rule cannot change it", labels=[(signature.span, "declared here")],
-        )  # fmt: skip
+            "E0305",
+            context.findings.word(item.literal.span, literal.predicate),
+            f"`{literal.predicate}` is {kind}: a rule cannot change it",
+            labels=[(signature.span, "declared here")],
+        )
         return None
     return ir.Effect(literal, item.negated)
 
@@ -51,9 +53,12 @@ def _check_contradictions(context: Context, effects: Sequence[ir.Effect]) -> Non
         other = added.get(effect.literal)
         if effect.negated and other is not None:
             context.findings.report(
-                "E0302", effect.literal.span, f"`{effect.literal.predicate}` with the same arguments is both added and deleted",
-                labels=[(other.span, "added here")], note="an action first deletes, then adds: the literal would hold",
-            )  # fmt: skip
+                "E0302",
+                effect.literal.span,
+                f"`{effect.literal.predicate}` with the same arguments is both added and deleted",
+                labels=[(other.span, "added here")],
+                note="an action first deletes, then adds: the literal would hold",
+            )
 
 
 def flatten(items: Sequence[ir.EffectItem]) -> Iterator[ir.Effect]:

@@ -44,12 +44,16 @@ def check_formula(context: Context, scope: Scope, formula: syntax.Formula) -> ir
 def _check_condition(context: Context, scope: Scope, literal: syntax.Literal) -> ir.Literal | None:
     if literal.motion:
         context.findings.report(
-            "E0310", literal.span, f"`[{literal.predicate} …]` is a motion literal: conditions read logic literals",
+            "E0310",
+            literal.span,
+            f"`[{literal.predicate} …]` is a motion literal: conditions read logic literals",
             help=f"did you mean `({literal.predicate} …)`?" if literal.predicate in context.logic else None,
-        )  # fmt: skip
+        )
         return None
     if scope.place == "scene":
-        context.findings.report("E0311", literal.span, "a condition in a scene compares numbers; literals have no value yet")
+        context.findings.report(
+            "E0311", literal.span, "a condition in a scene compares numbers; literals have no value yet"
+        )
         return None
     if scope.place == "motion":
         context.findings.report("E0311", literal.span, "a motion predicate cannot read logic literals")
@@ -86,9 +90,12 @@ def find_signature(context: Context, literal: syntax.Literal) -> Signature | Non
         right = f"({literal.predicate} …)" if literal.motion else f"[{literal.predicate} …]"
         kind = "logic" if literal.motion else "motion"
         context.findings.report(
-            "E0209", where, f"`{literal.predicate}` is a {kind} predicate", help=f"write `{right}`",
+            "E0209",
+            where,
+            f"`{literal.predicate}` is a {kind} predicate",
+            help=f"write `{right}`",
             labels=[(other[literal.predicate].span, "declared here")],
-        )  # fmt: skip
+        )
     else:
         code, what = ("E0104", "motion predicate") if literal.motion else ("E0103", "predicate")
         context.findings.unknown(code, what, literal.predicate, where, table)
@@ -100,9 +107,12 @@ def _report_arity(context: Context, literal: syntax.Literal, signature: Signatur
     left, right = "[]" if literal.motion else "()"
     form = " ".join([signature.name, *(v.name for v in signature.variables)])
     context.findings.report(
-        "E0201", literal.span, f"`{literal.predicate}` takes {wanted} argument{'s' * (wanted != 1)}, not {given}",
-        help=f"write `{left}{form}{right}`", labels=[(signature.span, "declared here")],
-    )  # fmt: skip
+        "E0201",
+        literal.span,
+        f"`{literal.predicate}` takes {wanted} argument{'s' * (wanted != 1)}, not {given}",
+        help=f"write `{left}{form}{right}`",
+        labels=[(signature.span, "declared here")],
+    )
 
 
 def check_argument(
@@ -118,9 +128,12 @@ def check_argument(
         if typed.kind.name == "chain":
             help = f"name one of its ends, such as `{_written(arg)}.first`"
         context.findings.report(
-            "E0208", arg.span, f"`{signature.name}` takes an object here, not {typed.kind}", help=help,
+            "E0208",
+            arg.span,
+            f"`{signature.name}` takes an object here, not {typed.kind}",
+            help=help,
             labels=[(signature.span, "declared here")],
-        )  # fmt: skip
+        )
         return False
     if context.library.is_a(typed.kind.type, wanted):
         return True
@@ -128,10 +141,12 @@ def check_argument(
     if context.library.is_a(wanted, typed.kind.type):
         help = f"declare it as `{wanted}`, which is below `{typed.kind.type}`"
     context.findings.report(
-        "E0202", arg.span,
+        "E0202",
+        arg.span,
         f"parameter {variable.name} of `{signature.name}` must be of type `{wanted}`, not `{typed.kind.type}`",
-        help=help, labels=[(signature.span, "declared here")],
-    )  # fmt: skip
+        help=help,
+        labels=[(signature.span, "declared here")],
+    )
     return False
 
 
@@ -176,7 +191,9 @@ def _check_compare(context: Context, scope: Scope, formula: syntax.Compare) -> i
             context.findings.report("E0208", formula.span, f"objects compare by = and !=, not by {formula.operator}")
         elif not context.library.overlap(left.kind.type, right.kind.type):
             context.findings.report(
-                "E0202", formula.span, f"no object is both `{left.kind.type}` and `{right.kind.type}`: this never changes"
+                "E0202",
+                formula.span,
+                f"no object is both `{left.kind.type}` and `{right.kind.type}`: this never changes",
             )
         return lowered
     scalar = left.kind.is_scalar and right.kind.is_scalar
@@ -209,9 +226,12 @@ def _check_previous(context: Context, scope: Scope, formula: syntax.Previous) ->
         return ir.Previous(formula.rule, None)
     if len(formula.args) != len(rule.parameters):
         findings.report(
-            "E0201", formula.span, f"`{rule.name}` has {len(rule.parameters)} parameters, not {len(formula.args)}",
-            help="leave the arguments out to accept any", labels=[(findings.word(rule.span, rule.name), "declared here")],
-        )  # fmt: skip
+            "E0201",
+            formula.span,
+            f"`{rule.name}` has {len(rule.parameters)} parameters, not {len(formula.args)}",
+            help="leave the arguments out to accept any",
+            labels=[(findings.word(rule.span, rule.name), "declared here")],
+        )
         return TRUE
     inner = scope.with_wildcard()
     return ir.Previous(formula.rule, tuple(check_term(context, inner, a).term for a in formula.args))

@@ -123,5 +123,3 @@ def load_library(path: str | os.PathLike[str]) -> Library:
     if findings.has_errors:
         raise SourceError(findings.sorted())
     return library
-
-

@@ -14,7 +14,9 @@ from .scene import BuiltScene, Standing
 class InitialState:
     """Collects ground literals, symmetric ones in both orders; reports a second value of a functional predicate."""
 
-    def __init__(self, context: Context, predicates: dict[str, ir.Predicate], motions: dict[str, ir.MotionPredicate]) -> None:
+    def __init__(
+        self, context: Context, predicates: dict[str, ir.Predicate], motions: dict[str, ir.MotionPredicate]
+    ) -> None:
         self.context = context
         self.predicates = predicates
         self.motions = motions
@@ -68,14 +70,18 @@ def initial_state(
 def _placed(context: Context, placements: Iterable[Placement], standing: Standing) -> list[ir.Literal]:
     library = context.library
     fitting = [
-        p for p in placements
-        if library.is_a(standing.subject_type, _type(p.subject)) and library.is_a(standing.support_type, _type(p.support))
-    ]  # fmt: skip
+        p
+        for p in placements
+        if library.is_a(standing.subject_type, _type(p.subject))
+        and library.is_a(standing.support_type, _type(p.support))
+    ]
     if not fitting:
         context.findings.report(
-            "E0501", standing.span, f"nothing says what holds when a `{standing.subject_type}` stands on a `{standing.support_type}`",
+            "E0501",
+            standing.span,
+            f"nothing says what holds when a `{standing.subject_type}` stands on a `{standing.support_type}`",
             help="declare or import a `placement` for them",
-        )  # fmt: skip
+        )
         return []
     chosen = max(fitting, key=lambda p: (_depth(context, _type(p.subject)), _depth(context, _type(p.support))))
     names = {chosen.subject.name: standing.subject, chosen.support.name: standing.support}

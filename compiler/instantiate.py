@@ -79,8 +79,21 @@ def _problem(
     goal = built.goals[0] if len(built.goals) == 1 else ir.And(tuple(built.goals))
     parameters = {n: e.typed.value for n, e in entries.items() if e.typed.value is not None}
     return ir.Problem(
-        task=task.name, file=library.path, seed=seed, parameters=parameters, types=library.types, objects=objects,
-        predicates=lifted.predicates, derived=lifted.derived, motions=lifted.motions, rules=lifted.rules,
-        heuristic=heuristic, init=init[0], init_motion=init[1], goal=goal, world=ir.World(built.modules, bodies),
-        options=built.options, sources=library.sources,
-    )  # fmt: skip
+        task=task.name,
+        file=library.path,
+        seed=seed,
+        parameters=parameters,
+        types=library.types,
+        objects=objects,
+        predicates=lifted.predicates,
+        derived=lifted.derived,
+        motions=lifted.motions,
+        rules=lifted.rules,
+        heuristic=heuristic,
+        init=init[0],
+        init_motion=init[1],
+        goal=goal,
+        world=ir.World(built.modules, bodies),
+        options=built.options,
+        sources=library.sources,
+    )

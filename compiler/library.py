@@ -98,10 +98,20 @@ def build_library(sources: tuple[Source, ...], files: tuple[syntax.File, ...], f
     modules = tables.of(syntax.ModuleDecl)
     types, spans = _types(tables.of(syntax.TypeDecl), modules, tables)
     return Library(
-        sources, files, types, spans, predicates, derived, tables.of(syntax.MotionDecl), tables.of(syntax.RuleDecl),
+        sources,
+        files,
+        types,
+        spans,
+        predicates,
+        derived,
+        tables.of(syntax.MotionDecl),
+        tables.of(syntax.RuleDecl),
         tuple(d for d in tables.declarations if isinstance(d, syntax.PlacementDecl)),
-        tables.of(syntax.HeuristicDecl), modules, tables.of(syntax.SceneDecl), tables.of(syntax.TaskDecl),
-    )  # fmt: skip
+        tables.of(syntax.HeuristicDecl),
+        modules,
+        tables.of(syntax.SceneDecl),
+        tables.of(syntax.TaskDecl),
+    )
 
 
 def _types(

@@ -15,9 +15,9 @@ from ..langs.source import Span
 from . import ir
 from .context import Context
 from .formulas import check_literal
-from .kinds import ANGLE, LENGTH, NUMBER, Kind, SCALARS
+from .kinds import ANGLE, LENGTH, NUMBER, SCALARS, Kind
 from .names import Entry, Family, Objects, Scope
-from .poses import about, between, make, unit
+from .poses import between, make, unit
 from .terms import check_term
 from .values import LINK_SHAPES, number, parameter_entries, shape, vector
 
@@ -86,14 +86,18 @@ def build_module(context: Context, module: syntax.ModuleDecl, scope: Scope, name
                 facts += [literal] if literal is not None else []
     if not chain.complete:
         return None
-    return BuiltModule(ir.ModuleType(name, tuple(chain.joints), tuple(chain.effectors), tuple(chain.links)), tuple(facts))
+    return BuiltModule(
+        ir.ModuleType(name, tuple(chain.joints), tuple(chain.effectors), tuple(chain.links)), tuple(facts)
+    )
 
 
 def _check_names(context: Context, module: syntax.ModuleDecl) -> None:
     findings = context.findings
     if not any(isinstance(i, syntax.EffectorItem) for i in module.items):
         where = findings.word(module.span, module.name)
-        findings.report("E0508", where, f"module type `{module.name}` has no effector", help="add `effector A: sphere(5 cm)`")
+        findings.report(
+            "E0508", where, f"module type `{module.name}` has no effector", help="add `effector A: sphere(5 cm)`"
+        )
     seen: dict[str, Span] = {}
     for item in module.items:
         if isinstance(item, syntax.EffectorItem | syntax.JointItem):
@@ -167,13 +171,13 @@ def _axis(context: Context, item: syntax.JointItem) -> ir.Vec3 | None:
     return None
 
 
-def _limits(
-    context: Context, scope: Scope, item: syntax.JointItem, kind: Kind
-) -> tuple[float, float, float] | None:
+def _limits(context: Context, scope: Scope, item: syntax.JointItem, kind: Kind) -> tuple[float, float, float] | None:
     findings = context.findings
     if item.lower is None or item.upper is None:
         if kind == LENGTH:
-            findings.report("E0508", item.span, f"joint `{item.name}` slides and needs limits", help="add `in 0 m .. 0.5 m`")
+            findings.report(
+                "E0508", item.span, f"joint `{item.name}` slides and needs limits", help="add `in 0 m .. 0.5 m`"
+            )
             return None
         lower: float | None = -math.pi
         upper: float | None = math.pi
@@ -184,13 +188,18 @@ def _limits(
     if lower is None or upper is None or home is None:
         return None
     if lower >= upper and item.lower is not None:
-        findings.report("E0508", item.lower.span, f"the limits of joint `{item.name}` are empty: {lower:g} .. {upper:g}")
+        findings.report(
+            "E0508", item.lower.span, f"the limits of joint `{item.name}` are empty: {lower:g} .. {upper:g}"
+        )
         return None
     if not lower <= home <= upper:
         where = item.home.span if item.home is not None else item.span
         help = None if item.home is not None else "the home value is 0 unless `home` gives another"
         findings.report(
-            "E0508", where, f"the home value {home:g} of joint `{item.name}` is outside {lower:g} .. {upper:g}", help=help
+            "E0508",
+            where,
+            f"the home value {home:g} of joint `{item.name}` is outside {lower:g} .. {upper:g}",
+            help=help,
         )
         return None
     return lower, upper, home
@@ -206,7 +215,10 @@ def _speed(context: Context, scope: Scope, item: syntax.JointItem, kind: Kind) -
     if typed.kind.name != "speed":
         code = "E0203" if typed.kind.name in SCALARS else "E0208"
         context.findings.report(
-            code, item.speed.span, f"the speed of a joint must be a speed, not {typed.kind}", help=f"write `2 {unit_text}`"
+            code,
+            item.speed.span,
+            f"the speed of a joint must be a speed, not {typed.kind}",
+            help=f"write `2 {unit_text}`",
         )
         return None
     linear = isinstance(item.speed, syntax.Number) and item.speed.text.rstrip().endswith("m/s")
@@ -257,4 +269,3 @@ def home_values(module: ir.ModuleType) -> tuple[float, ...]:
 def entries_key(entries: Mapping[str, Entry]) -> tuple[float | None, ...]:
     """The values of parameters, to build each module type once."""
     return tuple(e.typed.value for e in entries.values())
-

@@ -64,17 +64,17 @@ def check_index(context: Context, scope: Scope, term: syntax.Index, check: Check
     if entry.typed.kind.name != "chain":
         if entry.typed.kind.known:
             context.findings.report(
-                "E0208", base.span, f"`{base.name}` is {entry.typed.kind} and has no index",
+                "E0208",
+                base.span,
+                f"`{base.name}` is {entry.typed.kind} and has no index",
                 labels=[(entry.span, "declared here")],
-            )  # fmt: skip
+            )
         return BROKEN
     index = check(context, scope, indices[0])
     if index.kind.known and index.kind.name != "number":
         context.findings.report("E0208", indices[0].span, f"an index must be a plain number, not {index.kind}")
         return BROKEN
-    return Typed(
-        ir.ChainModule(_chain_name(entry), index.term, "", term.span), Kind("object", entry.typed.kind.type)
-    )
+    return Typed(ir.ChainModule(_chain_name(entry), index.term, "", term.span), Kind("object", entry.typed.kind.type))
 
 
 def _chain_name(entry: Entry) -> str:
@@ -142,7 +142,11 @@ def check_object(
         return BROKEN
     name = object_name(context, base, indices)
     if name is None:
-        return BROKEN if scope.objects.ground is not None else Typed(ir.Object(base, term.span), Kind("object", family.type))
+        return (
+            BROKEN
+            if scope.objects.ground is not None
+            else Typed(ir.Object(base, term.span), Kind("object", family.type))
+        )
     if scope.objects.ground is not None and name not in scope.objects.ground:
         help = did_you_mean(name, scope.objects.ground)
         findings.report("E0101", term.span, f"there is no object `{name}`", help=help)

@@ -38,7 +38,9 @@ def choose_task(library: Library, name: str | None) -> syntax.TaskDecl:
     stem = PurePath(library.path).stem
     if stem in own:
         return own[stem]
-    raise UsageError(f"`{library.path}` has several tasks, name one: {', '.join(own)}" if own else f"`{library.path}` has no task")
+    raise UsageError(
+        f"`{library.path}` has several tasks, name one: {', '.join(own)}" if own else f"`{library.path}` has no task"
+    )
 
 
 def _listed(names: Mapping[str, object]) -> str:

@@ -180,5 +180,10 @@ def _followers(motion: ir.MotionPredicate) -> Iterator[int]:
     names = [v.name for v in motion.variables]
     for row in motion.rows:
         kept = row.left
-        if row.when == "keep" and isinstance(kept, ir.Function) and kept.name == "pose" and isinstance(kept.args[0], ir.Var):
+        if (
+            row.when == "keep"
+            and isinstance(kept, ir.Function)
+            and kept.name == "pose"
+            and isinstance(kept.args[0], ir.Var)
+        ):
             yield names.index(kept.args[0].name)

@@ -107,7 +107,9 @@ class SceneBuilder:
     def loop(self, scope: Scope, item: syntax.ForItem) -> None:
         over_objects = [b for b in item.binders if not isinstance(b.type, syntax.RangeType)]
         for binder in over_objects:
-            self.findings.report("E0208", binder.type.span, "loops of a scene run over numbers", help="use a range such as `1 .. n`")
+            self.findings.report(
+                "E0208", binder.type.span, "loops of a scene run over numbers", help="use a range such as `1 .. n`"
+            )
         if not scope.values_known or over_objects:
             inner, _ = bind(self.context, scope, item.binders)
             self.walk(inner, item.items)
@@ -195,7 +197,9 @@ class SceneBuilder:
         context = self.context
         heading = 0.0 if item.heading is None else number(context, scope, item.heading, ANGLE, "a heading")
         if item.on is None and item.at is None:
-            self.findings.report("E0501", item.span, "this body has no place", help="add `at (x, y, z)` or `on` something")
+            self.findings.report(
+                "E0501", item.span, "this body has no place", help="add `at (x, y, z)` or `on` something"
+            )
             return None
         if item.on is None:
             assert item.at is not None
@@ -236,9 +240,11 @@ class SceneBuilder:
             return None
         if support is not None and not support.carries((at[0], at[1])):
             self.findings.report(
-                "E0501", term.span, f"({at[0]:g} m, {at[1]:g} m) lies beside the top of `{support.name}`",
+                "E0501",
+                term.span,
+                f"({at[0]:g} m, {at[1]:g} m) lies beside the top of `{support.name}`",
                 help=f"its top is {support.extent}; places are measured from its centre",
-            )  # fmt: skip
+            )
             return None
         return at[0], at[1]
 
@@ -289,7 +295,9 @@ class SceneBuilder:
         if key not in self.module_types:
             values = ", ".join(f"{n} = {e.typed.value:g}" for n, e in entries.items() if e.typed.value is not None)
             name = f"{module.name}({values})" if item.args else module.name
-            self.module_types[key] = build_module(self.context, module, Scope("scene", entries, values_known=True), name)
+            self.module_types[key] = build_module(
+                self.context, module, Scope("scene", entries, values_known=True), name
+            )
         return self.module_types[key]
 
     def robot_pose(

@@ -53,5 +53,8 @@ def _add(context: Context, item: syntax.BodyItem | syntax.RobotItem, objects: Ob
     first = objects.families.setdefault(base, Family(item.type, len(indices), item.name.span))
     if (first.type, first.indices) != (item.type, len(indices)):
         context.findings.report(
-            "E0507", item.name.span, f"`{base}` is already the name of something else", labels=[(first.span, "declared here")]
+            "E0507",
+            item.name.span,
+            f"`{base}` is already the name of something else",
+            labels=[(first.span, "declared here")],
         )

@@ -48,7 +48,9 @@ def check_term(context: Context, scope: Scope, term: syntax.Term) -> Typed:
             return _check_aggregate(context, scope, term)
 
 
-def check_scalar(context: Context, scope: Scope, term: syntax.Term, kind: Kind, what: str, lenient: bool = False) -> Typed:
+def check_scalar(
+    context: Context, scope: Scope, term: syntax.Term, kind: Kind, what: str, lenient: bool = False
+) -> Typed:
     """A term that must be of scalar `kind`; `what` names its place in messages. With `lenient`, a plain number passes
     for a length."""
     typed = check_term(context, scope, term)
@@ -76,9 +78,11 @@ def expect_kind(
 def _check_wildcard(context: Context, scope: Scope, term: syntax.Wildcard) -> Typed:
     if not scope.wildcard:
         context.findings.report(
-            "E0303", term.span, "`ANY` stands only in deleted literals and after `previous is`",
+            "E0303",
+            term.span,
+            "`ANY` stands only in deleted literals and after `previous is`",
             help="bind a variable with `exists` instead" if scope.place == "rule" else None,
-        )  # fmt: skip
+        )
     return Typed(ir.Any_(term.span), UNKNOWN)
 
 
@@ -92,17 +96,22 @@ def _check_call(context: Context, scope: Scope, term: syntax.Call) -> Typed:
     place = "rule" if scope.place in ("heuristic", "goal") else scope.place
     if place not in builtin.place and not (scope.place == "goal" and "scene" in builtin.place):
         findings.report(
-            "E0207", name_span, f"`{term.function}` cannot be used in {PLACES[scope.place]}",
-            help=_instead(term.function, place), note=f"{term.function}: {builtin.doc}",
-        )  # fmt: skip
+            "E0207",
+            name_span,
+            f"`{term.function}` cannot be used in {PLACES[scope.place]}",
+            help=_instead(term.function, place),
+            note=f"{term.function}: {builtin.doc}",
+        )
         return BROKEN
     counts = sorted({len(o) for o in builtin.overloads})
     if len(term.args) not in counts:
         wanted = " or ".join(map(str, counts))
         findings.report(
-            "E0201", term.span, f"`{term.function}` takes {wanted} argument{'s' if wanted != '1' else ''}, not "
-            f"{len(term.args)}", note=f"{term.function}: {builtin.doc}",
-        )  # fmt: skip
+            "E0201",
+            term.span,
+            f"`{term.function}` takes {wanted} argument{'s' if wanted != '1' else ''}, not {len(term.args)}",
+            note=f"{term.function}: {builtin.doc}",
+        )
         return BROKEN
     return _apply(context, scope, term, name_span)
 
@@ -138,7 +147,9 @@ def _apply(context: Context, scope: Scope, term: syntax.Call, name_span: Span) -
     for i, (arg, typed) in enumerate(zip(term.args, arguments, strict=True)):
         fitting = [o for o in overloads if _fits(typed, o[i])]
         if not fitting:
-            wanted = " or ".join(dict.fromkeys(Kind(o[i]).__str__() if o[i] != "object" else "an object" for o in overloads))
+            wanted = " or ".join(
+                dict.fromkeys(Kind(o[i]).__str__() if o[i] != "object" else "an object" for o in overloads)
+            )
             expected = f"argument {i + 1} of `{term.function}` must be {wanted}, not {typed.kind}"
             code = "E0203" if typed.kind.is_scalar and any(Kind(o[i]).is_scalar for o in overloads) else "E0208"
             context.findings.report(code, arg.span, expected, note=f"{term.function}: {builtin.doc}")
@@ -161,8 +172,10 @@ def _apply(context: Context, scope: Scope, term: syntax.Call, name_span: Span) -
 def _fits(typed: Typed, wanted: str) -> bool:
     if wanted == "vector" and typed.is_zero:
         return False
-    return typed.kind.name == wanted or (wanted in ("length", "angle") and typed.is_zero) or (
-        wanted == "length" and typed.literal
+    return (
+        typed.kind.name == wanted
+        or (wanted in ("length", "angle") and typed.is_zero)
+        or (wanted == "length" and typed.literal)
     )
 
 
@@ -240,8 +253,10 @@ def _check_conditional(context: Context, scope: Scope, term: syntax.Conditional)
         return then if chosen else otherwise
     kind = then.kind if not isinstance(then.term, ir.Prune) else otherwise.kind
     both = not isinstance(then.term, ir.Prune) and not isinstance(otherwise.term, ir.Prune)
-    if both and added(then.kind, otherwise.kind, then.literal, otherwise.literal) is None and not (
-        then.is_zero or otherwise.is_zero
+    if (
+        both
+        and added(then.kind, otherwise.kind, then.literal, otherwise.literal) is None
+        and not (then.is_zero or otherwise.is_zero)
     ):
         context.findings.report(
             "E0203", term.otherwise.span, f"`then` gives {then.kind} and `else` gives {otherwise.kind}"
@@ -256,7 +271,9 @@ def _check_aggregate(context: Context, scope: Scope, term: syntax.Aggregate) -> 
     from .binders import bind
 
     if scope.place == "motion":
-        context.findings.report("E0311", term.span, f"`{term.operator}` over objects cannot stand in a motion predicate")
+        context.findings.report(
+            "E0311", term.span, f"`{term.operator}` over objects cannot stand in a motion predicate"
+        )
         return BROKEN
     inner, variables = bind(context, scope, term.binders)
     body = check_term(context, inner, term.body)

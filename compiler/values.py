@@ -9,7 +9,7 @@ from ..langs.diagnostics import did_you_mean
 from ..langs.source import Span
 from . import ir
 from .context import Context
-from .kinds import LENGTH, NUMBER, UNKNOWN, VALUE_TYPES, Kind
+from .kinds import LENGTH, UNKNOWN, VALUE_TYPES, Kind
 from .names import BROKEN, Entry, Scope, Typed
 from .terms import check_scalar, check_term, expect_kind
 
@@ -20,8 +20,11 @@ SHAPES: Mapping[str, tuple[str, ...]] = {
     "cylinder": ("radius", "length"),
 }
 LINK_SHAPES: Mapping[str, tuple[str, ...]] = {
-    "box": ("x", "y"), "sphere": ("radius",), "capsule": ("radius",), "cylinder": ("radius",)
-}  # fmt: skip
+    "box": ("x", "y"),
+    "sphere": ("radius",),
+    "capsule": ("radius",),
+    "cylinder": ("radius",),
+}
 
 
 def number(
@@ -80,7 +83,9 @@ def shape(
     return None if None in sizes else ir.Shape(call.function, tuple(s for s in sizes if s is not None))
 
 
-def parameter_entries(context: Context, parameters: Sequence[syntax.Parameter], objects: bool = False) -> dict[str, Entry]:
+def parameter_entries(
+    context: Context, parameters: Sequence[syntax.Parameter], objects: bool = False
+) -> dict[str, Entry]:
     """The parameters of a declaration as seen inside it while they have no values; checks types and defaults. With
     `objects`, parameters may be objects too."""
     entries: dict[str, Entry] = {}
@@ -113,7 +118,9 @@ def parameter_kind(context: Context, node: syntax.Type, objects: bool) -> Kind:
             context.findings.unknown("E0102", "type", node.name, node.span, [*context.library.types, *VALUE_TYPES])
             return UNKNOWN
         return Kind("object", name)
-    context.findings.report("E0208", node.span, "parameters here are int, real, length, angle" + " or objects" * objects)
+    context.findings.report(
+        "E0208", node.span, "parameters here are int, real, length, angle" + " or objects" * objects
+    )
     return UNKNOWN
 
 
@@ -160,9 +167,11 @@ def bind_arguments(
             typed = _value_of(context, Scope("scene", dict(entries)), parameter, parameter.default, kind)
         else:
             context.findings.report(
-                "E0206", use, f"parameter `{parameter.name}` is missing",
+                "E0206",
+                use,
+                f"parameter `{parameter.name}` is missing",
                 labels=[(context.findings.word(parameter.span, parameter.name), "declared here without default")],
-            )  # fmt: skip
+            )
             typed = BROKEN
         complete = complete and typed.kind.known
         entries[parameter.name] = Entry(typed, parameter.span)
@@ -185,7 +194,10 @@ def _match(
             if i >= len(names):
                 takes = f"{len(names)} argument{'s' * (len(names) != 1)}"
                 context.findings.report(
-                    "E0201", argument.span, f"this takes {takes}, not {len(arguments)}", labels=[(declared, "declared here")]
+                    "E0201",
+                    argument.span,
+                    f"this takes {takes}, not {len(arguments)}",
+                    labels=[(declared, "declared here")],
                 )
                 return None
             name = names[i]
@@ -198,4 +210,3 @@ def _match(
             fine = False
         given[name] = argument.value
     return given if fine else None
-
