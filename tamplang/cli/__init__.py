@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+import signal
 import sys
 from collections.abc import Sequence
 
@@ -14,6 +14,8 @@ from .status import ExitStatus
 
 def main() -> None:
     """Entry point of the console script: runs the command line and ends the process with its exit status."""
+    # A reader that closes the pipe, such as `head`, ends the process without a word, as it does other Unix commands.
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     sys.excepthook = report_crash
     sys.exit(run(sys.argv[1:]))
 
@@ -24,15 +26,10 @@ def run(arguments: Sequence[str]) -> int:
 
     try:
         status = application.main(args=list(arguments), prog_name="tamplang", standalone_mode=False)
-        sys.stdout.flush()
     except click.ClickException as error:
         error.show()
         return error.exit_code
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
         return ExitStatus.INTERRUPTED
-    except BrokenPipeError:
-        # The reader of a pipe is gone: keep the interpreter from failing once more when it flushes at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return ExitStatus.BROKEN_PIPE
     return status if isinstance(status, int) else ExitStatus.DONE

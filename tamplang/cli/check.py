@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import click
 
-from .sources import FORMATS, diagnostics_in, formatted_diagnostics, reading_sources
+from ..langs.render import FORMATS
+from .sources import as_text, diagnostics_in, reading_sources, wants_colour
 from .status import ExitStatus
 
 FILES = click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
@@ -18,9 +20,8 @@ FILES = click.argument("files", metavar="FILE...", nargs=-1, required=True, type
 def check(files: tuple[Path, ...], form: str) -> int:
     """Print all errors and warnings of each FILE."""
     diagnostics = diagnostics_in(files)
-    text = formatted_diagnostics(diagnostics, form)
-    if text:
-        click.echo(text)
+    if diagnostics or form in ("json", "sarif"):
+        click.echo(as_text(diagnostics, form, colour=wants_colour(sys.stdout)))
     errors = sum(d.is_error for d in diagnostics)
     click.echo(_summary(len(files), errors, len(diagnostics) - errors), err=True)
     return ExitStatus.SOURCE_ERRORS if errors else ExitStatus.DONE

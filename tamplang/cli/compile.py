@@ -83,7 +83,9 @@ def _constraints(problem: Problem) -> str:
         for row in predicate.rows:
             text = texts[row.span.file][row.span.start : row.span.end] if row.span is not None else row.when
             of = ", ".join(arguments(row, predicate.variables))
-            lines.append(f"  {text}  # {row.rows} rows in {'/'.join(dict.fromkeys(units(row)))} of {of}; {row.span}")
+            lines.append(
+                f"  {text}  # {row.rows} row{'' if row.rows == 1 else 's'} in {'/'.join(dict.fromkeys(units(row)))} of {of}; {row.span}"
+            )
     return "\n".join(lines)
 
 

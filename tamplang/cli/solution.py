@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .outputs import numbered
 from .plans import verdict_lines
-from .sources import formatted_diagnostics
+from .sources import as_objects, as_text
 
 if TYPE_CHECKING:
     from ..api import Result
@@ -58,7 +57,7 @@ def result_json(problem: Problem, result: Result, written: Written, compile_seco
         "plan": str(written.plans[0]) if written.plans else None,
         "plans": [str(file) for file in written.plans],
         "report": str(written.report) if written.report is not None else None,
-        "explanation": json.loads(formatted_diagnostics(result.explanation, "json", problem.sources)),
+        "explanation": as_objects(result.explanation),
     }
 
 
@@ -92,7 +91,7 @@ def result_lines(problem: Problem, result: Result, written: Written) -> list[str
     if result.plan is not None and result.plan.record.verdict is not None:
         lines += verdict_lines(result.plan.record.verdict)
     if result.explanation:
-        lines.append(formatted_diagnostics(result.explanation, "full", problem.sources))
+        lines.append(as_text(result.explanation, "full", problem.sources))
     lines += [f"plan: {file}" for file in written.plans]
     if written.report is not None:
         lines.append(f"report: {written.report}")

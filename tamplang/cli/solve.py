@@ -13,7 +13,7 @@ from .outputs import checked_output, numbered
 from .parameters import parameters_option
 from .progress import shown_progress
 from .solution import result_json, result_lines, write
-from .sources import formatted_diagnostics, reading_sources
+from .sources import reading_sources, show_diagnostics
 from .status import OF_OUTCOME
 
 
@@ -66,7 +66,7 @@ def solve(
         loaded = Task(*compile_problem(file, task, parameters, seed))
     compiled = time.monotonic() - started
     if loaded.warnings:
-        click.echo(formatted_diagnostics(loaded.warnings, "full", loaded.problem.sources), err=True)
+        show_diagnostics(loaded.warnings, loaded.problem.sources)
     plan_file, report_file = _files(file, loaded.problem.task, solutions, out, report)
     with needing_libraries():
         with shown_progress() as progress:

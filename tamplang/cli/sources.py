@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import json
+import os
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any, TextIO
 
 import click
 
+from ..langs.render import render
 from .status import ExitStatus
 
 if TYPE_CHECKING:
     from ..langs.diagnostics import Diagnostic
     from ..langs.source import Source
-
-FORMATS = ("full", "concise", "json", "sarif")
 
 
 class SourceFailure(click.ClickException):
@@ -31,10 +32,9 @@ class SourceFailure(click.ClickException):
 
     def show(self, file: IO[Any] | None = None) -> None:
         """Print the diagnostics on standard error, and with `as_json` one object on standard output too."""
-        click.echo(formatted_diagnostics(self.diagnostics, "full"), err=True)
+        show_diagnostics(self.diagnostics)
         if self.as_json:
-            diagnostics = json.loads(formatted_diagnostics(self.diagnostics, "json"))
-            click.echo(json.dumps({"status": "error", "diagnostics": diagnostics}))
+            click.echo(json.dumps({"status": "error", "diagnostics": as_objects(self.diagnostics)}))
 
 
 @contextmanager
@@ -58,13 +58,29 @@ def diagnostics_in(files: Sequence[Path]) -> list[Diagnostic]:
     return list(dict.fromkeys(diagnostic for file in files for diagnostic in check(file)))
 
 
-def formatted_diagnostics(diagnostics: Sequence[Diagnostic], form: str, given: Sequence[Source] = ()) -> str:
-    """The diagnostics in one of `FORMATS`. `given` holds sources that need not be read again."""
-    return "\n".join(f"{d.span}: {d.code} {d.message}" for d in diagnostics)
+def as_text(diagnostics: Sequence[Diagnostic], form: str, given: Sequence[Source] = (), colour: bool = False) -> str:
+    """The diagnostics in one of `langs.render.FORMATS`. `given` holds sources that need not be read again."""
+    return render(diagnostics, sources_of(diagnostics, given), form, colour)
 
 
-def sources_of(diagnostics: Sequence[Diagnostic], given: Sequence[Source]) -> list[Source]:
-    """The sources that the diagnostics point into; those that can no longer be read are left out."""
+def as_objects(diagnostics: Sequence[Diagnostic]) -> list[dict[str, object]]:
+    """The diagnostics as `check --format json` prints them."""
+    objects: list[dict[str, object]] = json.loads(render(diagnostics, {}, "json"))
+    return objects
+
+
+def show_diagnostics(diagnostics: Sequence[Diagnostic], given: Sequence[Source] = ()) -> None:
+    """Print the diagnostics, in full, on standard error."""
+    click.echo(as_text(diagnostics, "full", given, wants_colour(sys.stderr)), err=True)
+
+
+def wants_colour(stream: TextIO) -> bool:
+    """Whether to print colours there: on a terminal, unless the user set NO_COLOR (https://no-color.org)."""
+    return stream.isatty() and not os.environ.get("NO_COLOR")
+
+
+def sources_of(diagnostics: Sequence[Diagnostic], given: Sequence[Source]) -> dict[str, Source]:
+    """By path, the sources that the diagnostics point into; those that can no longer be read are left out."""
     from ..compiler.imports import on_disk
     from ..langs.diagnostics import SourceError
     from ..langs.reader import read_source
@@ -79,4 +95,4 @@ def sources_of(diagnostics: Sequence[Diagnostic], given: Sequence[Source]) -> li
                 sources[span.file] = Source(span.file, read_source(on_disk(span.file)).text)
             except SourceError:
                 continue
-    return list(sources.values())
+    return sources

@@ -16,7 +16,6 @@ class ExitStatus(IntEnum):
     REFUSED = 5
     INTERNAL_ERROR = 70
     INTERRUPTED = 130
-    BROKEN_PIPE = 141
 
 
 OF_OUTCOME = {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -91,7 +92,7 @@ def test_a_closed_pipe_is_quiet() -> None:
         timeout=60,
     )
     os.close(writer)
-    assert (process.returncode, process.stderr) == (141, "")
+    assert (process.returncode, process.stderr) == (-signal.SIGPIPE, "")
 
 
 def test_an_unforeseen_error_leaves_a_crash_file(tmp_path: Path) -> None:
