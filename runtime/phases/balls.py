@@ -122,8 +122,8 @@ def meeting_pairs(lineage: Lineage, balls: tuple[Ball, ...], bodies: bool) -> tu
     carried = np.array([b.owner in tree.bodies for b in balls])
     owners = np.array([b.owner for b in balls])
     fixed = ~above.any(axis=1)
-    one_robot = (above[:, None] & above[None]).any(axis=2)
-    one_robot |= (owners[:, None] == owners[None]) & (fixed[:, None] | fixed[None])
+    one_robot = np.asarray((above[:, None] & above[None]).any(axis=2))
+    one_robot = one_robot | ((owners[:, None] == owners[None]) & (fixed[:, None] | fixed[None]))
     needed = np.where(one_robot & ~(carried[:, None] | carried[None]), 2, 1)
     wanted = between.sum(axis=2) >= needed
     wanted &= ~((owners[:, None] == owners[None]) & carried[:, None])

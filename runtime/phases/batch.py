@@ -6,16 +6,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...compiler.collision import CHECK_MARGIN, PhaseContacts
 from ...compiler.ir import World
 from ..skeleton import Array, Configuration
 from .geometry import Geometry, Part
+from .kinematics import Indices
 from .tree import PhaseTree, joint_values
 
 REFINEMENT = 10
 """Samples of the swept check per slice."""
-CONTACT_TOLERANCE = 1.5e-3
+CONTACT_TOLERANCE = 5e-4
 """How deep two things may press into each other next to a contact that begins or ends, metres."""
 LIMIT_INSET = 0.02
 """How far inside their limits joints are kept while a path is optimised, radians or metres."""
@@ -34,7 +36,7 @@ class Joints:
     inset: Array
     step: Array
 
-    def take(self, index: Array) -> Joints:
+    def take(self, index: Indices) -> Joints:
         return Joints(*(getattr(self, n)[index] for n in ("lower", "upper", "home", "speed", "inset", "step")))
 
 
@@ -78,7 +80,7 @@ class Batch:
     def __len__(self) -> int:
         return len(self.phases)
 
-    def take(self, index: Array) -> Batch:
+    def take(self, index: Indices) -> Batch:
         """Some of the phases, possibly repeated."""
         result = object.__new__(Batch)
         result.slices, result.margin, result.times = self.slices, self.margin, self.times
@@ -111,13 +113,13 @@ class Clash:
     amount: float
 
 
-def excess_clearance(batch: Batch, values: Array, columns: Array | slice) -> Array:
+def excess_clearance(batch: Batch, values: Array, columns: slice) -> Array:
     """How much clearance the fine spheres have beyond what is required, the least per phase, for joint values
     `(phases, times, joints)` at the columns of the batch's fine times."""
-    return np.array([least for least, _ in _blocks(batch, values, columns)]).min(axis=0, initial=np.inf)
+    return np.asarray(np.min([least for least, _ in _blocks(batch, values, columns)], axis=0))
 
 
-def _blocks(batch: Batch, values: Array, columns: Array | slice) -> list[tuple[Array, Array]]:
+def _blocks(batch: Batch, values: Array, columns: slice) -> list[tuple[Array, Array]]:
     """Per kind of pair: the least excess clearance per phase, and all of it."""
     fine = batch.fine
     obstacles, pairs, bodies = fine.clearances(values)
@@ -131,7 +133,7 @@ def _blocks(batch: Batch, values: Array, columns: Array | slice) -> list[tuple[A
     return result
 
 
-def worst_clash(batch: Batch, phase: int, values: Array, columns: Array | slice) -> Clash:
+def worst_clash(batch: Batch, phase: int, values: Array, columns: slice) -> Clash:
     """The worst pair of one phase for joint values `(times, joints)`."""
     one = batch.take(np.array([phase]))
     blocks = _blocks(one, values[None], columns)
@@ -151,7 +153,7 @@ class Sweep:
     step: Array
 
     @property
-    def clean(self) -> Array:
+    def clean(self) -> NDArray[np.bool_]:
         return (self.clearance >= 0.0) & (self.limit <= 0.0) & (self.step <= 0.0)
 
 

@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...compiler.collision import CHECK_MARGIN, PATH_MARGIN, PhaseContacts, pair, taper
 from ...compiler.ir import World
 from ..skeleton import Array
 from .balls import Ball, Lineage, meeting_pairs, moving_balls, obstacles_near
-from .kinematics import Frame, Kinematics, Points
+from .kinematics import Frame, Indices, Kinematics, Points
 from .shapes import Shapes, half_sizes, rounded_box_distance
 from .tree import Obstacle, PhaseTree
 
@@ -70,9 +71,11 @@ def _meets_body(tree: PhaseTree, lineage: Lineage, balls: tuple[Ball, ...], name
     return tuple(k for k, b in enumerate(balls) if moved[k] and b.owner != name)
 
 
-def _shares(contact: PhaseContacts, first: Sequence[str | None], second: Sequence[str | None], times: Array, slices: int,
-            out: Array) -> None:
-    """Fill `out` `(first, second, times)` with the share of the margin that each two objects keep; NEVER where exempt."""
+def _shares(
+    contact: PhaseContacts, first: Sequence[str | None], second: Sequence[str | None],
+    times: Array, slices: int, out: Array,
+) -> None:
+    """Fill `out` `(first, second, times)` with the share of the margin that each two objects keep, or NEVER."""
     for a in {t for t in first if t is not None}:
         for b in {t for t in second if t is not None}:
             share = taper(contact, pair(a, b), times, slices)
@@ -82,12 +85,32 @@ def _shares(contact: PhaseContacts, first: Sequence[str | None], second: Sequenc
                 out[np.ix_(rows, columns)] = NEVER if share is None else share
 
 
+@dataclass(slots=True)
+class _Carried:
+    """One carried body per phase: the spheres that can meet it, its node and pose there `(phases, 4, 4)`, and its
+    shape as in `shapes`."""
+
+    meets: Indices
+    node: int
+    local: Array
+    half: Array
+    rounding: Array
+    turned: NDArray[np.bool_]
+
+    def take(self, index: Indices) -> _Carried:
+        return _Carried(
+            self.meets, self.node, self.local[index], self.half[:, index], self.rounding[index], self.turned[index]
+        )
+
+
 class Geometry:
     """Phases of one structure at given times. `obstacle_share` `(spheres, obstacles, phases, times)`, `pair_share`
     `(pairs, phases, times)` and one of `body_shares` per carried body `(spheres, phases, times)` tell which share of
     the margin holds: 1, less next to contacts, NEVER where two things touch all the time."""
 
-    def __init__(self, parts: Sequence[Part], contacts: Sequence[PhaseContacts], world: World, times: Array, slices: int) -> None:
+    def __init__(
+        self, parts: Sequence[Part], contacts: Sequence[PhaseContacts], world: World, times: Array, slices: int
+    ) -> None:
         self.parts = list(parts)
         self.kinematics = Kinematics([p.tree for p in parts])
         self.points = Points([p.balls for p in parts])
@@ -120,7 +143,8 @@ class Geometry:
                     self.pair_share[i, k] = NEVER if share is None else share
 
     def _set_bodies(self, contacts: Sequence[PhaseContacts], world: World, times: Array, slices: int) -> None:
-        self.bodies, self.body_shares = [], []
+        self.bodies: list[_Carried] = []
+        self.body_shares: list[Array] = []
         for i, (_, meets) in enumerate(self.parts[0].carried):
             shares = np.ones((len(meets), len(self.parts), len(times)))
             mounts, halves, roundings, turned = [], [], [], []
@@ -133,14 +157,13 @@ class Geometry:
                 halves.append(half)
                 roundings.append(rounding)
                 turned.append(is_turned)
-            local = np.array([m[1] for m in mounts])
-            self.bodies.append((
-                np.array(meets, dtype=int), mounts[0][0], local,
+            self.bodies.append(_Carried(
+                np.array(meets, dtype=np.intp), mounts[0][0], np.array([m[1] for m in mounts]),
                 np.array(halves).T[:, :, None], np.array(roundings)[:, None], np.array(turned)[:, None],
             ))
             self.body_shares.append(shares)
 
-    def take(self, index: Array) -> Geometry:
+    def take(self, index: Indices) -> Geometry:
         """The geometry of some of the phases, possibly repeated."""
         result = object.__new__(Geometry)
         result.parts = [self.parts[i] for i in index]
@@ -149,7 +172,7 @@ class Geometry:
         result.touching, result.shapes = self.touching, self.shapes.take(index)
         result.obstacle_share = self.obstacle_share[:, :, index]
         result.pair_share = self.pair_share[:, index]
-        result.bodies = [(m, n, l[index], h[:, index], r[index], t[index]) for m, n, l, h, r, t in self.bodies]
+        result.bodies = [b.take(index) for b in self.bodies]
         result.body_shares = [s[:, index] for s in self.body_shares]
         return result
 
@@ -164,13 +187,14 @@ class Geometry:
         return obstacles, pairs, [self._to_body(points, frames, k) for k in range(len(self.bodies))]
 
     def _to_body(self, points: Array, frames: list[Frame], k: int) -> Array:
-        meets, node, local, half, rounding, turned = self.bodies[k]
-        frame = frames[node] if node >= 0 else WORLD
+        body = self.bodies[k]
+        frame = frames[body.node] if body.node >= 0 else WORLD
         carrier = np.stack([np.broadcast_to(a, points.shape[1:]) for a in frame])
-        axes = np.einsum("kibt,bkj->jibt", carrier[:3], local[:, :3, :3])
-        origin = np.einsum("kibt,bk->ibt", carrier[:3], local[:, :3, 3]) + carrier[3]
-        offset = np.einsum("jibt,nibt->njbt", axes, points[meets] - origin)
-        return rounded_box_distance(offset, half, turned)[0] - rounding - self.radius[meets]
+        axes = np.einsum("kibt,bkj->jibt", carrier[:3], body.local[:, :3, :3])
+        origin = np.einsum("kibt,bk->ibt", carrier[:3], body.local[:, :3, 3]) + carrier[3]
+        offset = np.einsum("jibt,nibt->njbt", axes, points[body.meets] - origin)
+        distance = rounded_box_distance(offset, body.half, body.turned)[0]
+        return np.asarray(distance - body.rounding - self.radius[body.meets])
 
     def name_pair(self, phase: int, block: int, entry: tuple[int, ...]) -> tuple[str, str]:
         """The objects behind an entry of `clearances(…)[block]` (2 and above: bodies) in one of the phases."""

@@ -9,12 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..skeleton import Array
 from .balls import Ball
 from .tree import Mount, PhaseTree
 
 Weight = float | Array
+Indices = NDArray[np.intp]
 Frame = tuple[Array, Array, Array, Array]
 """The axes x, y, z and the origin of a frame."""
 
@@ -24,7 +26,7 @@ def _weight(values: Array) -> Weight:
     return float(values[0]) if np.ptp(values) < 1e-12 else values[:, None]
 
 
-def _take(weight: Weight, index: Array) -> Weight:
+def _take(weight: Weight, index: Indices) -> Weight:
     return weight if isinstance(weight, float) else weight[index]
 
 
@@ -61,7 +63,7 @@ class Kinematics:
             if p >= 0
         }
 
-    def take(self, index: Array) -> Kinematics:
+    def take(self, index: Indices) -> Kinematics:
         """The kinematics of some of the phases."""
         result = object.__new__(Kinematics)
         result.parents, result.revolute, result.signs = self.parents, self.revolute, self.signs
@@ -104,7 +106,7 @@ class Points:
         self.weights = [[_weight(centres[:, k, c]) for c in range(3)] for k in range(len(self.nodes))]
         self.fixed = {k: centres[:, k].T[:, :, None] for k, node in enumerate(self.nodes) if node < 0}
 
-    def take(self, index: Array) -> Points:
+    def take(self, index: Indices) -> Points:
         """The points of some of the phases."""
         result = object.__new__(Points)
         result.nodes = self.nodes

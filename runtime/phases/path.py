@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...compiler.collision import contacts
 from ..budget import Budget
@@ -19,10 +20,10 @@ from ..settings import MotionSettings
 from ..skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton, Violation
 from .batch import Batch, sweep, worst_clash
 from .geometry import make_parts
-from .kinematics import mounted_poses
+from .kinematics import Indices, mounted_poses
 from .sampling import sampled_starts
 from .smoothing import Schedule, path_cost, smooth_paths
-from .tree import PhaseTree, arrive, phase_tree, pose_vector
+from .tree import Mount, PhaseTree, arrive, phase_tree, pose_vector
 
 LEVELS = ((1, 0.0), (8, 0.5), (24, 0.8))
 """Starts per phase and the size of their bumps, radians, one attempt after the other."""
@@ -39,7 +40,7 @@ class _Group:
     batch: Batch
     paths: Array
     cost: Array
-    solved: Array
+    solved: NDArray[np.bool_]
     clearance: Array
 
 
@@ -67,7 +68,7 @@ def _bumped(batch: Batch, random: np.random.Generator, size: float) -> Array:
     return np.clip(inner, (joints.lower + joints.inset)[:, None], (joints.upper - joints.inset)[:, None])
 
 
-def _keep_best(group: _Group, index: Array, batch: Batch, paths: Array) -> None:
+def _keep_best(group: _Group, index: Indices, batch: Batch, paths: Array) -> None:
     """Take over clean paths that are cheaper, or while there is none what is least in the way; `index` gives the
     phase of the group behind each path."""
     checked = sweep(batch, paths)
@@ -81,7 +82,7 @@ def _keep_best(group: _Group, index: Array, batch: Batch, paths: Array) -> None:
             group.clearance[phase] = checked.clearance[k]
 
 
-def _attempt(group: _Group, index: Array, inner: Array, schedule: Schedule, budget: Budget) -> int:
+def _attempt(group: _Group, index: Indices, inner: Array, schedule: Schedule, budget: Budget) -> int:
     """Smooth starts of the group's phases `index` (repeats allowed) and keep what is clean."""
     batch = group.batch.take(index)
     inner, iterations = smooth_paths(batch, inner, schedule, budget)
@@ -213,24 +214,25 @@ def _paths(
     states: Sequence[tuple[Configuration, Configuration]], slices: int,
 ) -> list[PhasePath]:
     """Samples of everything in every phase: modules that rest in constant rows, bodies that are carried."""
-    motions = {int(p): (g.paths[k], duration(g.batch, g.paths, k)) for g in groups for k, p in enumerate(g.batch.phases)}
+    motions = {
+        int(p): (g.paths[k], duration(g.batch, g.paths, k)) for g in groups for k, p in enumerate(g.batch.phases)
+    }
     paths = []
     for tree, (start, _) in zip(trees, states, strict=True):
         values, seconds = motions.get(tree.phase, (np.zeros((slices + 1, 0)), SHORTEST))
         modules = {m: np.tile(state, (slices + 1, 1)) for m, state in start.modules.items()}
         for module, links in tree.links.items():
-            modules[module][:, :7] = _continuous(pose_vector(mounted_poses(tree, links[-1], values)), start.modules[module])
+            modules[module][:, :7] = _poses(tree, links[-1], values, start.modules[module])
         for column, (module, joint) in enumerate(tree.variables):
             modules[module][:, 7 + joint] = values[:, column]
-        bodies = {
-            b: _continuous(pose_vector(mounted_poses(tree, mount, values)), start.bodies[b]) for b, mount in tree.bodies.items()
-        }
+        bodies = {b: _poses(tree, mount, values, start.bodies[b]) for b, mount in tree.bodies.items()}
         paths.append(PhasePath(modules, bodies, seconds))
     return paths
 
 
-def _continuous(poses: Array, before: Array) -> Array:
-    """The same poses `(times, 7)`, with quaternions that do not change sign from one to the next."""
+def _poses(tree: PhaseTree, mount: Mount, values: Array, before: Array) -> Array:
+    """Poses `(times, 7)` of a mounted frame, with quaternions that do not change sign from one to the next."""
+    poses = pose_vector(mounted_poses(tree, mount, values))
     quaternions = np.concatenate([before[None, 3:7], poses[:, 3:]])
     flips = np.cumprod(np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0, -1.0, 1.0))
     return np.concatenate([poses[:, :3], poses[:, 3:] * flips[:, None]], axis=1)

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..skeleton import Array
 from .batch import Batch
 from .geometry import Geometry
+from .kinematics import Indices
 
 LIMIT_WEIGHT = 1e3
 """Weight of the squared excess over a joint limit."""
@@ -22,10 +24,10 @@ class Penalty:
     gradient: Array
     hessian: Array
 
-    def take(self, keep: Array) -> Penalty:
+    def take(self, keep: Indices) -> Penalty:
         return Penalty(self.value[keep], self.gradient[keep], self.hessian[keep])
 
-    def replaced(self, where: Array, other: Penalty) -> Penalty:
+    def replaced(self, where: NDArray[np.bool_], other: Penalty) -> Penalty:
         """This one, but `other` in the phases `where`."""
         return Penalty(
             np.where(where, other.value, self.value),
@@ -40,7 +42,7 @@ class _Rows:
 
     amount: Array
     slope: Array
-    place: Array
+    place: Indices
 
 
 def penalty(batch: Batch, inner: Array, weight: float) -> Penalty:
@@ -78,8 +80,10 @@ def _stacked(vectors: list[Array], phases: int, times: int) -> Array:
     return result
 
 
-def _slopes(geometry: Geometry, twists: tuple[Array, Array], spheres: Array, points: Array, normals: Array, phase: Array,
-            time: Array) -> Array:
+def _slopes(
+    geometry: Geometry, twists: tuple[Array, Array], spheres: Indices, points: Array, normals: Array,
+    phase: Indices, time: Indices,
+) -> Array:
     """How fast each joint carries points `(m, 3)` of the given spheres along normals `(m, 3)`: `(m, joints)`."""
     angular, linear = (t[:, :, phase, time] for t in twists)
     moment = np.cross(points, normals)

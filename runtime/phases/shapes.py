@@ -4,6 +4,7 @@ sphere is a rounded point, a capsule a rounded line; a cylinder is treated in it
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...compiler.ir import Shape
 from ..skeleton import Array
@@ -23,7 +24,7 @@ def half_sizes(shape: Shape) -> tuple[Array, float, bool]:
     return np.array([size[0], FLAT, size[1] / 2]), 0.0, True
 
 
-def rounded_box_distance(offset: Array, half: Array, turned: Array | None) -> tuple[Array, Array]:
+def rounded_box_distance(offset: Array, half: Array, turned: NDArray[np.bool_] | None) -> tuple[Array, Array]:
     """Signed distance `(…, phases, times)` to a box of half sizes `half`, and the excess over them, of offsets
     `(…, 3, phases, times)` in its axes; where `turned`, the first half size is a radius across the z-axis."""
     excess = np.abs(offset)
@@ -63,7 +64,7 @@ class Shapes:
         self.turned = bool(np.any(self.turn != np.eye(3)[:, :, None, None]))
         self.any_round = bool(self.round.any())
 
-    def take(self, index: Array) -> Shapes:
+    def take(self, index: NDArray[np.intp]) -> Shapes:
         """The shapes of some of the phases."""
         result = object.__new__(Shapes)
         result.centre, result.half = self.centre[:, :, index], self.half[:, :, index]
@@ -83,7 +84,7 @@ class Shapes:
         value, excess = rounded_box_distance(offset, self.half, self.round if self.any_round else None)
         return value - self.rounding, offset, excess
 
-    def normals(self, offset: Array, excess: Array, shape: Array, phase: Array) -> Array:
+    def normals(self, offset: Array, excess: Array, shape: NDArray[np.intp], phase: NDArray[np.intp]) -> Array:
         """World directions `(m, 3)` in which the distances grow, of `m` entries: their `offset` and `excess` `(m, 3)`,
         the shape and the phase they belong to."""
         outside = np.maximum(excess, 0.0)
@@ -104,4 +105,4 @@ class Shapes:
             normal *= sign
         if self.turned:
             normal = np.einsum("mij,mj->mi", self.turn[shape, :, :, phase, 0], normal)
-        return normal
+        return np.asarray(normal)

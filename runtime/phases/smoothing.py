@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..budget import Budget
 from ..skeleton import Array
 from .batch import Batch
+from .kinematics import Indices
 from .penalty import Penalty, penalty
 
 ACCELERATION_WEIGHT = 0.1
@@ -100,10 +102,10 @@ class _State:
     def gradient(self) -> Array:
         return self.slope + self.penalty.gradient
 
-    def take(self, keep: Array) -> _State:
+    def take(self, keep: Indices) -> _State:
         return _State(self.inner[keep], self.cost[keep], self.slope[keep], self.penalty.take(keep))
 
-    def replaced(self, where: Array, other: _State) -> _State:
+    def replaced(self, where: NDArray[np.bool_], other: _State) -> _State:
         wide = where[:, None, None]
         return _State(
             np.where(wide, other.inner, self.inner), np.where(where, other.cost, self.cost),

@@ -14,7 +14,7 @@ from enum import Enum
 
 import numpy as np
 
-from ...compiler.collision import keeps_pose, module_spheres, pose_matrix
+from ...compiler.collision import keeps_pose, pose_matrix
 from ...compiler.ir import Function, ModuleType, Problem, Shape, Var, Vec3
 from ..skeleton import Array, Configuration, Phase
 
