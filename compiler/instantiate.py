@@ -9,11 +9,13 @@ from collections.abc import Mapping
 from ..langs import syntax
 from . import ir
 from .check_heuristics import lower_heuristic
+from .check_start import check_start
 from .context import Context
 from .initial import initial_state
 from .kinds import VALUE_TYPES
 from .lifted import Lifted
 from .names import Entry, Scope, Typed
+from .reachability import check_goal
 from .relaxation import Relaxation, World, movable
 from .scene import BuiltScene, SceneBuilder
 from .scene_names import collect_objects
@@ -35,7 +37,8 @@ def instantiate(
     if context.findings.has_errors:
         return None
     problem = _problem(lifted, context, task, entries, built, (init, init_motion), seed)
-    return problem
+    check_start(context.findings, problem.world, [(s.subject, s.support) for s in built.standing])
+    return None if context.findings.has_errors else problem
 
 
 def _task_entries(
@@ -70,13 +73,15 @@ def _problem(
     for module in built.modules.values():
         objects.update({f"{module.name}.{e.name}": e.type for e in module.type.effectors})
     world = World(library.types, objects, lifted.derived, lifted.predicates, lifted.rules, init[0])
-    moving = movable(Relaxation(world), lifted.motions)
+    relaxation = Relaxation(world)
+    moving = movable(relaxation, lifted.motions)
     bodies = {n: dataclasses.replace(b, movable=n in moving) for n, b in built.bodies.items()}
     heuristic = None
     if built.guide is not None:
         declaration, arguments, _ = built.guide
         heuristic = lower_heuristic(context, declaration, arguments)
     goal = built.goals[0] if len(built.goals) == 1 else ir.And(tuple(built.goals))
+    check_goal(context.findings, relaxation, goal)
     parameters = {n: e.typed.value for n, e in entries.items() if e.typed.value is not None}
     return ir.Problem(
         task=task.name,

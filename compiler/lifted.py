@@ -10,6 +10,7 @@ from . import ir
 from .check_heuristics import check_heuristics
 from .check_logic import Placement, check_derived, check_placements, check_rules, lower_predicates
 from .check_motion import check_motions
+from .check_usage import check_usage
 from .context import Context, build_context
 from .findings import Findings
 from .library import Library
@@ -51,6 +52,7 @@ def check_declarations(library: Library, findings: Findings, parsed: bool) -> Li
     motions, rules, placements = check_motions(context), check_rules(context), check_placements(context)
     check_heuristics(context)
     check_modules(context)
+    check_usage(context, rules, derived, placements)
     _check_scenes(context, library.scenes)
     _check_scenes(context, library.tasks)
     return Lifted(context, predicates, derived, motions, rules, placements, not findings.has_errors)
