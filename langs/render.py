@@ -41,8 +41,7 @@ def severity(diagnostic: Diagnostic) -> str:
 
 def _concise(diagnostic: Diagnostic) -> str:
     place = "" if diagnostic.span is None else f"{diagnostic.span}: "
-    hint = "" if diagnostic.help is None else f" ({diagnostic.help})"
-    return clean(f"{place}{diagnostic.code} {diagnostic.message}{hint}").replace("\n", " ")
+    return clean(f"{place}{diagnostic.code} {diagnostic.message}").replace("\n", " ")
 
 
 class _Full:
@@ -84,14 +83,17 @@ class _Full:
             marked.append((span, "", True))
         lines = [self._bar("")]
         last: int | None = None
+        shown = ""
         for place, words, main in sorted(marked, key=lambda m: (m[0].line, not m[2], m[0].start)):
             if last is not None and place.line > last + 1:
                 lines.append(self._paint("frame", "..."))
             excerpt = Excerpt(source.line(place.line), place)
             if place.line != last:
                 number = str(place.line).rjust(len(self._gutter))
-                lines.append(f"{self._paint('frame', f'{number} |')} {excerpt.text}".rstrip())
-            mark = f"{excerpt.marks('^' if main else '-')} {words}".rstrip()
+                shown = excerpt.text
+                lines.append(f"{self._paint('frame', f'{number} |')} {shown}".rstrip())
+            marks = excerpt.marks("^" if main else "-") if excerpt.text == shown else ""
+            mark = f"{marks} {words}".rstrip()
             lines.append(self._bar(self._paint(severity(self._diagnostic) if main else "frame", mark)))
             last = place.line
         return lines
