@@ -14,7 +14,7 @@ from .parameters import parameters_option
 from .sources import reading_sources
 
 if TYPE_CHECKING:
-    from ..compiler.ir import Problem
+    from ..compiler.ir import MotionPredicate, Problem, Row
     from ..compiler.successors import Successors
 
 STATES_TO_VISIT = 1000
@@ -72,9 +72,7 @@ def _walked(problem: Problem) -> tuple[Successors, int]:
 
 
 def _constraints(problem: Problem) -> str:
-    """Every motion predicate with the size, the time and the variables of each row."""
-    from ..compiler.constraints import arguments, units
-
+    """Every motion predicate with the text of each row, its size, its units, what it speaks of and its place."""
     texts = {source.path: source.text for source in problem.sources}
     lines = []
     for predicate in problem.motions.values():
@@ -82,17 +80,29 @@ def _constraints(problem: Problem) -> str:
         lines.append(f"[{predicate.name} {names}]{' symmetric' if predicate.symmetric else ''}")
         for row in predicate.rows:
             text = texts[row.span.file][row.span.start : row.span.end] if row.span is not None else row.when
-            of = ", ".join(arguments(row, predicate.variables))
-            lines.append(
-                f"  {text}  # {row.rows} row{'' if row.rows == 1 else 's'} in {'/'.join(dict.fromkeys(units(row)))} of {of}; {row.span}"
-            )
+            lines.append(f"  {text}  # {_described(row, predicate)}")
     return "\n".join(lines)
 
 
-def _costs(problem: Problem) -> str:
-    from ..compiler.printing import format_heuristic
+def _described(row: Row, predicate: MotionPredicate) -> str:
+    from ..compiler.constraints import arguments, units
 
-    return format_heuristic(problem)
+    size = "1 row" if row.rows == 1 else f"{row.rows} rows"
+    of = ", ".join(arguments(row, predicate.variables))
+    return f"{size} in {'/'.join(dict.fromkeys(units(row)))} of {of}; {row.span}"
+
+
+def _costs(problem: Problem) -> str:
+    """What each action costs, and how the task's heuristic changes the cost-to-go with it."""
+    from ..compiler.printing_terms import format_term
+
+    lines = [f"cost of {rule.name}: {format_term(rule.cost)}" for rule in problem.rules.values()]
+    heuristic = problem.heuristic
+    if heuristic is None:
+        return "\n".join([*lines, "no heuristic"])
+    start = "0" if heuristic.start is None else format_term(heuristic.start)
+    lines += [f"heuristic {heuristic.name}", f"  start: {start}"]
+    return "\n".join([*lines, *(f"  {name}: {format_term(case.value)}" for name, case in heuristic.cases.items())])
 
 
 def _pddl(problem: Problem) -> str:

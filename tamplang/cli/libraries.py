@@ -17,3 +17,12 @@ def needing_libraries() -> Iterator[None]:
         yield
     except MissingLibrary as error:
         raise click.ClickException(f"{error}\n  help: {error.hint}") from error
+
+
+def load_libraries() -> None:
+    """Load what the verifier will need, so that a missing library is told before the planner works. Raises
+    MissingLibrary."""
+    from ..runtime.native import load_coal, load_pinocchio
+
+    load_pinocchio()
+    load_coal()

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from .libraries import needing_libraries
+from .libraries import load_libraries, needing_libraries
 from .outputs import checked_output, numbered
 from .parameters import parameters_option
 from .progress import shown_progress
@@ -69,6 +69,7 @@ def solve(
         show_diagnostics(loaded.warnings, loaded.problem.sources)
     plan_file, report_file = _files(file, loaded.problem.task, solutions, out, report)
     with needing_libraries():
+        load_libraries()
         with shown_progress() as progress:
             result = loaded.solve(
                 bound=bound,
