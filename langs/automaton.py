@@ -41,12 +41,16 @@ class Automaton:
         self._line_starts = [0, *(i + 1 for i, c in enumerate(text) if c == "\n")]
         self.bottom = Stack(state.position, None)
         self.keywords = {
-            t.name: t.pattern.value.split("(?!")[0] for t in parser.terminals if t.priority and "|" not in t.pattern.value
+            t.name: t.pattern.value.split("(?!")[0]
+            for t in parser.terminals
+            if t.priority and "|" not in t.pattern.value
         } | {"_NOT": "not"}
 
     def accepts(self, stack: Stack) -> list[str]:
         """The terminals that may follow, in a fixed order."""
-        return sorted(k for k in self._table[stack.state] if k.lstrip("_").isupper() and self.step(stack, k) is not None)
+        return sorted(
+            k for k in self._table[stack.state] if k.lstrip("_").isupper() and self.step(stack, k) is not None
+        )
 
     def step(self, stack: Stack, kind: str) -> Stack | None:
         """The stack after a terminal of that kind; None when it does not fit."""
@@ -109,5 +113,10 @@ class Automaton:
         assert state is not None
         line, column = self.place(position)
         counter = state.line_ctr
-        counter.char_pos, counter.line, counter.column, counter.line_start_pos = position, line, column, position - column + 1
+        counter.char_pos, counter.line, counter.column, counter.line_start_pos = (
+            position,
+            line,
+            column,
+            position - column + 1,
+        )
         return state

@@ -28,26 +28,49 @@ class TreeBuilder(TermBuilder):
                 return self._predicate(tree)
             case "derived_decl":
                 body = self.formula(tree.children[-1])
-                return s.DerivedDecl(str(tree.children[0]), self.signature(tree), body, self._doc(tree), span=self.span(tree))
+                return s.DerivedDecl(
+                    str(tree.children[0]), self.signature(tree), body, self._doc(tree), span=self.span(tree)
+                )
             case "motion_decl":
                 symmetric = any(t.type == "SYMMETRIC" for t in tokens(tree))
-                return s.MotionDecl(str(tree.children[0]), self.signature(tree), symmetric, self._motion_items(tree),
-                                    self._doc(tree), span=self.span(tree))
+                return s.MotionDecl(
+                    str(tree.children[0]),
+                    self.signature(tree),
+                    symmetric,
+                    self._motion_items(tree),
+                    self._doc(tree),
+                    span=self.span(tree),
+                )
             case "rule_decl":
                 return self._rule(tree)
             case "placement_decl":
                 subject, support, effects = tree.children
-                return s.PlacementDecl(self._single(subject), self._single(support), self.effects(effects),
-                                       self._doc(tree), span=self.span(tree))
+                return s.PlacementDecl(
+                    self._single(subject),
+                    self._single(support),
+                    self.effects(effects),
+                    self._doc(tree),
+                    span=self.span(tree),
+                )
             case "heuristic_decl":
                 return self._heuristic(tree)
             case "module_decl":
                 return self._module(tree)
             case "scene_decl":
-                return s.SceneDecl(str(tree.children[0]), self.parameters(tree.children[1]), self._items(tree.children[2:]),
-                                   self._doc(tree), span=self.span(tree))
-        return s.TaskDecl(str(tree.children[0]), self.parameters(tree.children[1]), self._items(tree.children[2:]),
-                          self._doc(tree), span=self.span(tree))
+                return s.SceneDecl(
+                    str(tree.children[0]),
+                    self.parameters(tree.children[1]),
+                    self._items(tree.children[2:]),
+                    self._doc(tree),
+                    span=self.span(tree),
+                )
+        return s.TaskDecl(
+            str(tree.children[0]),
+            self.parameters(tree.children[1]),
+            self._items(tree.children[2:]),
+            self._doc(tree),
+            span=self.span(tree),
+        )
 
     def _doc(self, tree: Branch) -> str:
         """The `##` lines right above, without their marks."""
@@ -77,8 +100,15 @@ class TreeBuilder(TermBuilder):
             static = static or token.type == "STATIC"
             symmetric = symmetric or token.type == "SYMMETRIC"
             functional_in = str(token) if token.type == "NAME" else functional_in
-        return s.PredicateDecl(str(tree.children[0]), self.signature(tree), static, symmetric, functional_in,
-                               self._doc(tree), span=self.span(tree))
+        return s.PredicateDecl(
+            str(tree.children[0]),
+            self.signature(tree),
+            static,
+            symmetric,
+            functional_in,
+            self._doc(tree),
+            span=self.span(tree),
+        )
 
     def _motion_items(self, tree: Branch) -> tuple[s.MotionItem, ...]:
         kinds = ("switch_row", "during_row", "keep_row", "motion_for")
@@ -96,9 +126,15 @@ class TreeBuilder(TermBuilder):
     def _rule(self, tree: Branch) -> s.RuleDecl:
         name, parameters, pre, where, post, cost = tree.children
         return s.RuleDecl(
-            str(name), self.parameters(parameters), self._conjuncts(pre), self._conjuncts(where),
+            str(name),
+            self.parameters(parameters),
+            self._conjuncts(pre),
+            self._conjuncts(where),
             () if post is None else self.effects(_child(post)),
-            None if cost is None else self.term(_child(cost)), self._doc(tree), span=self.span(tree))
+            None if cost is None else self.term(_child(cost)),
+            self._doc(tree),
+            span=self.span(tree),
+        )
 
     def _conjuncts(self, node: Child) -> tuple[s.Formula, ...]:
         return () if node is None else self.formulas(_child(node).children)
@@ -129,22 +165,34 @@ class TreeBuilder(TermBuilder):
     def _heuristic(self, tree: Branch) -> s.HeuristicDecl:
         start = branches(tree, "start_value")
         cases = tuple(self._case(c) for c in branches(tree, "heuristic_case"))
-        return s.HeuristicDecl(str(tree.children[0]), self.parameters(tree.children[1]),
-                               self.term(start[0].children[0]) if start else None, cases, self._doc(tree),
-                               span=self.span(tree))
+        return s.HeuristicDecl(
+            str(tree.children[0]),
+            self.parameters(tree.children[1]),
+            self.term(start[0].children[0]) if start else None,
+            cases,
+            self._doc(tree),
+            span=self.span(tree),
+        )
 
     def _case(self, tree: Branch) -> s.HeuristicCase:
         rule, *parameters = tokens(tree)
-        return s.HeuristicCase(str(rule), tuple(map(str, parameters)), self.term(tree.children[-1]), span=self.span(tree))
+        return s.HeuristicCase(
+            str(rule), tuple(map(str, parameters)), self.term(tree.children[-1]), span=self.span(tree)
+        )
 
     # --- modules -------------------------------------------------------------------------------------------------
 
     def _module(self, tree: Branch) -> s.ModuleDecl:
         name, parameters, urdf, *items = tree.children
         built = tuple(self._module_item(i) for i in items if isinstance(i, Tree))
-        return s.ModuleDecl(str(name), self.parameters(parameters),
-                            self.text(urdf) if isinstance(urdf, Token) else None, built, self._doc(tree),
-                            span=self.span(tree))
+        return s.ModuleDecl(
+            str(name),
+            self.parameters(parameters),
+            self.text(urdf) if isinstance(urdf, Token) else None,
+            built,
+            self._doc(tree),
+            span=self.span(tree),
+        )
 
     def _module_item(self, tree: Branch) -> s.ModuleItem:
         span, children = self.span(tree), tree.children
@@ -152,13 +200,23 @@ class TreeBuilder(TermBuilder):
             case "effector_item":
                 name, kind, shape, at, normal = children
                 made = self.text(shape) if isinstance(shape, Token) else self.call(_tree(shape))
-                return s.EffectorItem(str(name), _word(kind), made, self.maybe_term(at), self.maybe_term(normal), span=span)
+                return s.EffectorItem(
+                    str(name), _word(kind), made, self.maybe_term(at), self.maybe_term(normal), span=span
+                )
             case "joint_item":
                 name, call, limits, home, speed = children
                 motion = self.call(_tree(call))
                 lower, upper = (None, None) if limits is None else self.terms(_tree(limits).children)
-                return s.JointItem(str(name), motion.function, motion.args, lower, upper, self.maybe_term(home),
-                                   self.maybe_term(speed), span=span)
+                return s.JointItem(
+                    str(name),
+                    motion.function,
+                    motion.args,
+                    lower,
+                    upper,
+                    self.maybe_term(home),
+                    self.maybe_term(speed),
+                    span=span,
+                )
             case "link_item":
                 between = children[1]
                 drawn = None if between is None else self.call(_tree(between))
@@ -204,15 +262,30 @@ class TreeBuilder(TermBuilder):
 
     def _body(self, tree: Branch) -> s.BodyItem:
         kind, name, shape, on, at, heading = tree.children
-        return s.BodyItem(str(kind), self.term(name), self.call(_tree(shape)), self.maybe_term(on), self.maybe_term(at),
-                          self.maybe_term(heading), span=self.span(tree))
+        return s.BodyItem(
+            str(kind),
+            self.term(name),
+            self.call(_tree(shape)),
+            self.maybe_term(on),
+            self.maybe_term(at),
+            self.maybe_term(heading),
+            span=self.span(tree),
+        )
 
     def _robot(self, tree: Branch) -> s.RobotItem:
         kind, args, name, *rest = tree.children
         effector, on = (str(rest.pop(0)), rest.pop(0)) if tree.data == "robot_on" else (None, None)
         at, heading = rest
-        return s.RobotItem(str(kind), self._arguments(args), self.term(name), effector, self.maybe_term(on),
-                           self.maybe_term(at), self.maybe_term(heading), span=self.span(tree))
+        return s.RobotItem(
+            str(kind),
+            self._arguments(args),
+            self.term(name),
+            effector,
+            self.maybe_term(on),
+            self.maybe_term(at),
+            self.maybe_term(heading),
+            span=self.span(tree),
+        )
 
     def _arguments(self, node: Child) -> tuple[s.Argument, ...]:
         if node is None:

@@ -18,12 +18,26 @@ Child: TypeAlias = Branch | Token | None
 
 MAX_DEPTH = 100
 _FORMULAS = {
-    "disjunction", "conjunction", "not_", "compare", "exists", "forall", "previous", "logic_literal", "motion_literal",
+    "disjunction",
+    "conjunction",
+    "not_",
+    "compare",
+    "exists",
+    "forall",
+    "previous",
+    "logic_literal",
+    "motion_literal",
 }
 _NUMBER = re.compile(r"([0-9.]+(?:[eE][+-]?\d+)?)[ \t]*([a-z/]*)")
 _UNITS = {
-    "": (1.0, ""), "m": (1.0, "length"), "cm": (0.01, "length"), "mm": (0.001, "length"), "rad": (1.0, "angle"),
-    "deg": (math.pi / 180, "angle"), "s": (1.0, "time"), "min": (60.0, "time"),
+    "": (1.0, ""),
+    "m": (1.0, "length"),
+    "cm": (0.01, "length"),
+    "mm": (0.001, "length"),
+    "rad": (1.0, "angle"),
+    "deg": (math.pi / 180, "angle"),
+    "s": (1.0, "time"),
+    "min": (60.0, "time"),
 }
 
 
@@ -132,8 +146,12 @@ class TermBuilder:
 
     def _vector(self, tree: Branch) -> s.Vector:
         if len(tree.children) > 3:
-            self.problem("E0001", "a vector has two or three components", self.span(tree),
-                         help="arguments of a literal are separated by blanks: `(on X A)`")
+            self.problem(
+                "E0001",
+                "a vector has two or three components",
+                self.span(tree),
+                help="arguments of a literal are separated by blanks: `(on X A)`",
+            )
         return s.Vector(self.terms(tree.children), span=self.span(tree))
 
     # --- conditions ----------------------------------------------------------------------------------------------

@@ -203,6 +203,7 @@ CODES: dict[str, CodeInfo] = {
         "box(1 m, 0, 1 m)", "box(1 m, 1 m, 1 m)"),
     "E0510": CodeInfo("too many objects", "scene", "The loops of the scene make more things than can be planned for."),
     "E0511": CodeInfo("more than one", "scene", "A task has at most one guide."),
+    "E0512": CodeInfo("scene uses itself", "scene", "A scene cannot contain itself, directly or through others."),
     "S0001": CodeInfo("infeasible", "outcome", "It is proved that no sequence of actions reaches the goal."),
     "S0002": CodeInfo("exhausted", "outcome",
         "Every candidate sequence was refused by the motion solver; this is no proof."),

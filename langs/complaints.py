@@ -13,29 +13,93 @@ from .source import Source, Span
 
 UNITS = ("m", "cm", "mm", "rad", "deg", "s", "min", "m/s", "rad/s", "deg/s")
 _WORDS = {
-    "NAME": "a name", "NUMBER": "a number", "STRING": "a quoted text", "COMMA": "`,`", "COLON": "`:`", "LPAR": "`(`",
-    "RPAR": "`)`", "LBRACE": "`{`", "RBRACE": "`}`", "LSQB": "`[`", "RSQB": "`]`", "DOT": "`.`", "_DOTS": "`..`",
-    "EQUAL": "`=`", "LESS": "`<`", "$END": "the end of the file", "AGGREGATE": "`min`, `max` or `sum`",
+    "NAME": "a name",
+    "NUMBER": "a number",
+    "STRING": "a quoted text",
+    "COMMA": "`,`",
+    "COLON": "`:`",
+    "LPAR": "`(`",
+    "RPAR": "`)`",
+    "LBRACE": "`{`",
+    "RBRACE": "`}`",
+    "LSQB": "`[`",
+    "RSQB": "`]`",
+    "DOT": "`.`",
+    "_DOTS": "`..`",
+    "EQUAL": "`=`",
+    "LESS": "`<`",
+    "$END": "the end of the file",
+    "AGGREGATE": "`min`, `max` or `sum`",
 }
-_VALUE_STARTS = {"NAME", "NUMBER", "STRING", "_ANY", "LPAR", "LSQB", "MINUS", "AGGREGATE", "_EXISTS", "_FORALL",
-                 "_PREVIOUS", "_NOT", "_IF"}
+_VALUE_STARTS = {
+    "NAME",
+    "NUMBER",
+    "STRING",
+    "_ANY",
+    "LPAR",
+    "LSQB",
+    "MINUS",
+    "AGGREGATE",
+    "_EXISTS",
+    "_FORALL",
+    "_PREVIOUS",
+    "_NOT",
+    "_IF",
+}
 _GROUPS = (
-    ({"_IMPORT", "_RULE", "_TASK"}, {"_IMPORT", "_TYPE", "_PREDICATE", "_DERIVED", "_MODULE", "_MOTION", "_RULE",
-                                     "_PLACEMENT", "_HEURISTIC", "_SCENE", "_TASK"}, "a declaration such as `rule` or `task`"),
-    ({"_GOAL", "_GUIDE"}, {"_GOAL", "_GUIDE", "_OPTIONS", "_FACT", "_FOR", "_FORALL", "_IF", "_SCENE", "NAME"},
-     "an item such as `goal`, `fact` or `for`"),
+    (
+        {"_IMPORT", "_RULE", "_TASK"},
+        {
+            "_IMPORT",
+            "_TYPE",
+            "_PREDICATE",
+            "_DERIVED",
+            "_MODULE",
+            "_MOTION",
+            "_RULE",
+            "_PLACEMENT",
+            "_HEURISTIC",
+            "_SCENE",
+            "_TASK",
+        },
+        "a declaration such as `rule` or `task`",
+    ),
+    (
+        {"_GOAL", "_GUIDE"},
+        {"_GOAL", "_GUIDE", "_OPTIONS", "_FACT", "_FOR", "_FORALL", "_IF", "_SCENE", "NAME"},
+        "an item such as `goal`, `fact` or `for`",
+    ),
     ({"LESS", "ORDER"}, {"EQUAL", "LESS", "ORDER"}, "a comparison"),
     ({"SIGN", "STAR"}, {"SIGN", "MINUS", "STAR"}, "an operator"),
 )
 _BEFORE_CONDITION = {"_PRE", "_WHERE", "_GOAL", "_IF", "_AND", "_OR", "_NOT"}
 _CLOSING = {")": "(", "]": "[", "}": "{"}
-_INSTEAD = {"&": "`and`", "|": "`or`", "!": "`not` or `!=`", ";": None, "'": '`"`', "’": '`"`', "“": '`"`', "”": '`"`',
-            "≤": "`<=`", "≥": "`>=`", "≠": "`!=`", "·": "`*`", "×": "`*`", "∧": "`and`", "∨": "`or`", "∃": "`exists`",
-            "∀": "`forall`", "…": "`..`"}
+_INSTEAD = {
+    "&": "`and`",
+    "|": "`or`",
+    "!": "`not` or `!=`",
+    ";": None,
+    "'": '`"`',
+    "’": '`"`',
+    "“": '`"`',
+    "”": '`"`',
+    "≤": "`<=`",
+    "≥": "`>=`",
+    "≠": "`!=`",
+    "·": "`*`",
+    "×": "`*`",
+    "∧": "`and`",
+    "∨": "`or`",
+    "∃": "`exists`",
+    "∀": "`forall`",
+    "…": "`..`",
+}
 
 
 def misspelt(source: Source, token: Token, keyword: str) -> Diagnostic:
-    return Diagnostic("E0004", f"`{token}` is no keyword", span_of(source.path, token), help=f"did you mean `{keyword}`?")
+    return Diagnostic(
+        "E0004", f"`{token}` is no keyword", span_of(source.path, token), help=f"did you mean `{keyword}`?"
+    )
 
 
 def lacking(source: Source, sign: str, before: Sequence[Token], found: Token) -> Diagnostic:
@@ -47,8 +111,12 @@ def lacking(source: Source, sign: str, before: Sequence[Token], found: Token) ->
         return Diagnostic("E0003", f"missing `{sign}`{after}", _gap(source, before, found))
     place = span_of(source.path, found) if sign == "}" else _gap(source, before, found)
     name = "the end of the file" if found.type == "$END" else f"`{found}`"
-    return Diagnostic("E0005", f"missing `{sign}` before {name}" if sign == "}" else f"missing `{sign}`{after}", place,
-                      labels=(Label(span_of(source.path, opened), f"this `{opening}` is never closed"),))
+    return Diagnostic(
+        "E0005",
+        f"missing `{sign}` before {name}" if sign == "}" else f"missing `{sign}`{after}",
+        place,
+        labels=(Label(span_of(source.path, opened), f"this `{opening}` is never closed"),),
+    )
 
 
 def _unclosed(source: Source, before: Sequence[Token], opening: str) -> Token | None:
@@ -62,7 +130,11 @@ def _unclosed(source: Source, before: Sequence[Token], opening: str) -> Token | 
         elif token in _CLOSING and stack:
             partner = stack.pop()
             text = source.line(token.line or 1)
-            if token == "}" and text.lstrip().startswith("}") and _indent(text) != _indent(source.line(partner.line or 1)):
+            if (
+                token == "}"
+                and text.lstrip().startswith("}")
+                and _indent(text) != _indent(source.line(partner.line or 1))
+            ):
                 suspect = partner
     open_ones = [t for t in stack if t == opening]
     if opening == "{" and suspect is not None:
@@ -103,7 +175,9 @@ def unreadable(source: Source, position: int, automaton: Automaton) -> tuple[Dia
         width = 2
     span = Span(source.path, position, position + width, line, column, line, column + width)
     if character == '"':
-        return Diagnostic("E0006", "this text has no closing quote", span, help='put `"` at its end, on the same line'), width
+        return Diagnostic(
+            "E0006", "this text has no closing quote", span, help='put `"` at its end, on the same line'
+        ), width
     shown = f"`{character}`" if character.isprintable() else f"U+{ord(character):04X}"
     if character == ";":
         return Diagnostic("E0002", f"unknown character {shown}", span, help="lines need no sign at their end"), width
@@ -116,12 +190,17 @@ def unknown_unit(source: Source, number: Token, found: Token) -> Diagnostic | No
     if number.line != found.line or not str(number)[-1].isdigit():
         return None
     near = did_you_mean(str(found), UNITS)
-    return Diagnostic("E0007", f"unknown unit `{found}`", span_of(source.path, found),
-                      help=near or "units are m, cm, mm, rad, deg, s, min, and m/s or rad/s")
+    return Diagnostic(
+        "E0007",
+        f"unknown unit `{found}`",
+        span_of(source.path, found),
+        help=near or "units are m, cm, mm, rad, deg, s, min, and m/s or rad/s",
+    )
 
 
-def unexpected(source: Source, found: Token, previous: Token | None, accepted: Sequence[str],
-               keywords: Mapping[str, str]) -> Diagnostic:
+def unexpected(
+    source: Source, found: Token, previous: Token | None, accepted: Sequence[str], keywords: Mapping[str, str]
+) -> Diagnostic:
     words = expectations(accepted, previous, keywords)
     name = "the file ends here" if found.type == "$END" else f"unexpected `{found}`"
     behind = f": expected {words}" if words else ""

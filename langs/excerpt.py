@@ -1,4 +1,4 @@
-"""One source line as it is shown below a diagnostic: tabs as blanks, long lines shortened, columns in terminal cells."""
+"""One source line as shown below a diagnostic: tabs as blanks, long lines shortened, columns in terminal cells."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ _BEFORE = 40
 
 def clean(text: str) -> str:
     """The text without characters that would steer the terminal; newlines stay."""
-    return "".join(c if c == "\n" or unicodedata.category(c) not in ("Cc", "Cf", "Cs") else "\N{REPLACEMENT CHARACTER}" for c in text)
+    return "".join(
+        c if c == "\n" or unicodedata.category(c) not in ("Cc", "Cf", "Cs") else "\N{REPLACEMENT CHARACTER}"
+        for c in text
+    )
 
 
 def cells(text: str) -> int:

@@ -1,7 +1,8 @@
 """The one standard layout. Only blanks and line ends change, so comments and meaning stay.
 
-Every statement starts a line, indented by its blocks; lines that the author broke inside a statement stay broken and are
-indented anew. The words of a rule's parts, the values of a heuristic and the marks of neighbouring predicates are aligned.
+Every statement starts a line, indented by its blocks; lines that the author broke inside a statement stay broken and
+are indented anew. The words of a rule's parts, the values of a heuristic and the marks of neighbouring predicates are
+aligned.
 """
 
 from __future__ import annotations
@@ -81,7 +82,9 @@ class _Layout:
 
     def _line(self, row: list[Piece], following: Piece | None) -> None:
         first = row[0]
-        statement_level = following is None or bool(following.statement) or (following.block and following.kind == "RBRACE")
+        statement_level = (
+            following is None or bool(following.statement) or (following.block and following.kind == "RBRACE")
+        )
         if first.kind == "COMMENT":
             indent, hang = (self._depth * INDENT, None) if statement_level else self._continued(None)
         elif statement_level:
@@ -240,5 +243,8 @@ def _code(line: Line) -> str:
 
 
 def _shown(line: Line) -> str:
-    return ("\n" if line.blank else "") + (_code(line) + line.comment if line.text else _code(line) + " " * line.indent
-                                           + line.comment).rstrip() + "\n"
+    return (
+        ("\n" if line.blank else "")
+        + (_code(line) + line.comment if line.text else _code(line) + " " * line.indent + line.comment).rstrip()
+        + "\n"
+    )

@@ -54,8 +54,17 @@ def _load(file: Path) -> lark.Lark | None:
             return None
         with file.open("rb") as stream:
             return lark.Lark.load(stream)
-    except (OSError, pickle.UnpicklingError, EOFError, AttributeError, ImportError, IndexError, KeyError, TypeError,
-            ValueError):
+    except (
+        OSError,
+        pickle.UnpicklingError,
+        EOFError,
+        AttributeError,
+        ImportError,
+        IndexError,
+        KeyError,
+        TypeError,
+        ValueError,
+    ):
         return None
 
 

@@ -10,16 +10,57 @@ from lark import Token, Tree
 from .build_terms import Branch
 from .grammar_loader import parser
 
-STATEMENTS = frozenset({
-    "import", "type_decl", "predicate_decl", "derived_decl", "module_decl", "motion_decl", "rule_decl", "placement_decl",
-    "heuristic_decl", "scene_decl", "task_decl", "effector_item", "joint_item", "link_item", "fact_item", "switch_row",
-    "during_row", "keep_row", "motion_for", "pre", "where", "post", "cost", "start_value", "heuristic_case", "body_item",
-    "robot_on", "robot_at", "for_item", "if_item", "scene_use", "goal_item", "guide_use", "options_item",
-})
-BLOCKS = frozenset({
-    "module_decl", "motion_decl", "rule_decl", "heuristic_decl", "scene_decl", "task_decl", "motion_for", "for_item",
-    "if_item",
-})
+STATEMENTS = frozenset(
+    {
+        "import",
+        "type_decl",
+        "predicate_decl",
+        "derived_decl",
+        "module_decl",
+        "motion_decl",
+        "rule_decl",
+        "placement_decl",
+        "heuristic_decl",
+        "scene_decl",
+        "task_decl",
+        "effector_item",
+        "joint_item",
+        "link_item",
+        "fact_item",
+        "switch_row",
+        "during_row",
+        "keep_row",
+        "motion_for",
+        "pre",
+        "where",
+        "post",
+        "cost",
+        "start_value",
+        "heuristic_case",
+        "body_item",
+        "robot_on",
+        "robot_at",
+        "for_item",
+        "if_item",
+        "scene_use",
+        "goal_item",
+        "guide_use",
+        "options_item",
+    }
+)
+BLOCKS = frozenset(
+    {
+        "module_decl",
+        "motion_decl",
+        "rule_decl",
+        "heuristic_decl",
+        "scene_decl",
+        "task_decl",
+        "motion_for",
+        "for_item",
+        "if_item",
+    }
+)
 _COMMENT = re.compile(r"#[^\n]*")
 
 

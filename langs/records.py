@@ -73,14 +73,21 @@ def _result(diagnostic: Diagnostic, index: int) -> dict[str, Any]:
         result["locations"] = [_location(diagnostic.span)]
     if diagnostic.labels:
         result["relatedLocations"] = [
-            {"id": i, **_location(label.span), "message": {"text": label.text}} for i, label in enumerate(diagnostic.labels)
+            {"id": i, **_location(label.span), "message": {"text": label.text}}
+            for i, label in enumerate(diagnostic.labels)
         ]
     return result
 
 
 def _location(span: Span) -> dict[str, Any]:
-    region = {"startLine": max(span.line, 1), "startColumn": max(span.column, 1), "endLine": max(span.end_line, 1),
-              "endColumn": max(span.end_column, 1), "charOffset": span.start, "charLength": span.end - span.start}
+    region = {
+        "startLine": max(span.line, 1),
+        "startColumn": max(span.column, 1),
+        "endLine": max(span.end_line, 1),
+        "endColumn": max(span.end_column, 1),
+        "charOffset": span.start,
+        "charLength": span.end - span.start,
+    }
     return {"physicalLocation": {"artifactLocation": {"uri": _uri(span.file)}, "region": region}}
 
 

@@ -1,8 +1,8 @@
 """Repair of a text that does not parse: every mistake gives one diagnostic, and the rest is read on.
 
 At a mistake several repairs are tried on the automaton, the surest kind first: a misspelt keyword or a wrong unit, then
-one sign that lacks or is too many, then leaving out the line. Within a kind the repair after which most can be read wins;
-where none works, the text up to the next declaration is skipped.
+one sign that lacks or is too many, then leaving out the line. Within a kind the repair after which most can be read
+wins; where none works, the text up to the next declaration is skipped.
 """
 
 from __future__ import annotations
@@ -23,10 +23,21 @@ MAX_ERRORS = 50
 LOOKAHEAD = 40
 ENOUGH = (2, 3, 3)
 """How many tokens must be readable after a repair of each kind."""
-_SIGNS = {"COMMA": ",", "COLON": ":", "LPAR": "(", "RPAR": ")", "LBRACE": "{", "RBRACE": "}", "LSQB": "[", "RSQB": "]",
-          "EQUAL": "=", "_DOTS": ".."}
+_SIGNS = {
+    "COMMA": ",",
+    "COLON": ":",
+    "LPAR": "(",
+    "RPAR": ")",
+    "LBRACE": "{",
+    "RBRACE": "}",
+    "LSQB": "[",
+    "RSQB": "]",
+    "EQUAL": "=",
+    "_DOTS": "..",
+}
 _DECLARATION = re.compile(
-    r"^(import|type|predicate|derived|module|motion|rule|placement|heuristic|scene|task)(?!\w)", re.MULTILINE)
+    r"^(import|type|predicate|derived|module|motion|rule|placement|heuristic|scene|task)(?!\w)", re.MULTILINE
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +121,7 @@ class Recovery:
             if after is None:
                 return -1
             stack = after
-        again = sum((r.token.start_pos or 0) >= repair.position for r in self.reads[repair.keep:])
+        again = sum((r.token.start_pos or 0) >= repair.position for r in self.reads[repair.keep :])
         reached = self.automaton.run(stack, repair.position, LOOKAHEAD + again)
         return min(reached - again, LOOKAHEAD)
 
@@ -142,7 +153,9 @@ class Recovery:
             if index > 0 and self.reads[index - 1].token == "," and str(token) in self.automaton.keywords.values():
                 comma = self.reads[index - 1].token
                 yield Repair(0, index - 1, (), token.start_pos or 0, complaints.dangling(self.source, comma))
-            fitting = {self.automaton.keywords[k]: k for k in self.automaton.accepts(before) if k in self.automaton.keywords}
+            fitting = {
+                self.automaton.keywords[k]: k for k in self.automaton.accepts(before) if k in self.automaton.keywords
+            }
             for near in get_close_matches(str(token), sorted(fitting), n=2, cutoff=0.6):
                 keyword = self._replaced(token, fitting[near], near)
                 yield Repair(0, index, (keyword,), token.end_pos or 0, complaints.misspelt(self.source, token, near))
@@ -246,15 +259,22 @@ class Recovery:
     def _unexpected(self, found: Token | None) -> Diagnostic:
         before = [r.token for r in self.reads]
         token = found or self.automaton.token("$END", "", len(self.source.text))
-        return complaints.unexpected(self.source, token, before[-1] if before else None,
-                                     self.automaton.accepts(self.stack), self.automaton.keywords)
+        return complaints.unexpected(
+            self.source,
+            token,
+            before[-1] if before else None,
+            self.automaton.accepts(self.stack),
+            self.automaton.keywords,
+        )
 
     def _lacking(self, kind: str, index: int, token: Token) -> Diagnostic:
         before = [r.token for r in self.reads[:index]]
         return complaints.lacking(self.source, _SIGNS[kind], before, token)
 
     def _replaced(self, token: Token, kind: str, text: str) -> Token:
-        return Token(kind, text, token.start_pos, token.line, token.column, token.end_line, token.end_column, token.end_pos)
+        return Token(
+            kind, text, token.start_pos, token.line, token.column, token.end_line, token.end_column, token.end_pos
+        )
 
 
 def _start(found: Token | Unreadable) -> int:

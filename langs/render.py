@@ -10,12 +10,19 @@ from .source import Source, Span
 
 FORMATS = ("full", "concise", "json", "sarif")
 _SEVERITIES = {"E": "error", "W": "warning", "S": "outcome"}
-_COLOURS = {"error": "\x1b[1;31m", "warning": "\x1b[1;33m", "outcome": "\x1b[1;35m", "frame": "\x1b[1;34m",
-            "help": "\x1b[1;36m", "bold": "\x1b[1m"}
+_COLOURS = {
+    "error": "\x1b[1;31m",
+    "warning": "\x1b[1;33m",
+    "outcome": "\x1b[1;35m",
+    "frame": "\x1b[1;34m",
+    "help": "\x1b[1;36m",
+    "bold": "\x1b[1m",
+}
 
 
-def render(diagnostics: Iterable[Diagnostic], sources: Mapping[str, Source], format: str = "full",
-           colour: bool = False) -> str:
+def render(
+    diagnostics: Iterable[Diagnostic], sources: Mapping[str, Source], format: str = "full", colour: bool = False
+) -> str:
     """The text of the diagnostics, without a newline at its end; `sources` are the read files by path.
 
     `format` is one of FORMATS (ValueError otherwise); `colour` puts terminal escapes into the full form.
@@ -57,7 +64,9 @@ class _Full:
     def text(self) -> str:
         diagnostic = self._diagnostic
         kind = severity(diagnostic)
-        lines = [self._paint(kind, f"{kind}[{diagnostic.code}]") + self._paint("bold", f": {clean(diagnostic.message)}")]
+        lines = [
+            self._paint(kind, f"{kind}[{diagnostic.code}]") + self._paint("bold", f": {clean(diagnostic.message)}")
+        ]
         if diagnostic.span is not None:
             lines += self._places(diagnostic.span)
         for word, remark in (("help", diagnostic.help), ("note", diagnostic.note)):

@@ -401,7 +401,7 @@ class ModuleDecl(Node):
 
 @dataclass(frozen=True, slots=True)
 class BodyItem(Node):
-    """`base stair[i]: box(0.3 m, 0.8 m, 0.05 m) at (0, 0, 0) heading 90 deg`, or `object b: box(…) on tray at (x, y)`."""
+    """`base stair[i]: box(0.3 m, 0.8 m, 0.05 m) at (0, 0, 0) heading 0.2`, or `object b: box(…) on tray at (x, y)`."""
 
     type: str
     name: Term
