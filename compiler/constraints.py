@@ -6,9 +6,9 @@ per process. Residual signs: equalities r = 0, inequalities r <= 0.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 
 import casadi as ca
 
@@ -18,8 +18,10 @@ from .kinematics import (
     Expression,
     Frame,
     axis,
+    compose,
     conjugate,
     effector_frame,
+    joint_frames,
     multiply,
     pose_frame,
     rotation_difference,
@@ -142,7 +144,7 @@ def _function(name: str, args: tuple[ir.Term, ...], scope: Mapping[str, Solid]) 
     if name == "axis" and isinstance(args[1], ir.Letter):
         return axis(_object(args[0], scope).frame.quaternion, args[1].letter)
     values = [_value(a, scope) for a in args]
-    plain = {
+    plain: dict[str, Callable[..., Expression]] = {
         "dot": ca.dot, "cross": ca.cross, "norm": lambda v: ca.sqrt(ca.dot(v, v) + distances.SMOOTH),
         "sqrt": ca.sqrt, "abs": ca.fabs, "sin": ca.sin, "cos": ca.cos,
     }  # fmt: skip
@@ -196,7 +198,7 @@ def _kept(term: ir.Term, scopes: list[dict[str, Solid]], kinds: Mapping[str, Kin
     return ca.vertcat(p1 - p0, rotation_difference(q0, q1))
 
 
-@lru_cache(maxsize=None)
+@cache
 def stage(row: ir.Row, names: tuple[str, ...], kinds: tuple[Kind, ...]) -> Stage:
     """The stage Function of one row whose arguments `names` have `kinds`.
 
@@ -230,12 +232,10 @@ def stage(row: ir.Row, names: tuple[str, ...], kinds: tuple[Kind, ...]) -> Stage
     return Stage(row.when, variables, constants, residual)
 
 
-@lru_cache(maxsize=None)
+@cache
 def sphere_stage(kind: ir.ModuleType | None, spheres: tuple[tuple[int, ir.Vec3], ...]) -> Stage:
     """Centres (3 S,) in the world of S spheres at `(joint, offset in its moving frame)` of a module; with `kind` None
     of a body, whose frame is number -1. Variables are the one slot, there are no parameters."""
-    from .kinematics import compose, joint_frames
-
     slot = ca.SX.sym("x", 7 if kind is None else 7 + len(kind.joints))
     frames = [pose_frame(slot)] if kind is None else joint_frames(kind, slot)
     centres = [compose(frames[joint + 1], (*offset, 0.0, 0.0, 0.0, 1.0)).position for joint, offset in spheres]

@@ -30,10 +30,10 @@ class _Batch:
         self.inputs = [np.zeros((size, max(1, function.nnz_in(i)))) for i in range(function.n_in())]
         self.outputs = [np.zeros((size, function.nnz_out(i))) for i in range(function.n_out())]
         for i, array in enumerate(self.inputs):
-            self.buffer.set_arg(i, memoryview(array.reshape(-1)))
+            self.buffer.set_arg(i, array.reshape(-1).data)
             array[:] = 1.0
         for i, array in enumerate(self.outputs):
-            self.buffer.set_res(i, memoryview(array.reshape(-1)))
+            self.buffer.set_res(i, array.reshape(-1).data)
 
     def __call__(self, *arguments: Array) -> list[Array]:
         count = len(arguments[0])

@@ -130,6 +130,22 @@ class Cloud:
                 result[mine, :, : block.stage.inputs] = local[inverse, where[mine, 2]]
         return result
 
+    def curvature(self, z: Array, ends: Sequence[tuple[Indices, Array]]) -> list[tuple[Array, Indices]]:
+        """Hessians, by slot, of the sum of pull (N, 3) · centre over `ends`: numbers (N,) and pulls."""
+        numbers = np.concatenate([numbers for numbers, _ in ends])
+        pulls = np.concatenate([pull for _, pull in ends])
+        where = self._tables()[1][numbers]
+        found = []
+        for i, block in enumerate(self._blocks.values()):
+            mine = np.flatnonzero(where[:, 0] == i)
+            if len(mine):
+                places = np.array(block.places)
+                weights = np.zeros((len(places), len(block.spheres), 3))
+                np.add.at(weights, (where[mine, 1], where[mine, 2]), pulls[mine])
+                flat = weights.reshape(len(places), -1)
+                found.append((block.stage.hessians(z[places], np.zeros((len(places), 0)), flat), places))
+        return found
+
 
 class Obstacles:
     """Rounded boxes at rest."""
@@ -175,6 +191,14 @@ class Obstacles:
         )  # fmt: skip
 
 
+# --- rows ------------------------------------------------------------------------------------------------------
+
+
+def _lengths(vectors: Array) -> Array:
+    """Smooth lengths (N,) of vectors (N, 3)."""
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors) + SMOOTH))
+
+
 class ClearanceGroup:
     """Rows wanted distance − distance <= 0, between sphere `first` and sphere or rounded box `second`."""
 
@@ -196,7 +220,8 @@ class ClearanceGroup:
 
     def _use(self, rows: Indices) -> None:
         self.rows = rows
-        self.first, self.second, self.wanted, self.tags = (a[rows] for a in self._all)
+        first, second, wanted, tags = self._all
+        self.first, self.second, self.wanted, self.tags = first[rows], second[rows], wanted[rows], tags[rows]
         parts = [self.cloud.places(self.first)]
         if not self.boxes:
             parts.append(self.cloud.places(self.second))
@@ -218,10 +243,10 @@ class ClearanceGroup:
         centres = self.cloud.centres(z)
         if not self.boxes:
             difference = centres[first] - centres[second]
-            return np.sqrt(np.einsum("ij,ij->i", difference, difference) + SMOOTH)
+            return _lengths(difference)
         excess, _ = self._excess(centres, first, second)
         outside = np.maximum(excess, 0.0)
-        return np.sqrt(np.einsum("ij,ij->i", outside, outside) + SMOOTH) + np.minimum(excess.max(1, initial=-1e9), 0.0)
+        return np.asarray(_lengths(outside) + np.minimum(excess.max(1, initial=-1e9), 0.0))
 
     def _excess(self, centres: Array, first: Indices, second: Indices) -> tuple[Array, Array]:
         assert self.boxes is not None
@@ -234,12 +259,10 @@ class ClearanceGroup:
         centres = self.cloud.centres(z)
         if not self.boxes:
             difference = centres[first] - centres[second]
-            length = np.sqrt(np.einsum("ij,ij->i", difference, difference) + SMOOTH)
-            return np.asarray(difference / length[:, None])
+            return np.asarray(difference / _lengths(difference)[:, None])
         excess, local = self._excess(centres, first, second)
         outside = np.maximum(excess, 0.0)
-        length = np.sqrt(np.einsum("ij,ij->i", outside, outside) + SMOOTH)
-        slope = outside / length[:, None]
+        slope = outside / _lengths(outside)[:, None]
         deep = np.flatnonzero(excess.max(1) < 0)
         slope[deep, excess[deep].argmax(1)] = 1.0
         slope *= np.sign(local)
@@ -264,10 +287,38 @@ class ClearanceGroup:
             parts.append(np.matmul(direction, self.cloud.derivatives(z, second)))
         return np.concatenate(parts, axis=2), self._places[chosen]
 
-    def curvature(self, z: Array, weights: Array) -> tuple[Array, Indices]:
-        """Of the centres only: what the distance itself bends by is positive and left out."""
+    def curvature(self, z: Array, weights: Array) -> list[tuple[Array, Indices]]:
+        """Of the centres, and of the distances by the centres."""
         chosen = np.flatnonzero(weights[:, 0])
-        return np.zeros((0, 1, 1)), self._places[chosen][:0, :1]
+        if not len(chosen):
+            return []
+        first, second, weight = self.first[chosen], self.second[chosen], weights[chosen, 0]
+        pull = -weight[:, None] * self._directions(z, first, second)
+        bend = -weight[:, None, None] * self._bends(z, first, second)
+        motion = [self.cloud.derivatives(z, first)]
+        ends = [(first, pull)]
+        if not self.boxes:
+            motion.append(-self.cloud.derivatives(z, second))
+            ends.append((second, -pull))
+        chain = np.concatenate(motion, axis=2)
+        bent = np.matmul(chain.transpose(0, 2, 1), np.matmul(bend, chain))
+        return [(bent, self._places[chosen]), *self.cloud.curvature(z, ends)]
 
-    def span(self) -> tuple[Array, Array]:
-        return self._places, self._places
+    def _bends(self, z: Array, first: Indices, second: Indices) -> Array:
+        """Second derivatives (N, 3, 3) of the distance by the first centre."""
+        centres = self.cloud.centres(z)
+        if not self.boxes:
+            direction = self._directions(z, first, second)
+            length = _lengths(centres[first] - centres[second])
+            return np.asarray((np.eye(3) - direction[:, :, None] * direction[:, None, :]) / length[:, None, None])
+        excess, local = self._excess(centres, first, second)
+        outside = np.maximum(excess, 0.0)
+        length = _lengths(outside)
+        slope = outside / length[:, None] * np.sign(local)
+        bend = -slope[:, :, None] * slope[:, None, :]
+        bend[:, range(3), range(3)] += excess > 0
+        rotation = self.boxes[0][second]
+        return np.asarray(np.matmul(rotation, np.matmul(bend / length[:, None, None], rotation.transpose(0, 2, 1))))
+
+    def span(self) -> Indices:
+        return self._places

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -174,7 +175,7 @@ def homing(problem: Problem, layout: Layout, scale: float) -> LinearGroup:
 
 
 def differences(
-    layout: Layout, names: list[str], slices: list[tuple[int, ...]], coefficients: tuple[float, ...],
+    layout: Layout, names: Sequence[str], slices: Sequence[tuple[int, ...]], coefficients: tuple[float, ...],
     scale: float, part: slice = slice(7, None),
 ) -> LinearGroup:  # fmt: skip
     """½ scale² Σ (Σ coefficient · slot)² over tuples of slices: velocities (−1, 1), accelerations (1, −2, 1).

@@ -48,12 +48,12 @@ class Group(Protocol):
         """Scaled Jacobians (len(chosen), m, n) of the chosen instances, and their places in z (len(chosen), n)."""
         ...
 
-    def curvature(self, z: Array, weights: Array) -> tuple[Array, Indices]:
-        """Hessians (N, n, n) of weights · r, for weights (N, m), and their places in z."""
+    def curvature(self, z: Array, weights: Array) -> list[tuple[Array, Indices]]:
+        """Hessians (N, n, n) of weights · r, for weights (N, m), and their places in z (N, n), in parts that add up."""
         ...
 
-    def span(self) -> tuple[Array, Array]:
-        """Smallest and largest place in z of each instance that may matter for the band, as (N, n) twice."""
+    def span(self) -> Indices:
+        """The places in z (N, n) of all instances."""
         ...
 
 
@@ -84,11 +84,11 @@ class StageGroup:
         places = self.places[chosen]
         return self.scale * self.stage.jacobians(z[places], self.constants[chosen]), places
 
-    def curvature(self, z: Array, weights: Array) -> tuple[Array, Indices]:
-        return self.stage.hessians(z[self.places], self.constants, self.scale * weights), self.places
+    def curvature(self, z: Array, weights: Array) -> list[tuple[Array, Indices]]:
+        return [(self.stage.hessians(z[self.places], self.constants, self.scale * weights), self.places)]
 
-    def span(self) -> tuple[Array, Array]:
-        return self.places, self.places
+    def span(self) -> Indices:
+        return self.places
 
 
 class LinearGroup:
@@ -118,11 +118,11 @@ class LinearGroup:
     def jacobians(self, z: Array, chosen: Indices) -> tuple[Array, Indices]:
         return self.coefficients[chosen][:, None, :], self.places[chosen]
 
-    def curvature(self, z: Array, weights: Array) -> tuple[Array, Indices]:
-        return np.zeros((0, 1, 1)), np.zeros((0, 1), dtype=np.int64)
+    def curvature(self, z: Array, weights: Array) -> list[tuple[Array, Indices]]:
+        return []
 
-    def span(self) -> tuple[Array, Array]:
-        return self.places, self.places
+    def span(self) -> Indices:
+        return self.places
 
 
 class NormGroup:
@@ -149,8 +149,8 @@ class NormGroup:
         places = self.places[chosen]
         return 2.0 * z[places][:, None, :], places
 
-    def curvature(self, z: Array, weights: Array) -> tuple[Array, Indices]:
-        return 2.0 * weights[:, :, None] * np.eye(4), self.places
+    def curvature(self, z: Array, weights: Array) -> list[tuple[Array, Indices]]:
+        return [(2.0 * weights[:, :, None] * np.eye(4), self.places)]
 
-    def span(self) -> tuple[Array, Array]:
-        return self.places, self.places
+    def span(self) -> Indices:
+        return self.places

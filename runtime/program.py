@@ -27,6 +27,36 @@ class _Scatter:
         self.vector_target = unknown.ravel()[self.vector_source]
 
 
+class _Sums:
+    """Contributions to a gradient and to a lower band, added up in one go."""
+
+    def __init__(self, unknowns: int, width: int) -> None:
+        self.shape = (unknowns, width)
+        self._values: list[Array] = []
+        self._targets: list[Indices] = []
+        self._slopes: list[Array] = []
+        self._slope_targets: list[Indices] = []
+
+    def add(self, scatter: _Scatter, slope: Array, square: Array) -> None:
+        self._values.append(square.ravel()[scatter.source])
+        self._targets.append(scatter.target)
+        self._slopes.append(slope.ravel()[scatter.vector_source])
+        self._slope_targets.append(scatter.vector_target)
+
+    @staticmethod
+    def _sum(targets: list[Indices], values: list[Array], size: int) -> Array:
+        if not targets:
+            return np.zeros(size)
+        sums = np.bincount(np.concatenate(targets), np.concatenate(values), minlength=size)
+        return np.asarray(sums, dtype=np.float64)
+
+    def gradient(self) -> Array:
+        return self._sum(self._slope_targets, self._slopes, self.shape[0])
+
+    def band(self) -> Array:
+        return self._sum(self._targets, self._values, self.shape[0] * self.shape[1]).reshape(self.shape)
+
+
 class Program:
     """Minimise Σ ½‖cost‖² subject to equalities and inequalities, over x = z[len(constants):].
 
@@ -41,15 +71,15 @@ class Program:
         }
         self.width = 1 + max((self._reach(g) for gs in self.groups.values() for g in gs), default=0)
         self._scatters = {
-            id(g): _Scatter(g.span()[0], len(constants), self.width)
+            id(g): _Scatter(g.span(), len(constants), self.width)
             for kind in ("cost", "equality") for g in self.groups[kind]
         }  # fmt: skip
 
     def _reach(self, group: Group) -> int:
-        low, high = group.span()
+        places = group.span()
         first = len(self.constants)
-        lowest = np.where(low >= first, low, np.iinfo(np.int64).max).min(1)
-        highest = high.max(1)
+        lowest = np.where(places >= first, places, np.iinfo(np.int64).max).min(1)
+        highest = places.max(1)
         return int(np.where(highest >= first, highest - lowest, 0).max(initial=0))
 
     def full(self, x: Array) -> Array:
@@ -72,51 +102,73 @@ class Program:
         """Gradient (unknowns,) and lower band (unknowns, width) of the Gauss-Newton model of the augmented
         Lagrangian ½‖c‖² + ½μ‖e + λ/μ‖² + ½μ‖max(i + κ/μ, 0)‖² with `multipliers` (λ, κ)."""
         z = self.full(x)
-        values: list[Array] = []
-        targets: list[Indices] = []
-        gradients: list[Array] = []
-        gradient_targets: list[Indices] = []
+        sums = _Sums(self.unknowns, self.width)
         cost, equality, inequality = residuals
-        always = [("cost", cost, 1.0)] if costs else []
-        for kind, pull, weight in [*always, ("equality", mu * equality + multipliers[0], mu)]:
-            at = 0
-            for group in self.groups[kind]:
-                count, rows = group.shape
-                jacobian, _ = group.jacobians(z, np.arange(count))
-                scatter = self._scatters[id(group)]
-                slope = np.matmul(pull[at : at + count * rows].reshape(count, 1, rows), jacobian)
-                square = np.matmul(jacobian.transpose(0, 2, 1), weight * jacobian)
-                values.append(square.ravel()[scatter.source])
-                targets.append(scatter.target)
-                gradients.append(slope.ravel()[scatter.vector_source])
-                gradient_targets.append(scatter.vector_target)
-                at += count * rows
-        pull = np.maximum(mu * inequality + multipliers[1], 0.0)
+        if costs:
+            self._add_always("cost", z, cost, 1.0, sums)
+        self._add_always("equality", z, mu * equality + multipliers[0], mu, sums)
+        self._add_pushing(z, np.maximum(mu * inequality + multipliers[1], 0.0), mu, sums)
+        return sums.gradient(), sums.band()
+
+    def _add_always(self, kind: str, z: Array, pull: Array, weight: float, sums: _Sums) -> None:
+        at = 0
+        for group in self.groups[kind]:
+            count, rows = group.shape
+            jacobian, _ = group.jacobians(z, np.arange(count))
+            block = pull[at : at + count * rows].reshape(count, 1, rows)
+            at += count * rows
+            square = np.matmul(jacobian.transpose(0, 2, 1), weight * jacobian)
+            sums.add(self._scatters[id(group)], np.matmul(block, jacobian), square)
+
+    def _add_pushing(self, z: Array, pull: Array, weight: float, sums: _Sums) -> None:
+        """Inequalities: only instances with a row that pushes are differentiated."""
         at = 0
         for group in self.groups["inequality"]:
             count, rows = group.shape
             block = pull[at : at + count * rows].reshape(count, rows)
             at += count * rows
             chosen = np.flatnonzero(block.any(1))
-            if not len(chosen):
-                continue
-            jacobian, places = group.jacobians(z, chosen)
-            block = block[chosen]
-            scatter = _Scatter(places, len(self.constants), self.width)
-            slope = np.matmul(block[:, None, :], jacobian)
-            jacobian = jacobian * (block > 0)[:, :, None]
-            square = np.matmul(jacobian.transpose(0, 2, 1), mu * jacobian)
-            values.append(square.ravel()[scatter.source])
-            targets.append(scatter.target)
-            gradients.append(slope.ravel()[scatter.vector_source])
-            gradient_targets.append(scatter.vector_target)
-        band = np.bincount(
-            np.concatenate(targets), np.concatenate(values), minlength=self.unknowns * self.width
-        ).reshape(self.unknowns, self.width)
-        gradient = np.bincount(
-            np.concatenate(gradient_targets), np.concatenate(gradients), minlength=self.unknowns
-        )
-        return gradient, band
+            if len(chosen):
+                jacobian, places = group.jacobians(z, chosen)
+                slope = np.matmul(block[chosen][:, None, :], jacobian)
+                jacobian = jacobian * (block[chosen] > 0)[:, :, None]
+                square = np.matmul(jacobian.transpose(0, 2, 1), weight * jacobian)
+                sums.add(_Scatter(places, len(self.constants), self.width), slope, square)
+
+    def hessian(self, x: Array, cost_weight: float, multipliers: tuple[Array, Array]) -> Array:
+        """Lower band (unknowns, width) of the Hessian of cost_weight · ½‖c‖² + λ·e + κ·i; costs are linear rows."""
+        z = self.full(x)
+        sums = _Sums(self.unknowns, self.width)
+        self._add_always("cost", z, self.residuals(x)[0] * 0.0, cost_weight, sums)
+        for kind, weights in (("equality", multipliers[0]), ("inequality", multipliers[1])):
+            at = 0
+            for group in self.groups[kind]:
+                count, rows = group.shape
+                block = weights[at : at + count * rows].reshape(count, rows)
+                at += count * rows
+                for hessians, places in group.curvature(z, block):
+                    slope = np.zeros((len(places), 1, places.shape[1]))
+                    sums.add(_Scatter(places, len(self.constants), self.width), slope, hessians)
+        return sums.band()
+
+    def jacobian(self, x: Array) -> tuple[Array, Indices, Indices]:
+        """Values, rows and columns of the Jacobian of equalities, then inequalities, by the unknowns. The pattern
+        does not depend on x; a place may occur twice and then adds up."""
+        z = self.full(x)
+        values, rows_at, columns = [np.zeros(0)], [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+        at = 0
+        for kind in ("equality", "inequality"):
+            for group in self.groups[kind]:
+                count, rows = group.shape
+                jacobian, places = group.jacobians(z, np.arange(count))
+                unknown = np.broadcast_to((places - len(self.constants))[:, None, :], jacobian.shape)
+                row = np.broadcast_to(np.arange(at, at + count * rows).reshape(count, rows, 1), jacobian.shape)
+                kept = unknown >= 0
+                values.append(jacobian[kept])
+                rows_at.append(row[kept])
+                columns.append(unknown[kept])
+                at += count * rows
+        return np.concatenate(values), np.concatenate(rows_at), np.concatenate(columns)
 
     def cost(self, x: Array) -> float:
         costs = self.residuals(x)[0]
@@ -125,12 +177,12 @@ class Program:
     def rows(self, x: Array) -> list[tuple[Label, Array]]:
         """Every constraint instance with the violations (m,) of its rows, unscaled."""
         z = self.full(x)
-        found = []
+        found: list[tuple[Label, Array]] = []
         for kind in ("equality", "inequality"):
             for group in self.groups[kind]:
                 raw = group.residuals(z) / group.scale
                 amounts = np.abs(raw) if kind == "equality" else np.maximum(raw, 0.0)
-                found.extend((group.label(i), amounts[i]) for i in np.flatnonzero(amounts.any(1)))
+                found.extend((group.label(int(i)), amounts[i]) for i in np.flatnonzero(amounts.any(1)))
         return found
 
     def largest(self, x: Array) -> float:

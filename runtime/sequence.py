@@ -67,24 +67,26 @@ def solve_span(
     start: Configuration,
     warm: Sequence[Configuration] | None = None,
     free: bool = False,
-    tries: int = TRIES,
+    tries: int | None = None,
 ) -> BoundResult:
-    """P_seq of phases `first` … `last`, with restarts. `configurations` begins with the state before `first`, which
-    is unknown too when `free`."""
+    """P_seq of phases `first` … `last`, with restarts. `configurations` begins with the state before `first`: `start`,
+    or with `free` an unknown one, and `start` is then the scene at time 0."""
     began = time.monotonic()
     best: tuple[float, BoundResult] | None = None
     iterations = 0
     origin: Configuration = start
     previous: list[Configuration] | None = None
-    for attempt in range(tries):
+    for attempt in range(tries or min(TRIES, 4 + last - first)):
         switches = SwitchProgram(skeleton, first, last, start, settings, free, frozen=attempt % 2 == 0)
         if attempt == 0 and warm is not None:
             guesses = list(warm)
         else:
-            guesses = guess(skeleton, list(switches.phases), start, random, NOISE * (1 + attempt % 2))
+            guesses = guess(skeleton, range(0 if free else first, last + 1), start, random, NOISE * (1 + attempt % 2))
+            if free:
+                origin, guesses = guesses[first - 1], guesses[first:]
             if previous is not None and attempt % 4 != 3:
-                guesses = _repair(switches, [origin, *previous], guesses)
-        program, outcome = switches.solve(switches.pack([start, *guesses]), SEQUENCE, budget)
+                origin, *guesses = _repair(switches, previous, [origin, *guesses])
+        program, outcome = switches.solve(switches.pack([origin, *guesses]), SEQUENCE, budget)
         iterations += outcome.iterations
         result = _result(switches, program, outcome.x, settings, budget)
         result.iterations = iterations
@@ -94,7 +96,7 @@ def solve_span(
             best = (worst, result)
         if result.feasible or (attempt >= 1 and best[0] > HOPELESS):
             break
-        origin, *previous = result.configurations
+        previous = result.configurations
     assert best is not None
     chosen = best[1]
     chosen.iterations, chosen.seconds = iterations, time.monotonic() - began
@@ -116,15 +118,13 @@ def _result(
 def _repair(
     switches: SwitchProgram, previous: Sequence[Configuration], guesses: Sequence[Configuration]
 ) -> list[Configuration]:
-    """The last attempt, but with new guesses in the phases next to those that were violated."""
+    """All slices of the last attempt, but with new guesses next to the phases that were violated."""
     x = switches.pack(previous)
     switches.prepare(x)
     bad = {v.phase for v in switches.program().violations(x, 1e-3)}
     near = {phase + step for phase in bad for step in (-1, 0, 1)}
-    return [
-        new if phase in near else old
-        for phase, old, new in zip(switches.phases, previous[1:], guesses, strict=True)
-    ]
+    phases = [switches.phases[0] - 1, *switches.phases]
+    return [new if phase in near else old for phase, old, new in zip(phases, previous, guesses, strict=True)]
 
 
 def window_feasible(
@@ -134,10 +134,7 @@ def window_feasible(
     before is unknown but for the relations that hold in it. `configurations` begins with that state."""
     origin = start_configuration(skeleton.problem)
     random = np.random.default_rng(seed)
-    if first == 0:
-        return solve_span(skeleton, first, last, settings, random, budget, origin)
-    before = guess(skeleton, range(first), origin, random, 0.0)[-1]
-    return solve_span(skeleton, first, last, settings, random, budget, before, free=True)
+    return solve_span(skeleton, first, last, settings, random, budget, origin, free=first > 0)
 
 
 def refine(

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..compiler.collision import Pair, contacts, keeps_pose
-from ..compiler.ir import Fact, Function, Problem, Row
+from ..compiler.ir import Function, Problem, Row
 from .budget import Budget
 from .clearance import ClearanceGroup
 from .collisions import Collisions, Margin, refresh
