@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ...compiler import ir
+from ...langs import syntax
 from ...langs.diagnostics import SourceError
 from ...langs.source import Source
 from ..plan import Plan, VerdictRecord
@@ -31,18 +32,45 @@ def check(plan: Plan, problem: ir.Problem) -> VerdictRecord:
 
 
 def _problem(plan: Plan, findings: Findings) -> ir.Problem | None:
-    """The task, compiled anew from the stored sources."""
-    from ...compiler.pipeline import compile_problem
+    """The task, compiled anew from nothing but the stored sources."""
+    from ...compiler.pipeline import UsageError, compile_sources
 
-    sources = {s.path: Source(s.path, s.text) for s in plan.task.sources}
+    sources = [Source(s.path, s.text) for s in plan.task.sources]
+    if not sources:
+        findings.fail("source", "the plan holds no source text")
+        return None
     try:
-        return compile_problem(sources, plan.task)
+        problem, _ = compile_sources(sources, plan.task.name, _parameters(plan, sources), plan.task.seed)
     except SourceError as error:
         for diagnostic in error.diagnostics:
             if diagnostic.is_error:
                 message = f"{diagnostic.code} {diagnostic.message}"
                 findings.fail("source", message, place=place_of(diagnostic.span))
         return None
+    except UsageError as error:
+        findings.fail("source", str(error))
+        return None
+    missing = sorted({s.path for s in problem.sources} - {s.path for s in sources})
+    if missing:
+        findings.fail("source", f"the plan lacks the text of {', '.join(missing)}")
+        return None
+    return problem
+
+
+def _parameters(plan: Plan, sources: list[Source]) -> dict[str, str]:
+    """The parameters' values as one would type them, with the unit of their type."""
+    from ...langs.parser import parse
+
+    kinds: dict[str, str] = {}
+    for source in sources:
+        for declaration in parse(source)[0].declarations:
+            if isinstance(declaration, syntax.TaskDecl) and declaration.name == plan.task.name:
+                kinds = {p.name: p.type.name for p in declaration.parameters if isinstance(p.type, syntax.NamedType)}
+                break
+        if kinds:
+            break
+    units = {"length": " m", "angle": " rad"}
+    return {name: f"{value!r}{units.get(kinds.get(name, ''), '')}" for name, value in plan.task.parameters.items()}
 
 
 def _examine(plan: Plan, problem: ir.Problem, findings: Findings) -> VerdictRecord:

@@ -1,0 +1,114 @@
+"""Single measures of the checker against figures known otherwise."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
+
+from tamplang.runtime.chain import compose, inverse
+from tamplang.runtime.plan import Plan
+from tamplang.runtime.verify import geometry, shapes, verify
+from tamplang.runtime.verify.kinematics import Kinematics, motion_of
+from tamplang.runtime.verify.sampler import Sampler
+
+from .motions import Maker
+
+POSES = np.hstack([
+    np.random.default_rng(1).normal(size=(20, 3)), Rotation.random(20, random_state=2).as_quat()
+])  # fmt: skip
+
+
+def test_rotations_agree_with_scipy() -> None:
+    expected = Rotation.from_quat(POSES[:, 3:]).as_matrix()
+    assert np.allclose(geometry.rotation_matrices(POSES[:, 3:]), expected, atol=1e-14)
+
+
+def test_compose_and_inverse_agree_with_frames() -> None:
+    whole = compose(POSES[:10], POSES[10:])
+    first, second = geometry.frames(POSES[:10]), geometry.frames(POSES[10:])
+    expected = first.compose(second)
+    assert np.allclose(geometry.frames(whole).position, expected.position)
+    assert np.allclose(geometry.frames(whole).rotation, expected.rotation)
+    back = compose(inverse(POSES[:10]), whole)
+    assert np.allclose(geometry.frames(back).rotation, second.rotation)
+    assert np.allclose(expected.relative_to(first).position, second.position)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-4, 0.3, math.pi])
+def test_angles_are_accurate_near_zero(angle: float) -> None:
+    turned = Rotation.from_rotvec([0.0, angle, 0.0]).as_matrix()
+    assert geometry.angles(turned[None], np.eye(3)[None])[0] == pytest.approx(angle, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("kind", "size"), [("box", (0.2, 0.3, 0.4)), ("sphere", (0.2,)), ("capsule", (0.1, 0.5)), ("cylinder", (0.1, 0.5))]
+)
+def test_half_heights_touch_the_floor(kind: str, size: tuple[float, ...]) -> None:
+    """A thing whose lowest point is at height 0 touches a slab that ends there."""
+    rotations = Rotation.random(10, random_state=3).as_matrix()
+    ruler, slab = shapes.Ruler(), shapes.geometry("box", (10.0, 10.0, 1.0))
+    for rotation, half in zip(rotations, shapes.half_heights(kind, size, rotations), strict=True):
+        at = shapes.transform(np.array([0.0, 0.0, half]), rotation)
+        floor = shapes.transform(np.array([0.0, 0.0, -0.5]), np.eye(3))
+        assert ruler.distance(shapes.geometry(kind, size), at, slab, floor) == pytest.approx(0.0, abs=1e-5)
+
+
+def test_good_plan_is_verified(hop: Plan) -> None:
+    verdict = verify(hop)
+    assert verdict.verified and not verdict.failures
+    assert verdict.worst["slip_m"] < 1e-9
+    assert verdict.worst["penetration_m"] < 1e-6
+    assert {r.kind for r in verdict.residuals} == {"stand", "touch"}
+    assert all(r.place is not None for r in verdict.residuals)
+
+
+def test_foot_stays_between_samples(hop: Plan) -> None:
+    kinematics = {m.name: Kinematics(m) for m in hop.modules}
+    motion = motion_of(hop, kinematics)
+    sampler = Sampler(hop, motion, kinematics)
+    for phase, foot in enumerate(["A", "B", "A", "A"]):
+        placement = sampler.at(phase, sampler.grid(phase, 7))
+        where = kinematics["c"].effector(foot, placement.modules["c"]).position
+        assert np.ptp(where, axis=0).max() < 1e-9
+
+
+SWING = """
+import std.crawler
+import std.motion
+predicate (waved c: module)
+rule wave(c: module, k: 1 .. 2) {
+    pre   k = 1 or (waved c)
+    post  (waved c)
+}
+task wave() {
+    object slab: box(0.2 m, 0.2 m, 0.05 m) at (0, 0, 0)
+    object bead: sphere(0.001 m) at (BEAD)
+    crawler c: A on slab
+    goal (waved c)
+}
+"""
+
+
+def swing(bead: tuple[float, float, float]) -> Plan:
+    """A stretched arm turns by 3 rad in 2 planner samples, 20 looks of the checker."""
+    level = np.array([0.0, np.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0])
+    maker = Maker(SWING.replace("BEAD", ", ".join(f"{x:.6f} m" for x in bead)), "wave")
+    maker.phase("wave", ("c", "1"), [level])
+    maker.phase("wave", ("c", "2"), [level + 3.0 * np.eye(7)[0]], seconds=8.0, samples=2)
+    return maker.plan()
+
+
+def test_bead_between_looks_is_found() -> None:
+    """The arm passes the bead between two looks, both 4 cm away: only the swept check sees it."""
+    assert verify(swing((3.0, 0.0, 0.0))).verified
+    angle = CubicSpline([0.0, 4.0, 8.0], [0.0, 1.5, 3.0], bc_type="clamped")(4.2)
+    looks = CubicSpline([0.0, 4.0, 8.0], [0.0, 1.5, 3.0], bc_type="clamped")([4.0, 4.4])
+    assert np.all(0.6 * np.sin(np.abs(looks - angle)) > 0.04)
+    verdict = verify(swing((0.6 * math.cos(angle), 0.6 * math.sin(angle), 0.225)))
+    (failure,) = verdict.failures
+    assert failure.kind == "penetration_m" and failure.amount > 1e-3
+    assert failure.between[1] == "bead" and failure.time == pytest.approx(8.2, abs=0.2)
