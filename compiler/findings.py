@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from ..langs.diagnostics import Diagnostic, Label, did_you_mean
 from ..langs.source import Source, Span
+
+FEW = 8
+"""How many names a hint lists where none is near."""
 
 
 class Findings:
@@ -36,8 +39,16 @@ class Findings:
         self.add(Diagnostic(code, message, span, kept, help, note))
 
     def unknown(self, code: str, what: str, name: str, span: Span, candidates: Iterable[str]) -> None:
-        """A name that nothing declares, with the nearest of `candidates` as the hint."""
-        self.report(code, span, f"unknown {what} `{name}`", help=did_you_mean(name, candidates))
+        """A name that nothing declares, with the nearest of `candidates`, or a few of them, as the hint."""
+        names = list(dict.fromkeys(candidates))
+        help = did_you_mean(name, names)
+        if help is None and 0 < len(names) <= FEW:
+            help = f"known here: {', '.join(f'`{n}`' for n in names)}"
+        self.report(code, span, f"unknown {what} `{name}`", help=help)
+
+    def text(self, span: Span) -> str:
+        """The source text of `span`."""
+        return self._texts.get(span.file, "")[span.start : span.end]
 
     def word(self, span: Span, word: str, occurrence: int = 0) -> Span:
         """The span of `word` inside `span`; `span` itself where the word is not found."""
@@ -54,6 +65,9 @@ class Findings:
         line = span.line + breaks
         column = span.column + len(before) if not breaks else len(before) - before.rfind("\n")
         return Span(span.file, start, end, line, column, line, column + len(word))
+
+    def __iter__(self) -> Iterator[Diagnostic]:
+        return iter(self._found.values())
 
     @property
     def has_errors(self) -> bool:

@@ -47,7 +47,9 @@ def _check_condition(context: Context, scope: Scope, literal: syntax.Literal) ->
             "E0310",
             literal.span,
             f"`[{literal.predicate} …]` is a motion literal: conditions read logic literals",
-            help=f"did you mean `({literal.predicate} …)`?" if literal.predicate in context.logic else None,
+            help=f"did you mean `({literal.predicate} …)`?"
+            if literal.predicate in context.logic
+            else "motion literals belong into `post`",
         )
         return None
     if scope.place == "scene":

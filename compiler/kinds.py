@@ -52,7 +52,7 @@ LENGTH = Kind("length")
 ANGLE = Kind("angle")
 VECTOR = Kind("vector")
 VALUE_TYPES = {"int": NUMBER, "real": NUMBER, "length": LENGTH, "angle": ANGLE}
-EXAMPLES = {"length": "m", "angle": "deg", "time": "s", "speed": "rad/s"}
+EXAMPLES = {"length": "m", "angle": "rad", "time": "s", "speed": "rad/s"}
 
 
 def size_of(kind: Kind) -> int:

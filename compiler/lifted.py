@@ -13,6 +13,7 @@ from .check_motion import check_motions
 from .check_usage import check_usage
 from .context import Context, build_context
 from .findings import Findings
+from .incomplete import keep_certain
 from .library import Library
 from .module_types import check_modules
 from .names import Scope
@@ -43,18 +44,20 @@ class Lifted:
 
 
 def check_declarations(library: Library, findings: Findings, parsed: bool) -> Lifted:
-    """Check every declaration; after errors of syntax or imports nothing more is looked at, since what they hide would
-    only seem unknown."""
-    context = build_context(library, findings)
-    if not parsed:
-        return Lifted(context, {}, {}, {}, {}, (), False)
+    """Check every declaration. After errors of syntax or imports only those findings are kept that do not follow from
+    what is missing."""
+    context = build_context(library, findings if parsed else Findings(library.sources))
     predicates, derived = lower_predicates(context), check_derived(context)
     motions, rules, placements = check_motions(context), check_rules(context), check_placements(context)
     check_heuristics(context)
     check_modules(context)
-    check_usage(context, rules, derived, placements)
     _check_scenes(context, library.scenes)
     _check_scenes(context, library.tasks)
+    if parsed:
+        check_usage(context, rules, derived, placements)
+    else:
+        keep_certain(library, context.findings, findings)
+        context.findings = findings
     return Lifted(context, predicates, derived, motions, rules, placements, not findings.has_errors)
 
 

@@ -75,9 +75,17 @@ def possible(relaxation: Relaxation, literal: ir.Literal, binding: Binding) -> b
     columns = relaxation.columns.get(literal.predicate)
     if columns is None or any(w is not None and w not in c for w, c in zip(wanted, columns, strict=True)):
         return False
-    if any(_matches(fact[1:], wanted) for fact in world.init if fact[0] == literal.predicate):
+    if _stated(relaxation, literal.predicate, wanted):
         return True
     return any(_achieves(relaxation, rule, literal.predicate, wanted) for rule in world.rules.values())
+
+
+def _stated(relaxation: Relaxation, predicate: str, wanted: list[str | None]) -> bool:
+    """Whether a fact at the start matches."""
+    names = [w for w in wanted if w is not None]
+    if len(names) == len(wanted):
+        return (predicate, *names) in relaxation.world.init
+    return any(f[0] == predicate and _matches(f[1:], wanted) for f in relaxation.world.init)
 
 
 def _name(term: ir.Term, binding: Binding) -> str | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from ..langs import syntax
-from ..langs.diagnostics import did_you_mean
 from ..langs.source import Span
 from . import ir
 from .builtins import FUNCTIONS
@@ -69,10 +68,15 @@ def expect_kind(
     code = "E0203" if typed.kind.is_scalar and kind.is_scalar else "E0208"
     help = None
     if typed.kind == NUMBER and kind.name in EXAMPLES:
-        text = term.text if isinstance(term, syntax.Number) else "…"
-        help = f"give it a unit, such as `{text} {EXAMPLES[kind.name]}`"
+        help = f"give it a unit, such as `{_with_unit(context, term, typed, kind)}`"
     context.findings.report(code, term.span, f"{what} must be {kind}, not {typed.kind}", help=help)
     return False
+
+
+def _with_unit(context: Context, term: syntax.Term, typed: Typed, kind: Kind) -> str:
+    text = context.findings.text(term.span) if typed.literal else "2"
+    unit = "deg" if kind.name == "angle" and abs(typed.value or 0) > 6.3 else EXAMPLES[kind.name]
+    return f"{text} {unit}"
 
 
 def _check_wildcard(context: Context, scope: Scope, term: syntax.Wildcard) -> Typed:
@@ -281,8 +285,3 @@ def _check_aggregate(context: Context, scope: Scope, term: syntax.Aggregate) -> 
         context.findings.report("E0208", term.body.span, f"`{term.operator}` needs numbers, not {body.kind}")
         return BROKEN
     return Typed(ir.Aggregate(term.operator, variables, body.term), body.kind)
-
-
-def suggestion(name: str, scope: Scope) -> str | None:
-    """The hint for a name that nothing in sight declares."""
-    return did_you_mean(name, scope.names())
