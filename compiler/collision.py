@@ -40,12 +40,14 @@ def pair(a: str, b: str) -> Pair:
 
 @dataclass(frozen=True, slots=True)
 class Sphere:
-    """A sphere fixed to the moving frame of `joint`; `effector` names the effector that it belongs to."""
+    """A sphere fixed to the moving frame of `joint`; `effector` names the effector that it belongs to. An `exact`
+    one is a whole shape, no part of a cover."""
 
     joint: int
     centre: Vec3
     radius: float
     effector: str | None
+    exact: bool = False
 
 
 def pose_matrix(pose: Pose | Array) -> Array:
@@ -163,18 +165,19 @@ def module_spheres(type_: ModuleType, margin: float = PATH_MARGIN) -> tuple[Sphe
         if e.shape is not None:
             for joint, centre, radius in _placed(type_, e.joint, e.placement, e.shape, margin):
                 x, y, z = centre.tolist()
-                spheres.append(Sphere(joint, (x, y, z), radius, e.name))
+                spheres.append(Sphere(joint, (x, y, z), radius, e.name, e.shape.kind == "sphere"))
     for link in type_.links:
         for joint, centre, radius in _placed(type_, link.joint, link.placement, link.shape, margin):
             if not _inside((joint, centre, radius), spheres):
                 x, y, z = centre.tolist()
-                spheres.append(Sphere(joint, (x, y, z), radius, None))
+                spheres.append(Sphere(joint, (x, y, z), radius, None, link.shape.kind == "sphere"))
     return tuple(spheres)
 
 
 def body_spheres(body: Body, margin: float = PATH_MARGIN) -> tuple[Sphere, ...]:
     """Spheres that cover a body within `margin`, in its own frame."""
-    return tuple(Sphere(-1, centre, radius, None) for centre, radius in cover(body.shape, margin))
+    exact = body.shape.kind == "sphere"
+    return tuple(Sphere(-1, centre, radius, None, exact) for centre, radius in cover(body.shape, margin))
 
 
 # --- pairs that can meet --------------------------------------------------------------------------

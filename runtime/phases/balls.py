@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ...compiler.collision import ON_AXIS, PATH_MARGIN, body_spheres, module_spheres, shape_distance
+from ...compiler.collision import ON_AXIS, PATH_MARGIN, Sphere, body_spheres, module_spheres, shape_distance
 from ...compiler.ir import World
 from ..skeleton import Array
 from .tree import Mount, Obstacle, PhaseTree, pose_vector
@@ -17,13 +18,15 @@ from .tree import Mount, Obstacle, PhaseTree, pose_vector
 
 @dataclass(frozen=True, slots=True)
 class Ball:
-    """A sphere fixed to a node; `owner` is its module or body, `tag` the effector or body that contacts name."""
+    """A sphere fixed to a node; `owner` is its module or body, `tag` the effector or body that contacts name. An
+    `exact` one is a whole shape, no part of a cover."""
 
     node: int
     centre: tuple[float, float, float]
     radius: float
     owner: str
     tag: str | None
+    exact: bool
 
 
 class Lineage:
@@ -93,19 +96,19 @@ def hoist(tree: PhaseTree, node: int, centre: Array) -> tuple[int, Array]:
 def moving_balls(tree: PhaseTree, world: World, margin: float) -> tuple[Ball, ...]:
     """Spheres that cover, within `margin`, the modules and bodies that move in a phase."""
 
-    def ball(mount: Mount, centre: tuple[float, float, float], radius: float, owner: str, tag: str | None) -> Ball:
-        node, point = hoist(tree, mount[0], (mount[1] @ np.array([*centre, 1.0]))[:3])
+    def ball(mount: Mount, sphere: Sphere, owner: str, tag: str | None) -> Ball:
+        node, point = hoist(tree, mount[0], (mount[1] @ np.array([*sphere.centre, 1.0]))[:3])
         x, y, z = point.tolist()
-        return Ball(node, (x, y, z), radius, owner, tag)
+        return Ball(node, (x, y, z), sphere.radius, owner, tag, sphere.exact)
 
     found = []
     for module, links in tree.links.items():
         for s in module_spheres(world.modules[module].type, margin):
             tag = None if s.effector is None else f"{module}.{s.effector}"
-            found.append(ball(links[s.joint], s.centre, s.radius, module, tag))
+            found.append(ball(links[s.joint], s, module, tag))
     for name, mount in tree.bodies.items():
         for s in body_spheres(world.bodies[name], margin):
-            found.append(ball(mount, s.centre, s.radius, name, name))
+            found.append(ball(mount, s, name, name))
     return tuple(found)
 
 
@@ -122,7 +125,7 @@ def meeting_pairs(lineage: Lineage, balls: tuple[Ball, ...], bodies: bool) -> tu
     carried = np.array([b.owner in tree.bodies for b in balls])
     owners = np.array([b.owner for b in balls])
     fixed = ~above.any(axis=1)
-    one_robot = np.asarray((above[:, None] & above[None]).any(axis=2))
+    one_robot: NDArray[np.bool_] = np.asarray((above[:, None] & above[None]).any(axis=2))
     one_robot = one_robot | ((owners[:, None] == owners[None]) & (fixed[:, None] | fixed[None]))
     needed = np.where(one_robot & ~(carried[:, None] | carried[None]), 2, 1)
     wanted = between.sum(axis=2) >= needed
@@ -142,7 +145,7 @@ def obstacles_near(tree: PhaseTree, lineage: Lineage, balls: tuple[Ball, ...], m
     reach: dict[int, float] = {}
     for b in balls:
         if b.node >= 0:
-            origin = Ball(lineage.root[b.node], (0.0, 0.0, 0.0), 0.0, b.owner, None)
+            origin = Ball(lineage.root[b.node], (0.0, 0.0, 0.0), 0.0, b.owner, None, False)
             slide = tree.slides[lineage.root[b.node]]
             length = lineage.length_between(origin, b) + b.radius + slide
             reach[lineage.root[b.node]] = max(reach.get(lineage.root[b.node], 0.0), length)

@@ -17,6 +17,8 @@ from .tree import PhaseTree, joint_values
 
 REFINEMENT = 10
 """Samples of the swept check per slice."""
+EXACT_MARGIN = 1e-3
+"""The clearance that accepts two whole shapes, metres; covers need CHECK_MARGIN."""
 CONTACT_TOLERANCE = 5e-4
 """How deep two things may press into each other next to a contact that begins or ends, metres."""
 LIMIT_INSET = 0.02
@@ -100,9 +102,11 @@ class Batch:
         return np.concatenate([self.start[:, None], inner, self.end[:, None]], axis=1)
 
 
-def required(share: Array) -> Array:
-    """The clearance of the fine spheres that proves the true shapes apart; next to contacts it fades."""
-    return np.where(share < 1.0, CHECK_MARGIN * share - CONTACT_TOLERANCE, CHECK_MARGIN)
+def required(share: Array, exact: NDArray[np.bool_]) -> Array:
+    """The clearance of the fine spheres that proves the true shapes apart; next to contacts it fades. `exact` tells
+    along the first axis where whole shapes are measured."""
+    margin = np.where(exact, EXACT_MARGIN, CHECK_MARGIN).reshape(-1, *[1] * (share.ndim - 1))
+    return np.asarray(np.where(share < 1.0, margin * share - CONTACT_TOLERANCE, margin))
 
 
 @dataclass(slots=True)
@@ -123,11 +127,15 @@ def _blocks(batch: Batch, values: Array, columns: slice) -> list[tuple[Array, Ar
     """Per kind of pair: the least excess clearance per phase, and all of it."""
     fine = batch.fine
     obstacles, pairs, bodies = fine.clearances(values)
+    exact = fine.exact
+    kinds = [
+        (obstacles, fine.obstacle_share, exact),
+        (pairs, fine.pair_share, exact[fine.pairs].all(axis=1)),
+        *zip(bodies, fine.body_shares, (exact[b.meets] for b in fine.bodies), strict=True),
+    ]
     result = []
-    for clearance, share in zip(
-        (obstacles, pairs, *bodies), (fine.obstacle_share, fine.pair_share, *fine.body_shares), strict=True
-    ):
-        excess = clearance - required(share[..., columns])
+    for clearance, share, whole in kinds:
+        excess = clearance - required(share[..., columns], whole)
         axes = tuple(a for a in range(excess.ndim) if a != excess.ndim - 2)
         result.append((excess.min(axis=axes, initial=np.inf), excess))
     return result

@@ -36,7 +36,7 @@ class Part:
         """Phases with equal structures can be stacked."""
         tree = self.tree
         joints = tuple(zip(tree.parents, tree.kinds, tree.signs, strict=True))
-        balls = tuple((b.node, round(b.radius, 9)) for b in self.balls)
+        balls = tuple((b.node, round(b.radius, 9), b.exact) for b in self.balls)
         carried = tuple((tree.bodies[name][0], spheres) for name, spheres in self.carried)
         return joints, balls, self.pairs, carried
 
@@ -116,6 +116,7 @@ class Geometry:
         self.points = Points([p.balls for p in parts])
         balls = parts[0].balls
         self.radius = np.array([b.radius for b in balls])[:, None, None]
+        self.exact = np.array([b.exact for b in balls])
         above = Lineage(parts[0].tree).above
         self.moved_by = above[[b.node + 1 for b in balls]]
         self.pairs = np.array(parts[0].pairs, dtype=int).reshape(-1, 2)
@@ -169,6 +170,7 @@ class Geometry:
         result.parts = [self.parts[i] for i in index]
         result.kinematics, result.points = self.kinematics.take(index), self.points.take(index)
         result.radius, result.moved_by, result.pairs = self.radius, self.moved_by, self.pairs
+        result.exact = self.exact
         result.touching, result.shapes = self.touching, self.shapes.take(index)
         result.obstacle_share = self.obstacle_share[:, :, index]
         result.pair_share = self.pair_share[:, index]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,9 @@ from .tree import Mount, PhaseTree, arrive, phase_tree, pose_vector
 LEVELS = ((1, 0.0), (8, 0.5), (24, 0.8))
 """Starts per phase and the size of their bumps, radians, one attempt after the other."""
 SAMPLED_STARTS = 6
+NEARLY = 0.02
+"""A path that misses its clearance by less, metres, is pushed away once more."""
+WIDER = Schedule(weight=1e4, widening=1.6)
 SPEED_SHARE = 0.95
 SHORTEST = 1.0
 """Least duration of a phase, seconds."""
@@ -42,13 +45,6 @@ class _Group:
     cost: Array
     solved: NDArray[np.bool_]
     clearance: Array
-
-
-@dataclass(slots=True)
-class PhaseReport:
-    """How the phases were solved: how many by each attempt (straight, bumped, bumped wide, sampled)."""
-
-    attempts: list[int] = field(default_factory=lambda: [0] * (len(LEVELS) + 1))
 
 
 def _straight(batch: Batch) -> Array:
@@ -90,7 +86,7 @@ def _attempt(group: _Group, index: Indices, inner: Array, schedule: Schedule, bu
     return iterations
 
 
-def _solve(group: _Group, random: np.random.Generator, budget: Budget, report: PhaseReport) -> int:
+def _solve(group: _Group, random: np.random.Generator, budget: Budget) -> int:
     """Attempt after attempt until every phase is solved; returns the iterations of the longest phases."""
     iterations = 0
     for level, (count, size) in enumerate(LEVELS):
@@ -99,9 +95,10 @@ def _solve(group: _Group, random: np.random.Generator, budget: Budget, report: P
             return iterations
         batch = group.batch.take(index)
         inner = _bumped(batch, random, size) if level else _straight(batch)
-        before = int(group.solved.sum())
         iterations += _attempt(group, index, inner, Schedule(), budget)
-        report.attempts[level] += int(group.solved.sum()) - before
+        near = np.flatnonzero(~group.solved & (group.clearance > -NEARLY))
+        if len(near):
+            iterations += _attempt(group, near, group.paths[near, 1:-1], WIDER, budget)
     for phase in np.flatnonzero(~group.solved):
         starts = sampled_starts(group.batch, int(phase), random, budget, SAMPLED_STARTS)
         if starts is not None:
@@ -109,7 +106,6 @@ def _solve(group: _Group, random: np.random.Generator, budget: Budget, report: P
             iterations += _attempt(group, index, starts, Schedule(weight=1e5), budget)
         if not group.solved[phase]:
             return iterations
-        report.attempts[-1] += 1
     return iterations
 
 
@@ -154,9 +150,8 @@ def solve_sequence_path(
     result = BoundResult("seq-path", False, math.inf, 0.0, 0, [states[0][0], *(e for _, e in states)], [], drift)
     result.violations += [v for group in groups for v in _blocked(group.batch)]
     if not result.violations:
-        report = PhaseReport()
         for k, group in enumerate(groups):
-            result.iterations += _solve(group, np.random.default_rng([seed, k]), budget, report)
+            result.iterations += _solve(group, np.random.default_rng([seed, k]), budget)
         result.violations += [v for group in groups for v in _failures(group)]
         result.cost = float(sum(group.cost.sum() for group in groups))
         result.paths = _paths(skeleton, groups, trees, states, settings.slices)

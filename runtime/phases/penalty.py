@@ -45,14 +45,16 @@ class _Rows:
     place: Indices
 
 
-def penalty(batch: Batch, inner: Array, weight: float) -> Penalty:
-    """Half the weighted squares of what is missed at the inner slices `(phases, slices - 1, joints)`."""
+def penalty(batch: Batch, inner: Array, weight: float, widening: float = 1.0) -> Penalty:
+    """Half the weighted squares of what is missed at the inner slices `(phases, slices - 1, joints)`, against
+    `widening` times the margin."""
     phases, times, joints = inner.shape
     geometry = batch.coarse
     frames, angular, linear = geometry.kinematics.frames(inner)
     points = geometry.points.place(frames, phases, times)
     twists = (_stacked(angular, phases, times), _stacked(linear, phases, times))
-    rows = [_obstacle_rows(batch, geometry, points, twists), _pair_rows(batch, geometry, points, twists)]
+    margin = widening * batch.margin
+    rows = [_obstacle_rows(margin, geometry, points, twists), _pair_rows(margin, geometry, points, twists)]
     over = np.maximum(inner - (batch.joints.upper - batch.joints.inset)[:, None], 0.0)
     over += np.minimum(inner - (batch.joints.lower + batch.joints.inset)[:, None], 0.0)
     value = 0.5 * LIMIT_WEIGHT * (over**2).sum(axis=(1, 2))
@@ -91,10 +93,10 @@ def _slopes(
     return np.asarray(slope * geometry.moved_by[spheres])
 
 
-def _obstacle_rows(batch: Batch, geometry: Geometry, points: Array, twists: tuple[Array, Array]) -> _Rows:
+def _obstacle_rows(margin: float, geometry: Geometry, points: Array, twists: tuple[Array, Array]) -> _Rows:
     times = points.shape[-1]
     distance, offset, excess = geometry.shapes.distance(points)
-    wanted = geometry.radius[:, None] + batch.margin * geometry.obstacle_share[..., 1:-1]
+    wanted = geometry.radius[:, None] + margin * geometry.obstacle_share[..., 1:-1]
     missed = wanted - distance
     a, o, k, t = np.nonzero(missed > 0.0)
     normals = geometry.shapes.normals(offset[a, o, :, k, t], excess[a, o, :, k, t], o, k)
@@ -102,12 +104,12 @@ def _obstacle_rows(batch: Batch, geometry: Geometry, points: Array, twists: tupl
     return _Rows(missed[a, o, k, t], -slope, k * times + t)
 
 
-def _pair_rows(batch: Batch, geometry: Geometry, points: Array, twists: tuple[Array, Array]) -> _Rows:
+def _pair_rows(margin: float, geometry: Geometry, points: Array, twists: tuple[Array, Array]) -> _Rows:
     times = points.shape[-1]
     first, second = geometry.pairs[:, 0], geometry.pairs[:, 1]
     apart = points[first] - points[second]
     distance = np.sqrt((apart * apart).sum(axis=1))
-    missed = geometry.touching + batch.margin * geometry.pair_share[..., 1:-1] - distance
+    missed = geometry.touching + margin * geometry.pair_share[..., 1:-1] - distance
     p, k, t = np.nonzero(missed > 0.0)
     normals = apart[p, :, k, t] / np.maximum(distance[p, k, t], 1e-9)[:, None]
     slope = _slopes(geometry, twists, first[p], points[first[p], :, k, t], normals, k, t)

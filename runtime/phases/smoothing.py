@@ -21,7 +21,8 @@ NO_PENALTY = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class Schedule:
-    """Penalty weight, grown tenfold every `every` iterations up to `greatest`; iterations; relative tolerance."""
+    """Penalty weight, grown tenfold every `every` iterations up to `greatest`; iterations; relative tolerance;
+    largest change of a joint per iteration; by how much more than the margin everything keeps clear."""
 
     weight: float = 1e3
     greatest: float = 1e5
@@ -29,6 +30,7 @@ class Schedule:
     iterations: int = 60
     tolerance: float = 1e-3
     largest_step: float = 0.5
+    widening: float = 1.0
 
 
 def cost_matrix(slices: int) -> Array:
@@ -123,7 +125,7 @@ def smooth_paths(batch: Batch, inner: Array, schedule: Schedule, budget: Budget)
     weight = schedule.weight
 
     def evaluate(where: Batch, at: Array) -> _State:
-        return _State(at, *normal.smooth(where, at), penalty(where, at, weight))
+        return _State(at, *normal.smooth(where, at), penalty(where, at, weight, schedule.widening))
 
     state = evaluate(batch, inner)
     iteration = 0
