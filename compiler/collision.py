@@ -316,15 +316,16 @@ def reach(type_: ModuleType, effector: str) -> float:
     return max(lengths, default=0.0) + PATH_MARGIN
 
 
-def shape_distance(shape: Shape, pose: Pose | Array, point: Array) -> float:
-    """Distance from a point `(3,)` of the world to a shape, 0 inside; a lower bound unless box or sphere."""
-    local = pose_matrix(pose)[:3, :3].T @ (point - np.asarray(pose, dtype=float)[:3])
+def shape_distance(shape: Shape, frame: Array, point: Array) -> float:
+    """Distance from a point `(3,)` to a shape whose frame is `(4, 4)`, both in the world; 0 inside, and a lower
+    bound unless the shape is a box or a sphere."""
+    x, y, z = (abs(v) for v in (frame[:3, :3].T @ (point - frame[:3, 3])).tolist())
     if shape.kind == "box":
-        outside = np.maximum(np.abs(local) - np.array(shape.size) / 2, 0.0)
-        return float(np.linalg.norm(outside))
-    return max(0.0, float(np.linalg.norm(local)) - bounding_radius(shape))
+        return math.hypot(*(max(v - s / 2, 0.0) for v, s in zip((x, y, z), shape.size, strict=True)))
+    return max(0.0, math.hypot(x, y, z) - bounding_radius(shape))
 
 
 def bodies_near(world: World, centre: Array, radius: float) -> tuple[str, ...]:
     """The bodies that, at their start pose, come within `radius` of a point `(3,)`, in declaration order."""
-    return tuple(b.name for b in world.bodies.values() if shape_distance(b.shape, b.pose, centre) <= radius)
+    bodies = world.bodies.values()
+    return tuple(b.name for b in bodies if shape_distance(b.shape, pose_matrix(b.pose), centre) <= radius)

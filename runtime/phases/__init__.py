@@ -5,7 +5,7 @@
 fails, and `path` ties them together.
 """
 
-from .path import solve_sequence_path
+from .path import polish, solve_sequence_path
 from .tree import Reason, UnsupportedPhase
 
-__all__ = ["Reason", "UnsupportedPhase", "solve_sequence_path"]
+__all__ = ["Reason", "UnsupportedPhase", "polish", "solve_sequence_path"]

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...compiler.collision import ON_AXIS, PATH_MARGIN, Sphere, body_spheres, module_spheres, shape_distance
 from ...compiler.ir import World
 from ..skeleton import Array
-from .tree import Mount, Obstacle, PhaseTree, pose_vector
+from .tree import Mount, Obstacle, PhaseTree
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,12 +123,13 @@ def meeting_pairs(lineage: Lineage, balls: tuple[Ball, ...], bodies: bool) -> tu
     between = (above[:, None] ^ above[None]) & ~still[:, None] & ~still[None]
     carried = np.array([b.owner in tree.bodies for b in balls])
     owners = np.array([b.owner for b in balls])
-    fixed = ~above.any(axis=1)
-    one_robot: NDArray[np.bool_] = np.asarray((above[:, None] & above[None]).any(axis=2))
-    one_robot = one_robot | ((owners[:, None] == owners[None]) & (fixed[:, None] | fixed[None]))
+    fixed = np.array([b.node < 0 for b in balls])
+    same_owner = owners[:, None] == owners[None]
+    own_base = same_owner & (fixed[:, None] | fixed[None])
+    one_robot = np.logical_or((above[:, None] & above[None]).any(axis=2), own_base)
     needed = np.where(one_robot & ~(carried[:, None] | carried[None]), 2, 1)
     wanted = between.sum(axis=2) >= needed
-    wanted &= ~((owners[:, None] == owners[None]) & carried[:, None])
+    wanted &= ~(same_owner & carried[:, None])
     if not bodies:
         wanted &= ~(carried[:, None] | carried[None])
     found = []
@@ -151,8 +151,7 @@ def obstacles_near(tree: PhaseTree, lineage: Lineage, balls: tuple[Ball, ...], m
             reach[lineage.root[b.node]] = max(reach.get(lineage.root[b.node], 0.0), length)
     found = []
     for o in tree.obstacles:
-        pose = pose_vector(o.pose)
-        near = (shape_distance(o.shape, pose, tree.before[r][:3, 3]) <= d + margin for r, d in reach.items())
+        near = (shape_distance(o.shape, o.pose, tree.before[r][:3, 3]) <= d + margin for r, d in reach.items())
         if any(near):
             found.append(o)
     return found

@@ -18,7 +18,7 @@ from ...compiler.collision import contacts
 from ..budget import Budget
 from ..settings import MotionSettings
 from ..skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton, Violation
-from .batch import Batch, sweep, worst_clash
+from .batch import Batch, excess_clearance, sweep, worst_clash
 from .geometry import make_parts
 from .kinematics import Indices, mounted_poses
 from .sampling import sampled_starts
@@ -31,6 +31,7 @@ SAMPLED_STARTS = 6
 NEARLY = 0.02
 """A path that misses its clearance by less, metres, is pushed away once more."""
 WIDER = Schedule(weight=1e4, widening=1.6)
+TO_THE_END = Schedule(weight=1e5, iterations=100, tolerance=1e-5)
 SPEED_SHARE = 0.95
 SHORTEST = 1.0
 """Least duration of a phase, seconds."""
@@ -112,11 +113,11 @@ def _solve(group: _Group, random: np.random.Generator, budget: Budget) -> int:
 def _blocked(batch: Batch) -> list[Violation]:
     """Phases whose first or last pose is blocked itself."""
     found = []
-    for k, phase in enumerate(batch.phases):
-        for pose, column in ((batch.start[k], 0), (batch.end[k], len(batch.times) - 1)):
-            clash = worst_clash(batch, k, pose[None], slice(column, column + 1))
-            if clash.amount > 0.0:
-                found.append(Violation(int(phase), ("collision", *clash.pair), clash.amount, "m"))
+    for poses, column in ((batch.start, 0), (batch.end, len(batch.times) - 1)):
+        at = slice(column, column + 1)
+        for k in np.flatnonzero(excess_clearance(batch, poses[:, None], at) < 0.0):
+            clash = worst_clash(batch, int(k), poses[k][None], at)
+            found.append(Violation(int(batch.phases[k]), ("collision", *clash.pair), clash.amount, "m"))
     return found
 
 
@@ -159,6 +160,33 @@ def solve_sequence_path(
     result.violations.sort(key=lambda v: (-v.amount, v.phase))
     result.seconds = time.perf_counter() - started
     return result
+
+
+def polish(
+    skeleton: Skeleton, result: BoundResult, settings: MotionSettings, seed: int, budget: Budget, starts: int = 4
+) -> BoundResult:
+    """Cheaper motions between the same switches: each phase of a feasible result is optimised to the end, from its
+    path and from `starts` bumped ones, and replaced where that is cheaper and passes the swept check. Raises
+    UnsupportedPhase and OutOfTime."""
+    started = time.perf_counter()
+    trees, states, _ = _chain(skeleton, result.configurations, settings)
+    groups = _groups(skeleton, trees, states, settings)
+    iterations = result.iterations
+    for k, group in enumerate(groups):
+        for row, phase in enumerate(group.batch.phases):
+            modules = result.paths[phase].modules
+            columns = [modules[module][:, 7 + joint] for module, joint in trees[phase].variables]
+            group.paths[row] = np.stack(columns, axis=1)
+        group.cost, group.solved = path_cost(group.batch, group.paths), np.ones(len(group.batch), bool)
+        every = np.arange(len(group.batch))
+        iterations += _attempt(group, every, group.paths[:, 1:-1], TO_THE_END, budget)
+        again = np.repeat(every, starts)
+        bumped = _bumped(group.batch.take(again), np.random.default_rng([seed, k]), LEVELS[1][1])
+        iterations += _attempt(group, again, bumped, Schedule(), budget)
+    cost = float(sum(group.cost.sum() for group in groups))
+    seconds = result.seconds + time.perf_counter() - started
+    paths = _paths(skeleton, groups, trees, states, settings.slices)
+    return BoundResult(result.bound, True, cost, seconds, iterations, result.configurations, paths, [])
 
 
 def _chain(

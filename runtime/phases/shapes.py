@@ -10,6 +10,8 @@ from ...compiler.ir import Shape
 from ..skeleton import Array
 
 FLAT = 1e9
+NEARLY_PLAIN = 1e-8
+"""Rotations closer to the identity than this are left out."""
 
 
 def half_sizes(shape: Shape) -> tuple[Array, float, bool]:
@@ -61,7 +63,7 @@ class Shapes:
         self._note_plain()
 
     def _note_plain(self) -> None:
-        self.turned = bool(np.any(self.turn != np.eye(3)[:, :, None, None]))
+        self.turned = bool(np.any(np.abs(self.turn - np.eye(3)[:, :, None, None]) > NEARLY_PLAIN))
         self.any_round = bool(self.round.any())
 
     def take(self, index: NDArray[np.intp]) -> Shapes:
