@@ -18,7 +18,7 @@ HEAVY = {"casadi", "pinocchio", "coal", "numpy", "scipy", "meshcat", "rich", "ji
         ["--version"],
         ["check", str(ROOT / "examples" / "climb.tamp")],
         ["explain", "E0101"],
-        ["fmt", "--check", str(ROOT / "stdlib" / "logic.tamp")],
+        ["fmt", "--check", str(ROOT / "tamplang" / "cli" / "starter.tamp")],
     ],
 )
 def test_no_heavy_import(arguments: list[str]) -> None:
