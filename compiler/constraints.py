@@ -143,14 +143,13 @@ def _function(name: str, args: tuple[ir.Term, ...], scope: Mapping[str, Solid]) 
         return _object(args[0], scope).frame.position
     if name == "axis" and isinstance(args[1], ir.Letter):
         return axis(_object(args[0], scope).frame.quaternion, args[1].letter)
-    values = [_value(a, scope) for a in args]
     plain: dict[str, Callable[..., Expression]] = {
         "dot": ca.dot, "cross": ca.cross, "norm": lambda v: ca.sqrt(ca.dot(v, v) + distances.SMOOTH),
         "sqrt": ca.sqrt, "abs": ca.fabs, "sin": ca.sin, "cos": ca.cos,
     }  # fmt: skip
     if name not in plain:
         raise ValueError(f"`{name}` has no meaning in a motion predicate")
-    return plain[name](*values)
+    return plain[name](*[_value(a, scope) for a in args])
 
 
 def _object(term: ir.Term, scope: Mapping[str, Solid]) -> Solid:

@@ -1,0 +1,94 @@
+"""The solvers on small programs with known answers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tamplang.runtime.budget import Budget, OutOfTime
+from tamplang.runtime.groups import Label, LinearGroup, NormGroup
+from tamplang.runtime.ipopt import solve_ipopt
+from tamplang.runtime.program import Program
+from tamplang.runtime.solver import Options, project, solve
+
+EXACT = Options(tolerance=1e-8, step_tolerance=1e-6, iterations=300)
+
+
+def linear(kind: str, rows: list[list[float]], targets: list[float], places: list[list[int]]) -> LinearGroup:
+    labels = [Label(i, ("limit", "x", str(i)), ("m",)) for i in range(len(rows))]
+    return LinearGroup(kind, np.array(places), np.array(rows), np.array(targets), labels)
+
+
+def quadratic() -> Program:
+    """Nearest point to (3, 4, 0) with x0 + x1 = 5 and x1 <= 2.5; place 0 of z is a constant."""
+    cost = linear("cost", [[1.0]] * 3, [3.0, 4.0, 0.0], [[1], [2], [3]])
+    equality = linear("equality", [[1.0, 1.0]], [5.0], [[1, 2]])
+    bound = linear("inequality", [[1.0]], [2.5], [[2]])
+    return Program(np.array([7.0]), 3, [cost, equality, bound])
+
+
+def test_quadratic_program() -> None:
+    outcome = solve(quadratic(), np.zeros(3), EXACT, Budget(None))
+    assert outcome.status == "feasible"
+    assert outcome.x == pytest.approx([2.5, 2.5, 0.0], abs=1e-4)
+
+
+def test_ipopt_agrees() -> None:
+    outcome = solve_ipopt(quadratic(), np.zeros(3), EXACT, Budget(None))
+    assert outcome.status == "feasible"
+    assert outcome.x == pytest.approx([2.5, 2.5, 0.0], abs=1e-4)
+
+
+def test_nonlinear_equality() -> None:
+    """The nearest unit vector to (1, 2, 3, 4)."""
+    wish = np.array([1.0, 2.0, 3.0, 4.0])
+    cost = linear("cost", [[1.0]] * 4, wish.tolist(), [[0], [1], [2], [3]])
+    program = Program(np.zeros(0), 4, [cost, NormGroup(np.arange(4).reshape(1, 4))])
+    for outcome in (
+        solve(program, np.array([0.5, 0.1, 0.2, 0.3]), EXACT, Budget(None)),
+        solve_ipopt(program, np.array([0.5, 0.1, 0.2, 0.3]), EXACT, Budget(None)),
+    ):
+        assert outcome.x == pytest.approx(wish / np.linalg.norm(wish), abs=1e-4)
+
+
+def test_contradiction_stalls() -> None:
+    equality = linear("equality", [[1.0], [1.0]], [0.0, 1.0], [[0], [0]])
+    program = Program(np.zeros(0), 1, [equality])
+    outcome = solve(program, np.zeros(1), Options(), Budget(None))
+    assert outcome.status == "stalled"
+    assert outcome.iterations < 60
+    worst = program.violations(outcome.x, 1e-3)
+    assert [v.literal for v in worst] == [("limit", "x", "0"), ("limit", "x", "1")] or len(worst) == 2
+    assert worst[0].amount == pytest.approx(0.5, abs=0.1)
+
+
+def test_repeated_places_count_twice() -> None:
+    """A row that names one unknown twice: (x + x − 2)² has its least value at x = 1."""
+    program = Program(np.zeros(0), 1, [linear("equality", [[1.0, 1.0]], [2.0], [[0, 0]])])
+    gradient, band = program.normal(np.zeros(1), program.residuals(np.zeros(1)), (np.zeros(1), np.zeros(0)), 1.0)
+    assert gradient == pytest.approx([-4.0])
+    assert band == pytest.approx(np.array([[4.0]]))
+    assert solve(program, np.zeros(1), EXACT, Budget(None)).x == pytest.approx([1.0])
+
+
+def test_projection_is_exact_and_near() -> None:
+    program = quadratic()
+    x = project(program, np.array([2.0, 3.01, 1.0]), 1e-9, Budget(None))
+    assert program.largest(x) < 1e-8
+    assert x == pytest.approx([2.5, 2.5, 1.0], abs=0.02)
+
+
+def test_band_of_a_chain_has_constant_width() -> None:
+    size = 50
+    places = np.stack([np.arange(size - 2), np.arange(1, size - 1), np.arange(2, size)], axis=1)
+    bend = LinearGroup("cost", places, np.array([[1.0, -2.0, 1.0]]), np.zeros(size - 2), [])
+    ends = linear("equality", [[1.0], [1.0]], [0.0, 1.0], [[0], [size - 1]])
+    program = Program(np.zeros(0), size, [bend, ends])
+    assert program.width == 3
+    outcome = solve(program, np.zeros(size), Options(tolerance=1e-6, step_tolerance=1e-5, iterations=500), Budget(None))
+    assert outcome.x == pytest.approx(np.linspace(0, 1, size), abs=1e-3)
+
+
+def test_a_spent_budget_ends_the_run() -> None:
+    with pytest.raises(OutOfTime):
+        solve(quadratic(), np.zeros(3), EXACT, Budget(0.0))
