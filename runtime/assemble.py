@@ -11,6 +11,7 @@ import numpy as np
 
 from .. import __version__
 from ..compiler import ir
+from ..compiler.printing_terms import format_formula
 from ..langs.source import Span
 from . import plan as record
 from .chain import Resampled, resample
@@ -21,7 +22,8 @@ from .verify.replay import Interpreter
 
 FACTOR = 5
 """Samples of the plan file per sample of the planner."""
-DIGITS = 12
+DIGITS = 10
+"""Decimals of metres, radians and seconds in the file."""
 NO_LIMIT = 1e9
 """Stands for an infinite limit: JSON has no infinity."""
 PACKAGES = ("numpy", "casadi", "pin", "coal", "scipy")
@@ -126,9 +128,8 @@ def _task(problem: ir.Problem) -> record.TaskRecord:
     sources = [
         record.SourceRecord(s.path, s.text, hashlib.sha256(s.text.encode()).hexdigest()) for s in problem.sources
     ]
-    goal = str(problem.goal)
     return record.TaskRecord(
-        problem.task, problem.file, dict(problem.parameters), problem.seed, sources, goal
+        problem.task, problem.file, dict(problem.parameters), problem.seed, sources, format_formula(problem.goal)
     )
 
 

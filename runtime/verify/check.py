@@ -50,6 +50,9 @@ def _problem(plan: Plan, findings: Findings) -> ir.Problem | None:
     except UsageError as error:
         findings.fail("source", str(error))
         return None
+    if problem.parameters != plan.task.parameters or problem.file != plan.task.file:
+        findings.fail("source", "file name or parameters of the plan are not those of its sources")
+        return None
     missing = sorted({s.path for s in problem.sources} - {s.path for s in sources})
     if missing:
         findings.fail("source", f"the plan lacks the text of {', '.join(missing)}")

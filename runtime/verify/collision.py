@@ -17,14 +17,12 @@ from .sampler import Placement, Sampler
 from .shapes import Ruler, transform
 from .solids import Solid, pairs, solids
 
-REFINEMENT = 2
-"""Looks per stored interval before any closer look; stored samples are five times as dense as the planner's."""
+LOOKS = 10
+"""Looks per knot interval of the splines, which is the planner's own resolution, before any closer look."""
 DEEPEST = 7
 """How often an interval is halved at most."""
 BEND = 1.1
 """How much longer the way between two samples may be than the straight line."""
-SLACK = 0.05
-"""Metres that a box around all samples of a phase is too small at most."""
 STILL = 1e-7
 """Relative motion, in metres, below which a distance counts as unchanged."""
 
@@ -38,7 +36,7 @@ def check_collisions(
     sampler = Sampler(plan, motion, kinematics)
     findings.measure("penetration_m", 0.0, "")
     for phase in range(len(plan.phases)):
-        check = _PhaseCheck(sampler, phase, found)
+        check = _PhaseCheck(sampler, phase, found, motion.moving)
         for i, k in _near_boxes(check, looked_at):
             deepest = check.deepest(int(i), int(k))
             if deepest is not None and deepest.depth > 0.0:
@@ -56,20 +54,21 @@ class _Depth:
 class _PhaseCheck:
     """One phase: the placement of all solids at evenly refined times, and closer looks where they are needed."""
 
-    def __init__(self, sampler: Sampler, phase: int, found: list[Solid]) -> None:
+    def __init__(self, sampler: Sampler, phase: int, found: list[Solid], moving: frozenset[str]) -> None:
         self._sampler = sampler
         self._phase = phase
-        self._found = found
+        self.found = found
+        self.moving = moving
         self._ruler = Ruler()
-        self._placement = sampler.at(phase, sampler.grid(phase, REFINEMENT))
+        self._placement = sampler.at(phase, sampler.grid(phase, LOOKS))
         self.frames = [s.frames(self._placement) for s in found]
         self._closer: dict[float, Placement] = {}
 
     def deepest(self, i: int, k: int) -> _Depth | None:
         """The deepest penetration of two solids; None when they certainly stay apart."""
         a, b = self.frames[i], self.frames[k]
-        bound = _lower_bound(self._found[i], a, self._found[k], b)
-        steps = _relative_steps(self._found[i], a, self._found[k], b)
+        bound = _lower_bound(self.found[i], a, self.found[k], b)
+        steps = _relative_steps(self.found[i], a, self.found[k], b)
         suspect = np.flatnonzero(bound[:-1] + bound[1:] - BEND * steps < 0.0)
         if not len(suspect):
             return None
@@ -96,8 +95,8 @@ class _PhaseCheck:
 
     def _distance(self, i: int, a: Frames, k: int, b: Frames, at: int) -> float:
         return self._ruler.distance(
-            self._found[i].solid, transform(a.position[at], a.rotation[at]),
-            self._found[k].solid, transform(b.position[at], b.rotation[at]),
+            self.found[i].solid, transform(a.position[at], a.rotation[at]),
+            self.found[k].solid, transform(b.position[at], b.rotation[at]),
         )  # fmt: skip
 
     def _look_closer(
@@ -108,7 +107,7 @@ class _PhaseCheck:
         a, b = (self._closer_frames(n, (ends[0], middle, ends[1])) for n in (i, k))
         distance = self._distance(i, a, k, b, 1)
         result = _Depth(-distance, middle)
-        steps = _relative_steps(self._found[i], a, self._found[k], b)
+        steps = _relative_steps(self.found[i], a, self.found[k], b)
         halves = (((ends[0], middle), (known[0], distance)), ((middle, ends[1]), (distance, known[1])))
         for (half, values), step in zip(halves, steps, strict=True):
             unsafe = sum(values) - BEND * step < -2 * LIMITS["penetration_m"]
@@ -122,7 +121,7 @@ class _PhaseCheck:
         for time in times:
             if time not in self._closer:
                 self._closer[time] = self._sampler.at(self._phase, np.array([time]))
-            parts.append(self._found[index].frames(self._closer[time]))
+            parts.append(self.found[index].frames(self._closer[time]))
         return Frames(
             np.vstack([p.position for p in parts]), np.concatenate([p.rotation for p in parts])
         )
@@ -134,19 +133,21 @@ class _PhaseCheck:
 def _near_boxes(check: _PhaseCheck, looked_at: Indices) -> Indices:
     """The pairs whose boxes, along the world's axes and over the whole phase, overlap `(P, 2)`."""
     lower, upper = [], []
-    for solid, frames in zip(check._found, check.frames, strict=True):
-        reach = np.abs(frames.rotation) @ np.max(np.abs(solid.points), axis=0) + solid.ball
-        lower.append(np.min(frames.position - reach, axis=0))
-        upper.append(np.max(frames.position + reach, axis=0))
+    for solid, frames in zip(check.found, check.frames, strict=True):
+        some = frames if solid.thing in check.moving else frames[:1]
+        points = some.position[:, None, :] + np.einsum("tij,mj->tmi", some.rotation, solid.points)
+        step = np.linalg.norm(np.diff(points, axis=0), axis=2).max(initial=0.0)
+        lower.append(points.min(axis=(0, 1)) - solid.ball - BEND * step)
+        upper.append(points.max(axis=(0, 1)) + solid.ball + BEND * step)
     low, high = np.array(lower), np.array(upper)
     first, second = looked_at[:, 0], looked_at[:, 1]
-    apart = (low[first] > high[second] + SLACK) | (low[second] > high[first] + SLACK)
+    apart = (low[first] > high[second]) | (low[second] > high[first])
     return np.asarray(looked_at[~np.any(apart, axis=1)], dtype=np.intp)
 
 
 def _lower_bound(first: Solid, a: Frames, second: Solid, b: Frames) -> Array:
     """A lower bound `(T,)` of the distance, from bounding spheres and boxes."""
-    bound = np.linalg.norm(a.position - b.position, axis=1) - first.radius - second.radius
+    bound: Array = np.linalg.norm(a.position - b.position, axis=1) - first.radius - second.radius
     for box, frame, other, at in ((first, a, second, b), (second, b, first, a)):
         if box.kind == "box":
             local = np.abs(np.einsum("tji,tj->ti", frame.rotation, at.position - frame.position))

@@ -250,7 +250,8 @@ def _literal(state: State, literal: ir.Literal, environment: Environment) -> boo
         return any(f[0] == literal.predicate and matches(wanted, f[1:]) for f in state.facts)
     names = [v.name for v in derived.variables]
     choices = [
-        [w] if w is not None else list(values(state, v.type, {})) for w, v in zip(wanted, derived.variables, strict=True)
+        [w] if w is not None else list(values(state, v.type, {}))
+        for w, v in zip(wanted, derived.variables, strict=True)
     ]
     return any(
         holds(state, derived.body, dict(zip(names, choice, strict=True))) for choice in itertools.product(*choices)

@@ -108,16 +108,19 @@ class Guards:
             shape = end[1].shape or ir.Shape("sphere", (POINT,))
             yield _Placed(shape, joints[end[1].joint].compose(frames(end[1].placement)))
             return
-        for part in (*module.type.effectors, *module.type.links):
-            if part.shape is not None:
-                yield _Placed(part.shape, joints[part.joint].compose(frames(part.placement)))
+        for effector in module.type.effectors:
+            if effector.shape is not None:
+                yield _Placed(effector.shape, joints[effector.joint].compose(frames(effector.placement)))
+        for link in module.type.links:
+            yield _Placed(link.shape, joints[link.joint].compose(frames(link.placement)))
 
     def _face(self, name: str, inset: float) -> _Placed:
         placed = self._one_shape(name)
         shape, at = placed.shape, placed.frame
         if shape.kind != "box":
             height = float(half_heights(shape.kind, shape.size, at.rotation)[0])
-            return _Placed(ir.Shape("sphere", (POINT,)), Frames(at.position + np.array([0.0, 0.0, height]), at.rotation))
+            highest = at.position + np.array([0.0, 0.0, height])
+            return _Placed(ir.Shape("sphere", (POINT,)), Frames(highest, at.rotation))
         upright = int(np.argmax(np.abs(at.rotation[0, 2])))
         half = 0.5 * shape.size[upright] * np.sign(at.rotation[0, 2, upright])
         sides = [max(s - 2 * inset, FACE) for s in shape.size]

@@ -42,13 +42,18 @@ class Sampler:
             for s in plan.splines
             if kinematics[s.module].module.joints
         }
+        self._knots = [
+            max((len(s.knots) for s in plan.splines if s.phase == p), default=0) for p in range(len(plan.phases))
+        ]
         self._carried: dict[tuple[str, int], tuple[str, Curve]] = {}
 
-    def grid(self, phase: int, factor: int) -> Array:
-        """The stored times of a phase, each interval cut into `factor`."""
+    def grid(self, phase: int, looks: int) -> Array:
+        """The stored times of a phase, with each interval cut so that at least `looks` fall on every knot interval of
+        the splines."""
         first, last = self._motion.ranges[phase]
         stored = self._motion.times[first : last + 1]
         count = len(stored) - 1
+        factor = max(1, -(-looks * (self._knots[phase] - 1) // count))
         return np.interp(np.arange(factor * count + 1) / factor, np.arange(count + 1), stored)
 
     def at(self, phase: int, times: Array) -> Placement:

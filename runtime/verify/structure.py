@@ -167,6 +167,7 @@ def _check_splines(plan: Plan, findings: Findings) -> None:
     if sorted((s.module, s.phase) for s in plan.splines) != wanted:
         findings.fail("structure", "there is not one spline for every module and phase")
         return
+    ranges = phase_ranges(plan.times)
     for spline in plan.splines:
         name = f"spline of {spline.module} in phase {spline.phase + 1}"
         count = len(spline.knots)
@@ -174,7 +175,9 @@ def _check_splines(plan: Plan, findings: Findings) -> None:
         if not good or not _numbers(spline.values, widths[spline.module]):
             findings.fail("structure", f"{name} is incomplete or not finite", between=[spline.module])
             continue
-        phase = plan.phases[spline.phase]
+        phase, (first, last) = plan.phases[spline.phase], ranges[spline.phase]
+        if last - first + 1 < count:
+            findings.fail("structure", f"{name}: more knots than samples", time=phase.start, between=[spline.module])
         even = np.linspace(phase.start, phase.end, count)
         if np.max(np.abs(even - spline.knots)) > 10 * LIMITS["time_s"]:
             findings.fail("times", f"{name}: the knots do not divide the phase evenly", time=phase.start)

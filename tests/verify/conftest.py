@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from .motions import Maker, bent
 
 from tamplang.runtime.plan import Plan
+
+from .motions import Maker, bent
 
 BEND = math.asin(0.25 / 0.35)
 """Bends the crawler into an arch whose feet stand 0.5 m apart at the same height."""

@@ -71,7 +71,7 @@ def test_foot_stays_between_samples(hop: Plan) -> None:
     motion = motion_of(hop, kinematics)
     sampler = Sampler(hop, motion, kinematics)
     for phase, foot in enumerate(["A", "B", "A", "A"]):
-        placement = sampler.at(phase, sampler.grid(phase, 7))
+        placement = sampler.at(phase, sampler.grid(phase, 17))
         where = kinematics["c"].effector(foot, placement.modules["c"]).position
         assert np.ptp(where, axis=0).max() < 1e-9
 
@@ -112,3 +112,15 @@ def test_bead_between_looks_is_found() -> None:
     (failure,) = verdict.failures
     assert failure.kind == "penetration_m" and failure.amount > 1e-3
     assert failure.between[1] == "bead" and failure.time == pytest.approx(8.2, abs=0.2)
+
+
+def test_task_that_is_already_done() -> None:
+    """A plan without phases has one sample."""
+    text = SWING.replace("BEAD", "1 m, 0, 0").replace("goal (waved c)", "goal not (waved c)")
+    plan = Maker(text, "wave").plan()
+    assert plan.times == [0.0] and not plan.phases
+    assert verify(plan).verified
+
+
+def test_goal_is_told_in_the_notation_of_the_language(hop: Plan) -> None:
+    assert hop.task.goal == "(shown ball)"
