@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import TypeAlias
 
 from lark import Token, Tree
@@ -17,17 +17,6 @@ Branch: TypeAlias = Tree[Token]
 Child: TypeAlias = Branch | Token | None
 
 MAX_DEPTH = 100
-_FORMULAS = {
-    "disjunction",
-    "conjunction",
-    "not_",
-    "compare",
-    "exists",
-    "forall",
-    "previous",
-    "logic_literal",
-    "motion_literal",
-}
 _NUMBER = re.compile(r"([0-9.]+(?:[eE][+-]?\d+)?)[ \t]*([a-z/]*)")
 _UNITS = {
     "": (1.0, ""),
@@ -134,7 +123,7 @@ class TermBuilder:
         factor, kind = _UNITS[unit]
         value = float(match[1]) * factor
         if not math.isfinite(value):
-            self.problem("E0009", f"{text} is too large a number", self.span(tree))
+            self.problem("E0009", f"the number `{text}` is too large", self.span(tree))
             value = 0.0
         return s.Number(value, "speed" if slash else kind, text, span=self.span(tree))
 
@@ -256,7 +245,3 @@ def _condition_help(tree: Branch) -> str | None:
     if tree.data == "call":
         return f"a literal is written `({tree.children[0]} X Y)`, its arguments separated by blanks"
     return None
-
-
-def first(nodes: Sequence[Branch]) -> Branch | None:
-    return nodes[0] if nodes else None

@@ -10,10 +10,10 @@ from urllib.parse import quote
 
 from .codes import CODES
 from .diagnostics import Diagnostic
+from .severity import severity
 from .source import Span
 
-_LEVELS = {"E": "error", "W": "warning", "S": "note"}
-_SEVERITIES = {"E": "error", "W": "warning", "S": "outcome"}
+_LEVELS = {"error": "error", "warning": "warning", "outcome": "note"}
 
 
 def json_text(diagnostics: Sequence[Diagnostic]) -> str:
@@ -25,7 +25,7 @@ def _record(diagnostic: Diagnostic) -> dict[str, Any]:
     info = CODES.get(diagnostic.code)
     return {
         "code": diagnostic.code,
-        "severity": _SEVERITIES.get(diagnostic.code[:1], "error"),
+        "severity": severity(diagnostic),
         "category": info.category if info is not None else None,
         "message": diagnostic.message,
         **_place(diagnostic.span),
@@ -66,7 +66,7 @@ def _result(diagnostic: Diagnostic, index: int) -> dict[str, Any]:
     result: dict[str, Any] = {
         "ruleId": diagnostic.code,
         "ruleIndex": index,
-        "level": _LEVELS.get(diagnostic.code[:1], "error"),
+        "level": _LEVELS[severity(diagnostic)],
         "message": {"text": "\n".join(remarks)},
     }
     if diagnostic.span is not None:

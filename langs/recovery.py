@@ -2,7 +2,7 @@
 
 At a mistake several repairs are tried on the automaton, the surest kind first: a misspelt keyword or a wrong unit, then
 one sign that lacks or is too many, then leaving out the line. Within a kind the repair after which most can be read
-wins; where none works, the text up to the next declaration is skipped.
+wins, and as few lines as possible are left out; where none works, the text up to the next declaration is skipped.
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ from .source import Source
 
 MAX_ERRORS = 50
 LOOKAHEAD = 40
-ENOUGH = (2, 3, 3)
+RECENT = 12
+SKIP = 2
+ENOUGH = (2, 3, 2)
 """How many tokens must be readable after a repair of each kind."""
 _SIGNS = {
     "COMMA": ",",
@@ -98,10 +100,10 @@ class Recovery:
     def _repair(self, found: Token | Unreadable | None) -> None:
         repairs = list(self._repairs(found))
         for kind, enough in enumerate(ENOUGH):
-            tried = [(self._reach(r), -i, r) for i, r in enumerate(repairs) if r.kind == kind]
-            reached, _, best = max(tried, default=(-1, 0, None))
-            if best is not None and reached >= enough:
-                self._apply(best)
+            tried = [(self._reach(r), r) for r in repairs if r.kind == kind]
+            good = [t for t in tried if t[0] >= enough]
+            if good:
+                self._apply(good[0][1] if kind == SKIP else max(good, key=lambda t: t[0])[1])
                 return
         self._skip_declaration(found)
 
@@ -130,21 +132,17 @@ class Recovery:
             yield from self._unreadable(found)
         else:
             yield from self._keywords(found)
-            yield from self._bare_literal()
+            yield from self._bare_literal(found)
             yield from self._insertions(found)
             yield from self._omissions(found)
         yield from self._skipped_lines(found)
 
     def _recent(self, found: Token | None) -> Iterator[tuple[int, Token, Stack]]:
-        """The mistake and the tokens before it on its line, nearest first."""
+        """The mistake and the tokens before it, nearest first."""
         if found is not None:
             yield len(self.reads), found, self.stack
-        line = found.line if found is not None else (self.reads[-1].token.line if self.reads else 0)
-        for index in range(len(self.reads) - 1, max(-1, len(self.reads) - 9), -1):
-            read = self.reads[index]
-            if read.token.line != line:
-                return
-            yield index, read.token, read.before
+        for index in range(len(self.reads) - 1, max(-1, len(self.reads) - RECENT), -1):
+            yield index, self.reads[index].token, self.reads[index].before
 
     def _keywords(self, found: Token | None) -> Iterator[Repair]:
         for index, token, before in self._recent(found):
@@ -160,12 +158,11 @@ class Recovery:
                 keyword = self._replaced(token, fitting[near], near)
                 yield Repair(0, index, (keyword,), token.end_pos or 0, complaints.misspelt(self.source, token, near))
 
-    def _bare_literal(self) -> Iterator[Repair]:
+    def _bare_literal(self, found: Token | None) -> Iterator[Repair]:
         """`goal held target`: a literal without its parentheses, where only a condition can stand."""
-        for index in range(len(self.reads) - 1, max(-1, len(self.reads) - 6), -1):
-            name, stack = self.reads[index].token, self.reads[index].before
+        for index, name, stack in self._recent(found):
             opened = index > 0 and self.reads[index - 1].token == "("
-            if name.type == "NAME" and not opened and self.automaton.step(stack, "_NOT") is not None:
+            if name.type == "NAME" and not opened and self._takes_literal(stack):
                 break
         else:
             return
@@ -178,6 +175,10 @@ class Recovery:
             end = words[-1].end_pos or 0
             closed = (*words, self.automaton.token("RPAR", ")", end))
             yield Repair(0, index, closed, end, complaints.bare_literal(self.source, words[1:]))
+
+    def _takes_literal(self, stack: Stack) -> bool:
+        fitting = self.automaton.accepts(stack)
+        return "_NOT" in fitting or set(fitting) == {"LPAR", "LSQB"}
 
     def _after(self, stack: Stack, tokens: list[Token]) -> Stack:
         """The stack after as many of the tokens as fit."""
@@ -234,11 +235,11 @@ class Recovery:
         start = self.position if found is None else _start(found)
         self._forget(self._declaration_start())
         following = _DECLARATION.search(self.source.text, start)
-        if following is not None and following.start() == start and not self.reads_anything(start):
+        if following is not None and following.start() == start and not self._reads_anything(start):
             following = _DECLARATION.search(self.source.text, start + 1)
         self.position = following.start() if following is not None else len(self.source.text)
 
-    def reads_anything(self, position: int) -> bool:
+    def _reads_anything(self, position: int) -> bool:
         return self.automaton.run(self.stack, position, 1) > 0
 
     def _declaration_start(self) -> int:

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from .diagnostics import Diagnostic, Label
 from .excerpt import Excerpt, clean
+from .severity import severity
 from .source import Source, Span
 
 FORMATS = ("full", "concise", "json", "sarif")
-_SEVERITIES = {"E": "error", "W": "warning", "S": "outcome"}
 _COLOURS = {
     "error": "\x1b[1;31m",
     "warning": "\x1b[1;33m",
@@ -39,11 +39,6 @@ def render(
     if format == "sarif":
         return sarif_text(found)
     raise ValueError(f"no format {format!r}; one of {', '.join(FORMATS)}")
-
-
-def severity(diagnostic: Diagnostic) -> str:
-    """`error`, `warning` or `outcome`."""
-    return _SEVERITIES.get(diagnostic.code[:1], "error")
 
 
 def _concise(diagnostic: Diagnostic) -> str:
