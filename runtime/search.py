@@ -23,7 +23,7 @@ from .plan import SearchNode
 
 RECORDED = 2000
 """How many nodes of the tree are kept for drawing."""
-LOOK_AT_CLOCK = 256
+LOOK_AT_CLOCK = 128
 HURRIED = 1.5
 """Weight of the estimate once half the budget is spent, and of method wastar."""
 EQUAL = 1e-9
@@ -131,9 +131,9 @@ class _Run:
         start = search.successors.initial
         self._push(start, 0.0, search.guide.start, ((), search.no_goods.root, None), None, None)
         search.tree_nodes += 1
-        pops = 0
+        pops, limit = 0, math.inf if search.node_limit is None else search.node_limit
         while self.queue:
-            if pops % LOOK_AT_CLOCK == 0 and self._interrupted():
+            if (pops % LOOK_AT_CLOCK == 0 or search.expanded_nodes >= limit) and self._interrupted():
                 return None
             pops += 1
             _, estimate, guide, _, key, state, cost, past = heapq.heappop(self.queue)

@@ -115,7 +115,7 @@ def chains() -> Problem:
     k = Var("k")
     length = call("length", "c")
     part = Rule(
-        "part", variables(CHAIN, "c") + (Variable("k", RangeType(Number(2.0), length)),),
+        "part", (*variables(CHAIN, "c"), Variable("k", RangeType(Number(2.0), length))),
         at_most(length, Number(3.0)),
         post(no("connected", _at("c", k, "in"), "ANY"), lit("tired", _at("c", k, "")),
              EffectFor((Variable("i", RangeType(ONE, length)),), (
