@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 from .expressions import literal_test
 from .guards import Environment, Undefined
@@ -14,12 +13,8 @@ from .ir import (
     Any_,
     Arith,
     Case,
-    Compare,
     Conditional,
-    Exists,
-    Forall,
     Formula,
-    Function,
     Heuristic,
     Literal,
     Not,
@@ -30,6 +25,7 @@ from .ir import (
     Term,
     Var,
 )
+from .normal_form import parts
 from .successors import Successors
 
 
@@ -144,30 +140,9 @@ def _arithmetic(operator: str, values: list[float]) -> float:
     return left * right if operator == "*" else left / right
 
 
-def _parts(item: Term | Formula) -> Iterator[Term | Formula]:
-    yield item
-    match item:
-        case Conditional():
-            inner: tuple[Term | Formula, ...] = (item.condition, item.then, item.otherwise)
-        case Arith() | And() | Or():
-            inner = item.operands
-        case Function():
-            inner = item.args
-        case Aggregate() | Exists() | Forall():
-            inner = (item.body,)
-        case Not():
-            inner = (item.operand,)
-        case Compare():
-            inner = (item.left, item.right)
-        case _:
-            inner = ()
-    for part in inner:
-        yield from _parts(part)
-
-
 def _reads_previous(term: Term) -> bool:
-    return any(isinstance(part, Previous) for part in _parts(term))
+    return any(isinstance(part, Previous) for part in parts(term))
 
 
 def _reads_state(term: Term) -> bool:
-    return any(isinstance(part, Literal) for part in _parts(term))
+    return any(isinstance(part, Literal) for part in parts(term))

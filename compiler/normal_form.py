@@ -208,3 +208,32 @@ def _names(item: Formula | Term | Type) -> Iterator[str]:
             return
         case _:
             return
+
+
+def parts(item: Formula | Term) -> Iterator[Formula | Term]:
+    """A formula or term and everything in it, types of variables left out."""
+    yield item
+    inner: tuple[Formula | Term, ...] = ()
+    match item:
+        case Conditional():
+            inner = (item.condition, item.then, item.otherwise)
+        case Arith() | And() | Or():
+            inner = item.operands
+        case Function() | Literal():
+            inner = item.args
+        case Previous():
+            inner = item.args or ()
+        case Vector():
+            inner = item.items
+        case ChainModule():
+            inner = (item.index,)
+        case Aggregate() | Exists() | Forall():
+            inner = (item.body,)
+        case Not():
+            inner = (item.operand,)
+        case Compare():
+            inner = (item.left, item.right)
+        case _:
+            pass
+    for part in inner:
+        yield from parts(part)

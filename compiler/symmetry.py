@@ -1,9 +1,9 @@
-"""Which modules stand for each other, and which are the same from both ends; states up to such renamings."""
+"""Which modules stand for each other, and which are the same from both ends."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import lru_cache
 
 from .ir import (
@@ -13,11 +13,8 @@ from .ir import (
     Vec3,
 )
 from .poses import compose, effector_pose, joint_frames, orientation, position, product, rotate
-from .successors import Successors
 
 CLOSE = 1e-6
-FEWEST = 3
-"""Below this many interchangeable modules the renaming costs more than it saves."""
 
 
 @lru_cache(maxsize=64)
@@ -66,12 +63,3 @@ def inverse(pose: Pose) -> Pose:
     back = (-x, -y, -z, w)
     p = rotate(back, position(pose))
     return (-p[0], -p[1], -p[2], *product(back, (0.0, 0.0, 0.0, 1.0)))
-
-
-# --- states up to renaming ---------------------------------------------------------------------------------------
-
-
-def renaming(successors: Successors) -> Callable[[int], int] | None:
-    """A function that gives states that differ only in the names of interchangeable modules the same int, mostly; None
-    when there are too few such modules."""
-    return None

@@ -15,8 +15,8 @@ from typing import Any
 from ..compiler.costs import CostToGo
 from ..compiler.estimate import Estimate
 from ..compiler.ir import Action, Problem
+from ..compiler.renaming import renaming
 from ..compiler.successors import Successors
-from ..compiler.symmetry import renaming
 from .budget import Budget
 from .conflicts import LEAF, History, NoGoods
 from .plan import SearchNode
