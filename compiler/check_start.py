@@ -31,7 +31,7 @@ class Volume:
 
 
 def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str, str]]) -> None:
-    """Report every pair that overlaps by more than `TOLERANCE`, deepest first. `carried` holds pairs (thing, support)
+    """Report every pair that overlaps by more than `TOLERANCE`, the deepest first where one item makes several. `carried` holds pairs (thing, support)
     that may touch: what stands on something."""
     exempt = {frozenset(pair) for pair in carried}
     found: dict[frozenset[str], tuple[float, Volume, Volume]] = {}
@@ -52,7 +52,6 @@ def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str
             second.span,
             f"`{first.owner}` and `{second.owner}` overlap by {depth * 1000:.0f} mm at the start",
             help="move them apart, or put one `on` the other",
-            note=f"{len(pairs)} pairs overlap, the deepest come first" if len(pairs) > 1 else None,
             labels=labels,
         )
 

@@ -71,7 +71,17 @@ class Findings:
 
     @property
     def has_errors(self) -> bool:
-        return any(d.is_error for d in self._found.values())
+        return self.errors > 0
+
+    @property
+    def errors(self) -> int:
+        """How many errors were found so far."""
+        return sum(d.is_error for d in self._found.values())
+
+    def errors_within(self, spans: Iterable[Span]) -> bool:
+        """Whether an error lies inside one of `spans`."""
+        places = [d.span for d in self._found.values() if d.is_error and d.span is not None]
+        return any(s.file == p.file and s.start <= p.start < s.end for s in spans for p in places)
 
     def sorted(self) -> tuple[Diagnostic, ...]:
         """All diagnostics by file (the main file first), then by place."""

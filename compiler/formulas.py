@@ -195,7 +195,7 @@ def _check_compare(context: Context, scope: Scope, formula: syntax.Compare) -> i
             context.findings.report(
                 "E0202",
                 formula.span,
-                f"no object is both `{left.kind.type}` and `{right.kind.type}`: this never changes",
+                f"these are never the same: no object is both `{left.kind.type}` and `{right.kind.type}`",
             )
         return lowered
     scalar = left.kind.is_scalar and right.kind.is_scalar

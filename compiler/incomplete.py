@@ -22,7 +22,14 @@ def keep_certain(library: Library, found: Findings, certain: Findings) -> None:
     """Move findings from `found` to `certain`, without those that a lost declaration or import may cause."""
     lost = lost_names(library)
     imports = lost_imports(library, certain)
+    broken = {
+        (d.span.file, line) for d in certain if d.span is not None for line in range(d.span.line, d.span.end_line + 1)
+    }
     for diagnostic in found:
+        at_gap = diagnostic.span is not None and (diagnostic.span.file, diagnostic.span.line) in broken
+        misspelt = diagnostic.code in (*UNKNOWN_NAMES, "E0301") and diagnostic.help is not None
+        if at_gap and not misspelt:
+            continue
         follows = diagnostic.code in UNKNOWN_NAMES and (imports or any(f"`{n}`" in diagnostic.message for n in lost))
         incomplete = diagnostic.code in WHOLE_FILE and (lost or imports)
         if diagnostic.is_error and not follows and not incomplete:

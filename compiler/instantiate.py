@@ -28,17 +28,18 @@ def instantiate(
     """The problem of `task`; None after errors, which are in the findings of `lifted`."""
     context = dataclasses.replace(lifted.context, random=random.Random(seed))
     entries = _task_entries(context, task, values)
+    errors = context.findings.errors
     if entries is None:
         return None
     objects = collect_objects(context, task.items)
     objects.ground = {}
     built = SceneBuilder(context, objects).build(Scope("scene", entries, objects, values_known=True), task.items)
     init, init_motion = initial_state(context, built, lifted.placements, lifted.predicates, lifted.motions)
-    if context.findings.has_errors:
+    if context.findings.errors > errors:
         return None
     problem = _problem(lifted, context, task, entries, built, (init, init_motion), seed)
     check_start(context.findings, problem.world, [(s.subject, s.support) for s in built.standing])
-    return None if context.findings.has_errors else problem
+    return problem
 
 
 def _task_entries(
@@ -81,7 +82,8 @@ def _problem(
         declaration, arguments, _ = built.guide
         heuristic = lower_heuristic(context, declaration, arguments)
     goal = built.goals[0] if len(built.goals) == 1 else ir.And(tuple(built.goals))
-    check_goal(context.findings, relaxation, goal)
+    if lifted.logic_is_sound:
+        check_goal(context.findings, relaxation, goal)
     parameters = {n: e.typed.value for n, e in entries.items() if e.typed.value is not None}
     return ir.Problem(
         task=task.name,

@@ -24,7 +24,7 @@ from .values import parameter_entries
 
 @dataclass(frozen=True, slots=True)
 class Lifted:
-    """The lifted IR of a library. `buildable` is False when errors in it forbid to build its tasks."""
+    """The lifted IR of a library. `parsed` is False after errors of syntax or imports."""
 
     context: Context
     predicates: dict[str, ir.Predicate]
@@ -32,7 +32,7 @@ class Lifted:
     motions: dict[str, ir.MotionPredicate]
     rules: dict[str, ir.Rule]
     placements: tuple[Placement, ...]
-    buildable: bool
+    parsed: bool
 
     @property
     def library(self) -> Library:
@@ -41,6 +41,19 @@ class Lifted:
     @property
     def findings(self) -> Findings:
         return self.context.findings
+
+    def buildable(self, task: syntax.TaskDecl) -> bool:
+        """Whether nothing that `task` is built of has errors."""
+        library = self.library
+        parts = [*library.scenes.values(), *library.modules.values(), *library.placements, task]
+        return self.parsed and not self.findings.errors_within(d.span for d in parts)
+
+    @property
+    def logic_is_sound(self) -> bool:
+        """Whether the logic has no errors, so that goals can be judged."""
+        library = self.library
+        parts = [*library.predicates.values(), *library.derived.values(), *library.rules.values()]
+        return not self.findings.errors_within(d.span for d in parts)
 
 
 def check_declarations(library: Library, findings: Findings, parsed: bool) -> Lifted:
@@ -58,7 +71,7 @@ def check_declarations(library: Library, findings: Findings, parsed: bool) -> Li
     else:
         keep_certain(library, context.findings, findings)
         context.findings = findings
-    return Lifted(context, predicates, derived, motions, rules, placements, not findings.has_errors)
+    return Lifted(context, predicates, derived, motions, rules, placements, parsed)
 
 
 def _check_scenes(context: Context, table: Mapping[str, syntax.SceneDecl] | Mapping[str, syntax.TaskDecl]) -> None:

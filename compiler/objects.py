@@ -148,7 +148,8 @@ def check_object(
             else Typed(ir.Object(base, term.span), Kind("object", family.type))
         )
     if scope.objects.ground is not None and name not in scope.objects.ground:
-        help = did_you_mean(name, scope.objects.ground)
+        later = family.span.file == term.span.file and family.span.start > term.span.start
+        help = f"`{base}` is declared further down; move it up" if later else did_you_mean(name, scope.objects.ground)
         findings.report("E0101", term.span, f"there is no object `{name}`", help=help)
         return Typed(ir.Number(0), UNKNOWN)
     return Typed(ir.Object(name, term.span), Kind("object", family.type))

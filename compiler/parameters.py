@@ -66,6 +66,8 @@ def parse_value(name: str, kind: str, text: str) -> float | int:
     if match is None:
         raise UsageError(f"parameter `{name}`: `{text}` is not a number{_with_unit(units)}")
     value, unit = float(match[1]), match[2]
+    if not math.isfinite(value):
+        raise UsageError(f"parameter `{name}`: `{text.strip()}` is too large")
     if kind == "int" and not unit and value == int(value):
         return int(value)
     if kind == "int":

@@ -42,10 +42,10 @@ def check(path: str | os.PathLike[str]) -> tuple[Diagnostic, ...]:
 def check_sources(sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
     """`check` for texts: `sources[0]` is the main file, the others serve its imports before the disk does."""
     lifted = check_declarations(*load_sources(sources))
-    if lifted.buildable:
-        for task in lifted.library.tasks.values():
-            if task.span.file == lifted.library.path and all(p.default is not None for p in task.parameters):
-                instantiate(lifted, task, {}, 0)
+    for task in lifted.library.tasks.values():
+        own = task.span.file == lifted.library.path
+        if own and all(p.default is not None for p in task.parameters) and lifted.buildable(task):
+            instantiate(lifted, task, {}, 0)
     return lifted.findings.sorted()
 
 
@@ -72,7 +72,7 @@ def compile_sources(
     """`compile_problem` for texts: `sources[0]` is the main file, the others serve its imports before the disk does, so
     `problem.sources` compiles again to the same problem anywhere."""
     lifted = check_declarations(*load_sources(sources))
-    if not lifted.buildable:
+    if lifted.findings.has_errors:
         raise SourceError(lifted.findings.sorted())
     chosen = choose_task(lifted.library, task)
     values = parameter_values(chosen, parameters or {})

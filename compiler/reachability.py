@@ -19,6 +19,7 @@ def check_goal(findings: Findings, relaxation: Relaxation, goal: ir.Formula) -> 
     for literal, binding in _unreached(relaxation, goal, {}):
         shown = _shown(literal, binding)
         reasons = list(dict.fromkeys(_reasons(relaxation, literal, binding)))
+        reasons = [r for r in reasons if r[1] is not None] or reasons
         findings.report(
             "E0503",
             literal.span,
@@ -159,7 +160,7 @@ def _obstacle(
         for name, value in binding.items():
             kind = types.get(name)
             if kind is not None and value not in relaxation.world.of_type(kind):
-                yield f"`{rule.name}` needs a `{kind}` for {name}, and `{value}` is none", None
+                yield f"`{rule.name}` takes only things of type `{kind}` for {name}", None
                 return
         for condition in conjuncts(rule.condition)[0]:
             if not possible(relaxation, condition, binding):
