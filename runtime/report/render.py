@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from ..plan import Plan, write_text_atomically
 from .replay import replay_data
-from .view import build_view, figure
+from .view import build_view, figure, measure_name
 
 FOLDER = Path(__file__).parent / "templates"
 SCRIPTS = ("scene.js", "player.js", "page.js")
@@ -53,6 +53,7 @@ def environment() -> Environment:
         lstrip_blocks=True,
     )
     result.filters["figure"] = figure
+    result.filters["measure_name"] = measure_name
     return result
 
 

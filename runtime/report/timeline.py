@@ -15,6 +15,8 @@ from .robots import ACCENT, Robot, effector_owners, group_modules, module_colour
 
 RULE_COLOURS = ("#5b6ee1", "#c7683c", "#3c9a5f", "#b04a8f", "#6d8a1f", "#2b8fa3", "#a0522d", "#7a6bb5")
 PLOT_POINTS = 260
+NO_LIMIT = 1e8
+"""A limit beyond this, rad or m, is none: plan files have no infinity."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,8 +202,10 @@ def build_plots(plan: Plan) -> list[ModulePlots]:
 
 def plot(joint: JointRecord, across: Array, values: Array, column: int) -> Plot:
     """The plot of one joint: `across` holds the samples' places on the axis, 0 to 1000, `values` rad or m."""
-    low = min([v for v in (joint.lower, float(values.min())) if math.isfinite(v)])
-    high = max([v for v in (joint.upper, float(values.max())) if math.isfinite(v)])
+    lower = joint.lower if joint.lower > -NO_LIMIT else -math.inf
+    upper = joint.upper if joint.upper < NO_LIMIT else math.inf
+    low = min(v for v in (lower, float(values.min())) if math.isfinite(v))
+    high = max(v for v in (upper, float(values.max())) if math.isfinite(v))
     margin = 0.06 * (high - low) or 1.0
     low, high = low - margin, high + margin
 
@@ -211,5 +215,4 @@ def plot(joint: JointRecord, across: Array, values: Array, column: int) -> Plot:
     points = " ".join(f"{x:.1f},{height(float(v))}" for x, v in zip(across, values, strict=True))
     unit = "rad" if joint.kind == "revolute" else "m"
     peak = float(values[int(np.argmax(np.abs(values)))])
-    lower_y, upper_y = height(joint.lower), height(joint.upper)
-    return Plot(joint.name, unit, joint.lower, joint.upper, points, lower_y, upper_y, peak, column)
+    return Plot(joint.name, unit, lower, upper, points, height(lower), height(upper), peak, column)

@@ -63,12 +63,13 @@ def build_tree(plan: Plan) -> Tree:
     """The plan's search tree, at most `MOST_NODES` of it."""
     statistics = plan.statistics
     found = walk(statistics.tree, [p.action for p in plan.phases])
-    refused: dict[tuple[str, ...], list[RefusalRecord]] = {}
+    refused: dict[str, list[RefusalRecord]] = {}
     for refusal in statistics.refusals:
-        refused.setdefault(tuple(refusal.actions), []).append(refusal)
+        refused.setdefault(refusal.actions[-1] if refusal.actions else "", []).append(refusal)
     open_branches: list[Branch] = []
     for branch, path in found:
-        branch.reasons = refused.get(path, []) if path else []
+        candidates = refused.get(path[-1], []) if path else []
+        branch.reasons = [r for r in candidates if tuple(r.actions) == path[-len(r.actions) :]]
         del open_branches[branch.depth :]
         for above in open_branches:
             above.below += 1

@@ -21,14 +21,14 @@ class LiteralView:
 
 @dataclass(frozen=True, slots=True)
 class PhaseView:
-    """One row of the skeleton table; `line` is the number of the rule's line to highlight in `rule_lines`."""
+    """One row of the skeleton table; `marked` are the lines of its rule to highlight: the head, and what was added."""
 
     index: int
     record: PhaseRecord
     colour: str
     link: Link | None
     rule_lines: list[Line]
-    line: int
+    marked: set[int]
     added: list[LiteralView]
     literals: list[LiteralView]
     mode: list[LiteralView]
@@ -76,7 +76,7 @@ class View:
 def figure(amount: float, unit: str) -> str:
     """A number for people: three digits, small lengths in millimetres, short times in milliseconds."""
     if not math.isfinite(amount):
-        return "unlimited" if amount > 0 else "–"
+        return "∞" if amount > 0 else "−∞" if amount < 0 else "–"
     small = {"m": "mm", "s": "ms"}.get(unit)
     if small and abs(amount) < 0.1:
         amount, unit = amount * 1000.0, small
@@ -97,7 +97,7 @@ def optimality(plan: Plan) -> str:
 
 
 def shares(records: Sequence[MeasureRecord], sources: Sources) -> list[MeasureView]:
-    ratios = [abs(r.amount) / r.limit if r.limit > 0.0 and math.isfinite(r.limit) else None for r in records]
+    ratios = [max(0.0, r.amount) / r.limit if r.limit > 0.0 and math.isfinite(r.limit) else None for r in records]
     known = [s for s in ratios if s is not None]
     worst = max(known) if known else None
     return [
@@ -112,6 +112,18 @@ def stages(plan: Plan) -> tuple[list[tuple[str, float, float]], float]:
     total = seconds.pop("total", sum(seconds.values()))
     whole = max(total, sum(seconds.values()), 1e-12)
     return [(name, value, 100.0 * value / whole) for name, value in seconds.items()], total
+
+
+def marked_lines(phase: PhaseRecord) -> set[int]:
+    """Numbers of the rule's own line and of the effects that the phase adds, in the file of the rule."""
+    places = [phase.place, *(literal.place for literal in phase.added)]
+    return {p.line for p in places if p and phase.place and p.file == phase.place.file}
+
+
+def measure_name(kind: str) -> str:
+    """A kind of measure in words: `joint_limit_rad` is a joint limit, its unit stands beside the figure."""
+    words, _, unit = kind.rpartition("_")
+    return (words if words and unit in ("m", "rad", "s", "ratio") else kind).replace("_", " ")
 
 
 def robot_text(plan: Plan, robot: Robot) -> str:
@@ -133,7 +145,7 @@ def build_view(plan: Plan) -> View:
             colours[record.rule],
             sources.link(record.place),
             sources.excerpt(record.place),
-            record.place.line if record.place else 0,
+            marked_lines(record),
             literals(record.added, True),
             literals(record.literals, False),
             literals(record.mode, True),

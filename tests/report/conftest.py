@@ -56,7 +56,15 @@ class Opened:
         page.on("console", lambda m: self.errors.append(m.text) if m.type == "error" else None)
         page.on("request", lambda request: self.requests.append(request.url))
         page.goto(address)
-        page.wait_for_function("window.tamplang !== undefined")
+        self.wait("window.tamplang !== undefined")
+
+    def wait(self, condition: str) -> None:
+        """Wait until a JavaScript expression holds; playwright's own way needs `eval`, which the page forbids."""
+        for _ in range(200):
+            if self.page.evaluate(condition):
+                return
+            self.page.wait_for_timeout(50)
+        raise AssertionError(f"never held: {condition}")
 
     def seek(self, time: float) -> None:
         self.page.evaluate("t => window.tamplang.seek(t)", time)
@@ -68,8 +76,11 @@ class Opened:
         return self.page.evaluate("window.tamplang.time()")
 
 
-@pytest.fixture
-def open_report(browser: Browser) -> Iterator[Callable[..., Opened]]:
+Opener = Callable[..., Opened]
+
+
+@pytest.fixture(scope="module")
+def open_report(browser: Browser) -> Iterator[Opener]:
     """Opens a report file as a reader does, from `file://`, in a new page."""
     pages: list[Page] = []
 

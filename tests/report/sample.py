@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 
@@ -102,14 +103,13 @@ def reach(module: ModuleRecord, stand: Array, at_tip: bool, target: Sequence[flo
     joints = start.copy()
 
     def free_end(values: Array) -> Array:
-        if not at_tip:
-            return tip(module, stand, values[None])[0, :3]
-        return compose(stand, inverse(tip(module, np.array([IDENTITY]), values[None])))[0, :3]
+        relative = tip(module, np.array([IDENTITY]), values)
+        return compose(stand, inverse(relative) if at_tip else relative)[:, :3]
 
-    for _ in range(200):
-        error = np.array(target) - free_end(joints)
-        slope = np.stack([(free_end(joints + 1e-5 * d) - free_end(joints)) / 1e-5 for d in np.eye(7)], axis=1)
-        step = slope.T @ np.linalg.solve(slope @ slope.T + 1e-3 * np.eye(3), error)
+    for _ in range(60):
+        ends = free_end(np.vstack([joints, joints + 1e-5 * np.eye(7)]))
+        slope = (ends[1:] - ends[0]).T / 1e-5
+        step = slope.T @ np.linalg.solve(slope @ slope.T + 1e-3 * np.eye(3), np.array(target) - ends[0])
         joints += np.clip(step, -0.2, 0.2) + 0.002 * (np.array(HOME) - joints)
     return joints
 
@@ -205,6 +205,7 @@ def stamps(phases: int) -> list[float]:
     return [k + s / SAMPLES for k in range(phases) for s in range(SAMPLES + 1)]
 
 
+@cache
 def climb_plan(count: int = 3) -> Plan:
     """One module steps from the floor up `count` stairs, grasps the target and lifts it a little."""
     module = crawler("c[1]", [-0.2, 0.0, 0.075, 0.0, 0.0, 0.0, 1.0])
@@ -234,7 +235,7 @@ def climb_plan(count: int = 3) -> Plan:
         tips = compose(track, rel)
         hand = tips if free.endswith("B") else track
         held += [
-            [*hand[i, :3], 0, 0, 0, 1] if index > count else [*target, 0, 0, 0, 1] for i in range(len(path))
+            [*hand[i, :3].tolist(), 0, 0, 0, 1] if index > count else [*target, 0, 0, 0, 1] for i in range(len(path))
         ]
         poses += track.tolist()
         values += path.tolist()
@@ -285,6 +286,7 @@ def climb_plan(count: int = 3) -> Plan:
     )
 
 
+@cache
 def dock_plan() -> Plan:
     """Two modules on the floor: the first bends over, docks to the second, is lifted and carried round."""
     first = crawler("c[1]", [-0.2, -0.3, 0.075, 0.0, 0.0, 0.0, 1.0])

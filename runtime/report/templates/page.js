@@ -176,6 +176,7 @@
     seek: (time) => player.seek(time),
     time: () => player.now,
     pose: (name) => (scene ? scene.pose(name) : null),
+    onScreen: (name) => (scene ? scene.onScreen(name) : null),
     names: () => Object.keys(data.names),
   };
 })();

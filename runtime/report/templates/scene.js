@@ -217,6 +217,15 @@ class ReplayScene {
     this.viewer.set_dirty();
   }
 
+  /* Where the origin of a drawn object lies in the picture: across and up, -1 to 1. */
+  onScreen(name) {
+    const { THREE } = MeshCat;
+    this.viewer.scene.updateMatrixWorld();
+    const place = new THREE.Vector3().setFromMatrixPosition(this.node(this.data.names[name]).matrixWorld);
+    const seen = place.project(this.viewer.camera);
+    return [seen.x, seen.y];
+  }
+
   /* Pose of a drawn object as it stands in the scene now: x, y, z, qx, qy, qz, qw in the world frame. */
   pose(name) {
     if (!Object.hasOwn(this.data.names, name)) return null;
