@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 from collections.abc import Sequence
+from io import TextIOWrapper
 
 import click
 
@@ -17,6 +18,9 @@ def main() -> None:
     # A reader that closes the pipe, such as `head`, ends the process without a word, as it does other Unix commands.
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     sys.excepthook = report_crash
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # for terminals that cannot show every character
     sys.exit(run(sys.argv[1:]))
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from ..langs.render import FORMATS
+from .progress import counted
 from .sources import as_text, diagnostics_in, reading_sources, wants_colour
 from .status import ExitStatus
 
@@ -23,7 +24,8 @@ def check(files: tuple[Path, ...], form: str) -> int:
     if diagnostics or form in ("json", "sarif"):
         click.echo(as_text(diagnostics, form, colour=wants_colour(sys.stdout)))
     errors = sum(d.is_error for d in diagnostics)
-    click.echo(_summary(len(files), errors, len(diagnostics) - errors), err=True)
+    counts = (len(files), "file"), (errors, "error"), (len(diagnostics) - errors, "warning")
+    click.echo(", ".join(counted(*count) for count in counts), err=True)
     return ExitStatus.SOURCE_ERRORS if errors else ExitStatus.DONE
 
 
@@ -56,8 +58,3 @@ def _format(file: Path, only_check: bool) -> bool:
         except OSError as error:
             raise click.UsageError(f"cannot write {file}: {error.strerror}") from error
     return True
-
-
-def _summary(files: int, errors: int, warnings: int) -> str:
-    counts = (files, "file"), (errors, "error"), (warnings, "warning")
-    return ", ".join(f"{number} {noun}{'' if number == 1 else 's'}" for number, noun in counts)

@@ -74,9 +74,7 @@ def verdict_lines(verdict: VerdictRecord) -> list[str]:
     for measure in verdict.measures:
         where = f" at {measure.time:.2f} s" if measure.time is not None else ""
         between = f" between {' and '.join(measure.between)}" if measure.between else ""
-        lines.append(
-            f"  {measure.kind}: {measure.amount:.3g} {measure.unit} (limit {measure.limit:.3g}){where}{between}"
-        )
+        lines.append(f"  {measure.kind}: {measure.amount:.3g} (limit {measure.limit:.3g}){where}{between}")
     for failure in verdict.failures:
         place = f"{failure.place.file}:{failure.place.line}: " if failure.place is not None else ""
         lines.append(f"  refused: {place}{failure.message}")

@@ -39,14 +39,19 @@ def shown_progress() -> Iterator[Callable[[Progress], None]]:
 def describe(progress: Progress) -> str:
     """One line: what is done, how many candidates and solutions there are, and how much time is left."""
     parts = [progress.message] if progress.message else []
-    parts.append(f"{progress.tree_nodes} nodes")
+    parts.append(counted(progress.tree_nodes, "node"))
     if progress.candidates:
-        parts.append(f"{progress.candidates} candidates")
+        parts.append(counted(progress.candidates, "candidate"))
     if progress.solutions:
-        parts.append(f"{progress.solutions} solutions")
+        parts.append(counted(progress.solutions, "solution"))
     if progress.limit is not None:
         parts.append(f"{max(0.0, progress.limit - progress.elapsed):.0f} s left")
     return ", ".join(parts)
+
+
+def counted(number: int, noun: str) -> str:
+    """`1 node`, `2 nodes`."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def _plain_lines() -> Callable[[Progress], None]:

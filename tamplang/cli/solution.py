@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from .outputs import numbered
 from .plans import verdict_lines
+from .progress import counted
 from .sources import as_objects, as_text
 
 if TYPE_CHECKING:
@@ -85,8 +86,7 @@ def result_lines(problem: Problem, result: Result, written: Written) -> list[str
     lines = [f"{problem.task}: {HEADLINES[result.status]}"]
     lines += [f"  {number:2}  {action}" for number, action in enumerate(result.actions, start=1)]
     if result.actions:
-        optimal = ", optimal" if result.statistics.optimal else ""
-        lines.append(f"{len(result.actions)} actions, cost {result.cost:g}{optimal}")
+        lines.append(f"{counted(len(result.actions), 'action')}, cost {result.cost:g}{_quality(result.statistics)}")
     lines.append(_effort(result.statistics))
     if result.plan is not None and result.plan.record.verdict is not None:
         lines += verdict_lines(result.plan.record.verdict)
@@ -96,6 +96,13 @@ def result_lines(problem: Problem, result: Result, written: Written) -> list[str
     if written.report is not None:
         lines.append(f"report: {written.report}")
     return lines
+
+
+def _quality(statistics: StatisticsRecord) -> str:
+    """How far the cost may be above the optimum."""
+    if statistics.optimal:
+        return ", optimal"
+    return "" if statistics.gap is None else f", at most {statistics.gap:g} above the optimum"
 
 
 def _effort(statistics: StatisticsRecord) -> str:

@@ -109,3 +109,15 @@ def test_an_unforeseen_error_leaves_a_crash_file(tmp_path: Path) -> None:
     (crash,) = tmp_path.glob("tamplang-crash-*.txt")
     assert str(crash) in process.stderr
     assert "ZeroDivisionError" in crash.read_text()
+
+
+def test_a_terminal_that_cannot_show_every_character() -> None:
+    process = subprocess.run(
+        [sys.executable, "-m", "tamplang", "explain", "E0001"],
+        env={**environment(), "PYTHONIOENCODING": "latin-1"},
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert (process.returncode, process.stderr) == (0, "")
+    assert "\\u2026" in process.stdout
