@@ -10,7 +10,9 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = {"langs", "compiler", "runtime", "stdlib"}
 FOLDERS = ("langs", "compiler", "runtime", "tamplang/cli", "tests", "benchmarks")
-FILES = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py")) + sorted(ROOT.glob("tamplang/*.py"))
+FILES = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py")) + sorted(
+    ROOT.glob("tamplang/*.py")
+)
 
 
 def bare_imports(text: str) -> set[str]:
@@ -25,7 +27,10 @@ def bare_imports(text: str) -> set[str]:
 
 
 def test_bare_imports_are_found() -> None:
-    assert bare_imports("import compiler.ir\nfrom langs import syntax\nfrom ..runtime import plan") == {"compiler", "langs"}
+    assert bare_imports("import compiler.ir\nfrom langs import syntax\nfrom ..runtime import plan") == {
+        "compiler",
+        "langs",
+    }
 
 
 @pytest.mark.parametrize("room", ["langs", "compiler", "runtime", "tamplang", "tests", "benchmarks"])
