@@ -45,7 +45,7 @@ def assemble(
         format=record.FORMAT,
         versions=versions(),
         task=_task(problem),
-        modules=[_module(m) for m in problem.world.modules.values()],
+        modules=[module_record(m) for m in problem.world.modules.values()],
         bodies=[_body(b) for b in problem.world.bodies.values()],
         phases=phases,
         final_mode=_literals(problem, skeleton.final_mode, {}),
@@ -141,7 +141,8 @@ def _bounded(value: float) -> float:
     return min(max(value, -NO_LIMIT), NO_LIMIT)
 
 
-def _module(module: ir.Module) -> record.ModuleRecord:
+def module_record(module: ir.Module) -> record.ModuleRecord:
+    """A module as the plan file holds it."""
     joints = [
         record.JointRecord(
             j.name, j.kind, j.parent, list(j.placement), list(j.axis),

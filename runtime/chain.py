@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compiler.ir import Fact, Function, Module, Problem, Var
+from ..compiler.ir import Fact, Function, Module, Object, Problem, Term, Var
 from .skeleton import Configuration, PhasePath
 
 Array = NDArray[np.float64]
@@ -81,10 +81,16 @@ def kept_pairs(problem: Problem, mode: frozenset[Fact]) -> list[tuple[str, str]]
         bound = dict(zip((v.name for v in predicate.variables), literal[1:], strict=True))
         for row in predicate.rows:
             if row.when == "keep" and isinstance(row.left, Function) and row.left.name == "pose":
-                names = [bound[a.name] for a in row.left.args if isinstance(a, Var)]
-                if len(names) == 2:
+                names = [_object_name(a, bound) for a in row.left.args]
+                if names[0] is not None and names[1] is not None:
                     found.append((names[1], names[0]))
     return found
+
+
+def _object_name(term: Term, bound: Mapping[str, str]) -> str | None:
+    if isinstance(term, Object):
+        return term.name
+    return bound.get(term.name) if isinstance(term, Var) else None
 
 
 @dataclass(slots=True)
@@ -113,7 +119,7 @@ def resample(
     knots = np.linspace(0.0, path.duration, count + 1)
     times = np.linspace(0.0, path.duration, factor * count + 1)
     joints = {m: _spline(CubicSpline, knots, rows[:, 7:], times) for m, rows in path.modules.items()}
-    linker = _Linker(problem, joints, start, set(path.bodies))
+    linker = _Linker(problem, joints, start, set(path.bodies), len(times))
     linker.follow(kept_pairs(problem, mode))
     poses = {m: linker.poses.get(m) for m in path.modules}
     bodies = {b: linker.poses.get(b) for b in path.bodies}
@@ -145,11 +151,12 @@ class _Linker:
     """Finds the poses of everything that is linked, through kept poses, to something at rest."""
 
     def __init__(
-        self, problem: Problem, joints: Mapping[str, Array], start: Configuration, moving: set[str]
+        self, problem: Problem, joints: Mapping[str, Array], start: Configuration, moving: set[str], count: int
     ) -> None:
         self._problem = problem
         self._joints = joints
         self._start = start
+        self._count = count
         self.poses: dict[str, Array] = {
             b: pose[None, :] for b, pose in start.bodies.items() if b not in moving
         }
@@ -191,5 +198,4 @@ class _Linker:
         held = compose(carrier, relative)
         if thing in self._joints:
             held = compose(held, inverse(self._local(other, self._joints[thing])))
-        count = len(next(iter(self._joints.values())))
-        self.poses[thing] = np.broadcast_to(held, (count, 7)).copy()
+        self.poses[thing] = np.broadcast_to(held, (self._count, 7)).copy()

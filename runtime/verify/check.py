@@ -46,6 +46,8 @@ def _problem(plan: Plan, findings: Findings) -> ir.Problem | None:
             if diagnostic.is_error:
                 message = f"{diagnostic.code} {diagnostic.message}"
                 findings.fail("source", message, place=place_of(diagnostic.span))
+        if not findings.failures:
+            findings.fail("source", "the stored sources do not compile")
         return None
     except UsageError as error:
         findings.fail("source", str(error))

@@ -15,6 +15,10 @@ def place_of(span: Span | None) -> PlaceRecord | None:
     return None if span is None else PlaceRecord(span.file, span.line, span.column)
 
 
+UNMEASURABLE = 1e9
+"""Stands for a figure that is infinite or no number: JSON has neither."""
+
+
 class Findings:
     """Measures and failures of one verification."""
 
@@ -50,6 +54,7 @@ class Findings:
     ) -> bool:
         """Record one figure of a kind in the table of limits; a failure when it is over. True when it is kept."""
         limit, unit = LIMITS[kind], unit_of(kind)
+        amount = amount if math.isfinite(amount) else UNMEASURABLE
         worst = self.measures.get(kind)
         if worst is None or amount > worst.amount:
             self.measures[kind] = MeasureRecord(kind, amount, limit, unit, time, list(between), place)

@@ -39,6 +39,8 @@ def values(state: State, kind: ir.Type, environment: Environment) -> Sequence[Va
         return state.problem.of_type(kind.name)
     if isinstance(kind, ir.RangeType):
         first, last = (number(state, t, environment) for t in (kind.first, kind.last))
+        if not math.isfinite(first) or not math.isfinite(last):
+            raise ReplayError(f"a range from {first} to {last} has no end")
         return range(math.ceil(first - TOLERANCE), math.floor(last + TOLERANCE) + 1)
     if isinstance(kind, ir.ChainType):
         return chains(state, kind)
@@ -172,7 +174,10 @@ _NUMERIC: dict[str, Callable[[float], float]] = {
 
 def _function(state: State, node: ir.Function, environment: Environment) -> Value:
     if node.name in _NUMERIC:
-        return _NUMERIC[node.name](number(state, node.args[0], environment))
+        try:
+            return _NUMERIC[node.name](number(state, node.args[0], environment))
+        except (ValueError, OverflowError) as error:
+            raise ReplayError(f"{node.name} has no value here") from error
     arguments = [term(state, a, environment) for a in node.args]
     match node.name, arguments:
         case "length", [ir.Chain() as chain]:

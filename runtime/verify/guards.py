@@ -54,9 +54,11 @@ class Guards:
         return self._known[key]
 
     def radius(self, name: str) -> float:
-        """Radius of a round shape, or of the sphere around a box; 0 for an effector without a shape."""
-        shape = self._one_shape(name).shape
-        return 0.0 if shape.size == (POINT,) else round_radius(shape.kind, shape.size)
+        """Radius of a round shape, or of the sphere around a box; 0 for what does not have one shape."""
+        shapes = [placed.shape for placed in self._shapes(name)]
+        if len(shapes) != 1 or shapes[0].size == (POINT,):
+            return 0.0
+        return round_radius(shapes[0].kind, shapes[0].size)
 
     def reach(self, first: str, second: str) -> float:
         """Upper bound of the distance between two effectors of one module: the lengths between them, summed."""
@@ -94,16 +96,13 @@ class Guards:
             self._placed[name] = list(self._find_shapes(name))
         return self._placed[name]
 
-    def _one_shape(self, name: str) -> _Placed:
-        return self._shapes(name)[0]
-
     def _find_shapes(self, name: str) -> Iterator[_Placed]:
         body, end = self._world.bodies.get(name), self._world.effector(name)
         if body is not None:
             yield _Placed(body.shape, frames(body.pose))
             return
         module = end[0] if end is not None else self._world.modules[name]
-        joints = _joint_frames(module)
+        joints = joint_frames(module)
         if end is not None:
             shape = end[1].shape or ir.Shape("sphere", (POINT,))
             yield _Placed(shape, joints[end[1].joint].compose(frames(end[1].placement)))
@@ -115,7 +114,7 @@ class Guards:
             yield _Placed(link.shape, joints[link.joint].compose(frames(link.placement)))
 
     def _face(self, name: str, inset: float) -> _Placed:
-        placed = self._one_shape(name)
+        placed = self._shapes(name)[0]
         shape, at = placed.shape, placed.frame
         if shape.kind != "box":
             height = float(half_heights(shape.kind, shape.size, at.rotation)[0])
@@ -133,7 +132,7 @@ def _solid(shape: ir.Shape) -> Any:
     return geometry(shape.kind, shape.size)
 
 
-def _joint_frames(module: ir.Module) -> dict[int, Frames]:
+def joint_frames(module: ir.Module) -> dict[int, Frames]:
     """The frame of every joint at the start, by the plain definition; -1 is the module frame."""
     found = {-1: frames(module.pose)}
     for index, (joint, value) in enumerate(zip(module.type.joints, module.joints, strict=True)):

@@ -83,7 +83,8 @@ def motion_of(plan: Plan, kinematics: Mapping[str, Kinematics]) -> Motion:
     """The samples as stored. The plan must be well formed."""
     poses = {t.name: np.asarray(t.poses) for t in plan.tracks}
     joints = {
-        t.name: np.asarray(t.joints, dtype=float).reshape(len(plan.times), -1) for t in plan.tracks
+        t.name: np.asarray(t.joints, dtype=float).reshape(len(plan.times), len(kinematics[t.name].module.joints))
+        for t in plan.tracks
     }
     body_poses = {t.name: np.asarray(t.poses) for t in plan.body_tracks}
     moving = frozenset(poses) | frozenset(body_poses)

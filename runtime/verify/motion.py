@@ -25,7 +25,7 @@ def check_motion(
     _check_start(plan, motion, findings)
     _check_jumps(motion, findings)
     for module in plan.modules:
-        _check_limits(module, motion, findings)
+        _check_limits(module, motion.joints[module.name], motion.times, findings)
         _check_speeds(module, motion, findings)
     _check_splines(plan, motion, findings)
     for name in sorted(motion.moving):
@@ -69,15 +69,15 @@ def _check_jumps(motion: Motion, findings: Findings) -> None:
 # --- joints ------------------------------------------------------------------------------------------------------
 
 
-def _check_limits(module: ModuleRecord, motion: Motion, findings: Findings) -> None:
+def _check_limits(module: ModuleRecord, rows: Array, times: Array, findings: Findings) -> None:
     for index, joint in enumerate(module.joints):
-        values = motion.joints[module.name][:, index]
+        values = rows[:, index]
         over = np.maximum(np.maximum(joint.lower - values, values - joint.upper), 0.0)
         at = int(np.argmax(over))
         kind = "joint_limit_m" if joint.kind == "prismatic" else "joint_limit_rad"
         message = f"joint {joint.name} of {module.name} leaves its limits"
         findings.measure(
-            kind, float(over[at]), message, time=float(motion.times[at]), between=[module.name, joint.name]
+            kind, float(over[at]), message, time=float(times[at]), between=[module.name, joint.name]
         )
 
 
@@ -124,6 +124,7 @@ def _check_splines(plan: Plan, motion: Motion, findings: Findings) -> None:
         times = np.linspace(knots[0], knots[-1], SPEED_SAMPLES * (len(knots) - 1) + 1)
         limits = np.array([j.speed for j in module.joints])
         _record_speed(module, np.abs(curve(times, 1)) / limits, times, findings)
+        _check_limits(module, curve(times), times, findings)
 
 
 # --- rest --------------------------------------------------------------------------------------------------------

@@ -20,7 +20,7 @@ def check_sources(plan: Plan, findings: Findings) -> bool:
     """Whether every stored source has the hash that is stored with it."""
     before = len(findings.failures)
     for source in plan.task.sources:
-        if hashlib.sha256(source.text.encode()).hexdigest() != source.sha256:
+        if hashlib.sha256(source.text.encode("utf-8", "surrogatepass")).hexdigest() != source.sha256:
             findings.fail("source", f"the text of {source.path} was changed: its hash differs")
     return len(findings.failures) == before
 

@@ -3,7 +3,6 @@ relies on it, so a plan that fails here is not measured further."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -12,6 +11,9 @@ from ..plan import ModuleRecord, Plan, ShapeRecord
 from .findings import Findings
 from .limits import LIMITS
 from .shapes import SIZES
+
+LARGEST = 1e10
+"""Numbers beyond it, infinities and NaN count as not finite."""
 
 Rows = Sequence[Sequence[float]]
 
@@ -38,7 +40,7 @@ def _repeated(names: Sequence[str]) -> list[str]:
 
 
 def _numbers(rows: Rows, width: int) -> bool:
-    return all(len(row) == width and all(math.isfinite(v) for v in row) for row in rows)
+    return all(len(row) == width and all(abs(v) <= LARGEST for v in row) for row in rows)
 
 
 # --- times -------------------------------------------------------------------------------------------------------

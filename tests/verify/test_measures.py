@@ -9,9 +9,12 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
-from tamplang.runtime.chain import compose, inverse
+from tamplang.compiler import ir
+from tamplang.runtime.assemble import module_record
+from tamplang.runtime.chain import compose, effector_poses, inverse
 from tamplang.runtime.plan import Plan
 from tamplang.runtime.verify import geometry, shapes, verify
+from tamplang.runtime.verify.guards import joint_frames
 from tamplang.runtime.verify.kinematics import Kinematics, motion_of
 from tamplang.runtime.verify.sampler import Sampler
 
@@ -124,3 +127,46 @@ def test_task_that_is_already_done() -> None:
 
 def test_goal_is_told_in_the_notation_of_the_language(hop: Plan) -> None:
     assert hop.task.goal == "(shown ball)"
+
+
+def random_module(draw: np.random.Generator) -> ir.Module:
+    """A tree of revolute and prismatic joints with an effector on each."""
+    joints, effectors = [], []
+    for index in range(6):
+        placement = (*draw.normal(size=3), *Rotation.random(rng=draw).as_quat())
+        kind = "prismatic" if draw.random() < 0.3 else "revolute"
+        parent = int(draw.integers(-1, index))
+        joints.append(ir.Joint(f"j{index}", kind, parent, placement, tuple(draw.normal(size=3)), -2.0, 2.0, 0.0, 2.0))
+        effectors.append(ir.Effector(f"E{index}", "effector", index, placement, None))
+    kind_of_tree = ir.ModuleType("tree", tuple(joints), tuple(effectors), ())
+    pose = (*draw.normal(size=3), *Rotation.random(rng=draw).as_quat())
+    return ir.Module("t", kind_of_tree, pose, tuple(draw.uniform(-2, 2, size=6)))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_kinematics_of_trees_agree(seed: int) -> None:
+    """Pinocchio, the assembler's kinematics and the guards' kinematics put every effector at the same place."""
+    module = random_module(np.random.default_rng(seed))
+    kinematics = Kinematics(module_record(module))
+    joints = kinematics.joint_frames(np.array([module.pose]), np.array([module.joints]))
+    plain = joint_frames(module)
+    for effector in module.type.effectors:
+        frame = kinematics.effector(effector.name, joints)
+        local = effector_poses(module, effector.name, np.array([module.joints]))
+        chained = geometry.frames(compose(np.array([module.pose]), local))
+        guarded = plain[effector.joint].compose(geometry.frames(effector.placement))
+        for other in (chained, guarded):
+            assert np.allclose(frame.position, other.position, atol=1e-12)
+            assert np.allclose(frame.rotation, other.rotation, atol=1e-12)
+
+
+def test_module_without_joints() -> None:
+    """A rigid module stands, and another one waves beside it."""
+    text = SWING.replace("BEAD", "1 m, 0, 0").replace(
+        "rule wave", "module pole() { effector F: effector sphere(0.05 m) normal (0, 0, -1) }\nrule wave"
+    ).replace("crawler c: A on slab", "crawler c: A on slab\n    pole p: at (0.6 m, 0.6 m, 0.1 m)")
+    maker = Maker(text, "wave")
+    maker.phase("wave", ("c", "1"), [np.array([0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0])])
+    plan = maker.plan()
+    assert plan.tracks[1].joints[0] == []
+    assert verify(plan).verified, verify(plan).failures
