@@ -80,10 +80,18 @@ def _keep_best(group: _Group, index: Indices, batch: Batch, paths: Array) -> Non
 
 
 def _attempt(group: _Group, index: Indices, inner: Array, schedule: Schedule, budget: Budget) -> int:
-    """Smooth starts of the group's phases `index` (repeats allowed) and keep what is clean."""
+    """Smooth starts of the group's phases `index` (repeats allowed), keep what is clean, and push near misses away
+    once more."""
     batch = group.batch.take(index)
     inner, iterations = smooth_paths(batch, inner, schedule, budget)
     _keep_best(group, index, batch, batch.with_ends(inner))
+    missed = ~group.solved[index] & (group.clearance[index] > -NEARLY)
+    near = np.unique(index[missed])
+    if len(near):
+        batch = group.batch.take(near)
+        inner, more = smooth_paths(batch, group.paths[near, 1:-1], WIDER, budget)
+        _keep_best(group, near, batch, batch.with_ends(inner))
+        iterations += more
     return iterations
 
 
@@ -97,9 +105,6 @@ def _solve(group: _Group, random: np.random.Generator, budget: Budget) -> int:
         batch = group.batch.take(index)
         inner = _bumped(batch, random, size) if level else _straight(batch)
         iterations += _attempt(group, index, inner, Schedule(), budget)
-        near = np.flatnonzero(~group.solved & (group.clearance > -NEARLY))
-        if len(near):
-            iterations += _attempt(group, near, group.paths[near, 1:-1], WIDER, budget)
     for phase in np.flatnonzero(~group.solved):
         starts = sampled_starts(group.batch, int(phase), random, budget, SAMPLED_STARTS)
         if starts is not None:

@@ -167,7 +167,7 @@ def test_sampling_finds_a_way_round_the_wall() -> None:
     starts = sampled_starts(batch, 0, np.random.default_rng(0), Budget(20.0), 3)
     assert starts is not None and starts.shape == (3, SETTINGS.slices - 1, 3)
     several = batch.take(np.zeros(3, dtype=np.intp))
-    inner, _ = smooth_paths(several, starts, Schedule(weight=1e5), Budget(20.0))
+    inner, _ = smooth_paths(several, starts, Schedule(weight=1e5, widening=1.6), Budget(20.0))
     assert sweep(several, several.with_ends(inner)).clean.any()
 
 
