@@ -12,6 +12,7 @@ from .diagnostics import Diagnostic, Label, did_you_mean
 from .source import Source, Span
 
 UNITS = ("m", "cm", "mm", "rad", "deg", "s", "min", "m/s", "rad/s", "deg/s")
+FOREIGN_UNITS = {"inch", "inches", "ft", "foot", "feet", "yd", "km", "kg", "h", "hour", "degree", "degrees", "px", "N"}
 _WORDS = {
     "NAME": "a name",
     "NUMBER": "a number",
@@ -190,6 +191,8 @@ def unknown_unit(source: Source, number: Token, found: Token) -> Diagnostic | No
     if number.line != found.line or not str(number)[-1].isdigit():
         return None
     near = did_you_mean(str(found), UNITS)
+    if near is None and str(found) not in FOREIGN_UNITS:
+        return None
     return Diagnostic(
         "E0007",
         f"unknown unit `{found}`",

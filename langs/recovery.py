@@ -22,6 +22,7 @@ from .source import Source
 MAX_ERRORS = 50
 LOOKAHEAD = 40
 RECENT = 12
+SURE = 20
 SKIP = 2
 ENOUGH = (2, 3, 2)
 """How many tokens must be readable after a repair of each kind."""
@@ -37,6 +38,8 @@ _SIGNS = {
     "EQUAL": "=",
     "_DOTS": "..",
 }
+_OPENING = {"LPAR", "LBRACE", "LSQB"}
+_LINKS = {"_ON", "_IN", "_AT", "_THEN", "_ELSE", "_OF", "_BY", "_IS", "_SWITCH"}
 _DECLARATION = re.compile(
     r"^(import|type|predicate|derived|module|motion|rule|placement|heuristic|scene|task)(?!\w)", re.MULTILINE
 )
@@ -53,13 +56,14 @@ class Read:
 @dataclass(frozen=True, slots=True)
 class Repair:
     """Keep the first `keep` tokens, then feed `feed`, then read on from `position`. Kind 0 corrects a word, 1 puts in
-    or leaves out a sign, 2 leaves out lines."""
+    or leaves out a sign, 2 leaves out lines. At least `needs` tokens must be readable after it."""
 
     kind: int
     keep: int
     feed: tuple[Token, ...]
     position: int
     diagnostic: Diagnostic
+    needs: int = 0
 
 
 class Recovery:
@@ -101,7 +105,7 @@ class Recovery:
         repairs = list(self._repairs(found))
         for kind, enough in enumerate(ENOUGH):
             tried = [(self._reach(r), r) for r in repairs if r.kind == kind]
-            good = [t for t in tried if t[0] >= enough]
+            good = [(reach, r) for reach, r in tried if reach >= max(enough, r.needs)]
             if good:
                 self._apply(good[0][1] if kind == SKIP else max(good, key=lambda t: t[0])[1])
                 return
@@ -146,7 +150,7 @@ class Recovery:
 
     def _keywords(self, found: Token | None) -> Iterator[Repair]:
         for index, token, before in self._recent(found):
-            if token.type != "NAME":
+            if token.type != "NAME" or len(token) < 2:
                 continue
             if index > 0 and self.reads[index - 1].token == "," and str(token) in self.automaton.keywords.values():
                 comma = self.reads[index - 1].token
@@ -187,15 +191,19 @@ class Recovery:
         return stack
 
     def _insertions(self, found: Token | None) -> Iterator[Repair]:
+        """Put one sign or small word before the mistake, one or two tokens earlier, or at the end of a line above."""
         end = len(self.source.text)
         for back, (index, token, before) in enumerate(self._recent(found) if found is not None else self._at_end()):
-            if back > 2:
-                return
+            line_starts = index > 0 and self.reads[index - 1].token.line != token.line
+            if back > 2 and not line_starts:
+                continue
             position = end if token.start_pos is None else token.start_pos
             for kind in self.automaton.accepts(before):
-                if kind in _SIGNS:
-                    sign = self.automaton.token(kind, _SIGNS[kind], position)
-                    yield Repair(1, index, (sign,), position, self._lacking(kind, index, token))
+                if kind in _SIGNS or kind in _LINKS:
+                    text = _SIGNS.get(kind) or self.automaton.keywords[kind]
+                    sign = self.automaton.token(kind, text, position)
+                    needs = SURE if kind in _OPENING else 0
+                    yield Repair(1, index, (sign,), position, self._lacking(text, index, token), needs)
 
     def _at_end(self) -> Iterator[tuple[int, Token, Stack]]:
         yield len(self.reads), self.automaton.token("$END", "", len(self.source.text)), self.stack
@@ -210,7 +218,10 @@ class Recovery:
         if before is not None and before == ",":
             yield Repair(1, len(self.reads) - 1, (), found.start_pos or 0, complaints.dangling(self.source, before))
         in_literal = found == "," and "_ANY" in self.automaton.accepts(self.stack)
-        yield Repair(0 if in_literal else 1, len(self.reads), (), found.end_pos or 0, self._unexpected(found))
+        unexpected = self._unexpected(found)
+        yield Repair(0 if in_literal else 1, len(self.reads), (), found.end_pos or 0, unexpected)
+        name = self.automaton.token("NAME", "?", found.start_pos or 0)
+        yield Repair(1, len(self.reads), (name,), found.start_pos or 0, unexpected)
 
     def _unreadable(self, found: Unreadable) -> Iterator[Repair]:
         diagnostic, width = complaints.unreadable(self.source, found.position, self.automaton)
@@ -268,9 +279,9 @@ class Recovery:
             self.automaton.keywords,
         )
 
-    def _lacking(self, kind: str, index: int, token: Token) -> Diagnostic:
+    def _lacking(self, text: str, index: int, token: Token) -> Diagnostic:
         before = [r.token for r in self.reads[:index]]
-        return complaints.lacking(self.source, _SIGNS[kind], before, token)
+        return complaints.lacking(self.source, text, before, token)
 
     def _replaced(self, token: Token, kind: str, text: str) -> Token:
         return Token(
