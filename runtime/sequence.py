@@ -18,8 +18,14 @@ from .switches import SwitchProgram
 SEQUENCE = Options()
 NOISE = 0.3
 TRIES = 8
+SHORT = 3
+"""Spans of up to so many phases start anew before an attempt is repaired."""
+AGREE = 3
+"""How many independent starts must fail alike before a span is refused."""
 HOPELESS = 0.15
-"""A largest row above this after two starts refuses at once; nearer misses get all tries."""
+"""Refuse when all independent starts end with a largest row above this, in metres or radians …"""
+ALIKE = 1.3
+"""… or when so many are at the least violation within this factor; else take all tries."""
 ACCURATE = 1e-6
 LONGEST = 12
 """Phases up to which one program holds the whole skeleton."""
@@ -72,35 +78,75 @@ def solve_span(
     """P_seq of phases `first` … `last`, with restarts. `configurations` begins with the state before `first`: `start`,
     or with `free` an unknown one, and `start` is then the scene at time 0."""
     began = time.monotonic()
-    best: tuple[float, BoundResult] | None = None
+    span = _Span(skeleton, first, last, settings, random, budget, start, free)
+    best: BoundResult | None = None
+    amounts: list[float] = []
     iterations = 0
-    origin: Configuration = start
-    previous: list[Configuration] | None = None
     for attempt in range(tries or min(TRIES, 4 + last - first)):
-        switches = SwitchProgram(skeleton, first, last, start, settings, free, frozen=attempt % 2 == 0)
-        if attempt == 0 and warm is not None:
-            guesses = list(warm)
-        else:
-            guesses = guess(skeleton, range(0 if free else first, last + 1), start, random, NOISE * (1 + attempt % 2))
-            if free:
-                origin, guesses = guesses[first - 1], guesses[first:]
-            if previous is not None and attempt % 4 != 3:
-                origin, *guesses = _repair(switches, previous, [origin, *guesses])
-        program, outcome = switches.solve(switches.pack([origin, *guesses]), SEQUENCE, budget)
-        iterations += outcome.iterations
-        result = _result(switches, program, outcome.x, settings, budget)
-        result.iterations = iterations
-        result.seconds = time.monotonic() - began
-        worst = result.violations[0].amount if result.violations else 0.0
-        if best is None or worst < best[0]:
-            best = (worst, result)
-        if result.feasible or (attempt >= 1 and best[0] > HOPELESS):
+        fresh = attempt % 3 != 1 or (attempt == 1 and last - first < SHORT)
+        result = span.attempt(attempt, warm if attempt == 0 else None, None if fresh else best)
+        iterations += result.iterations
+        if best is None or _worst(result) < _worst(best):
+            best = result
+        if fresh:
+            amounts.append(_worst(result))
+        if result.feasible or _hopeless(amounts):
             break
-        previous = result.configurations
     assert best is not None
-    chosen = best[1]
-    chosen.iterations, chosen.seconds = iterations, time.monotonic() - began
-    return chosen
+    best.iterations, best.seconds = iterations, time.monotonic() - began
+    return best
+
+
+def _worst(result: BoundResult) -> float:
+    return result.violations[0].amount if result.violations else 0.0
+
+
+def _hopeless(amounts: list[float]) -> bool:
+    """Whether independent starts ended far from feasible, or all at the same least violation."""
+    if len(amounts) < AGREE:
+        return False
+    least = min(amounts)
+    return least > HOPELESS or sum(a < ALIKE * least for a in amounts) >= AGREE
+
+
+class _Span:
+    """Attempts at P_seq of some phases."""
+
+    def __init__(
+        self, skeleton: Skeleton, first: int, last: int, settings: MotionSettings, random: np.random.Generator,
+        budget: Budget, start: Configuration, free: bool,
+    ) -> None:  # fmt: skip
+        self.skeleton, self.first, self.last = skeleton, first, last
+        self.settings, self.random, self.budget = settings, random, budget
+        self.start, self.free = start, free
+        self._programs: dict[bool, SwitchProgram] = {}
+
+    def _program(self, frozen: bool) -> SwitchProgram:
+        if frozen not in self._programs:
+            self._programs[frozen] = SwitchProgram(
+                self.skeleton, self.first, self.last, self.start, self.settings, self.free, frozen
+            )  # fmt: skip
+        return self._programs[frozen]
+
+    def _guess(self, noise: float) -> list[Configuration]:
+        """All slices, the state before included."""
+        if not self.free:
+            phases = range(self.first, self.last + 1)
+            return [self.start, *guess(self.skeleton, phases, self.start, self.random, noise)]
+        return guess(self.skeleton, range(self.last + 1), self.start, self.random, noise)[self.first - 1 :]
+
+    def attempt(
+        self, number: int, warm: Sequence[Configuration] | None, repair: BoundResult | None
+    ) -> BoundResult:
+        """One solve: from `warm`, from a new guess, or from `repair` with new guesses where it was violated."""
+        switches = self._program(number % 2 == 0)
+        slices = [self.start, *warm] if warm is not None else self._guess(NOISE * (1 + number % 2))
+        if repair is not None:
+            slices = _repair(switches, repair.configurations, slices)
+        program, outcome = switches.solve(switches.pack(slices), SEQUENCE, self.budget)
+        result = _result(switches, program, outcome.x, self.settings, self.budget)
+        result.iterations = outcome.iterations
+        return result
 
 
 def _result(

@@ -31,6 +31,8 @@ class Options:
     stall: int = 20
 
 
+HOPELESS = 4e-3
+"""A run that stalls above this violation will not become feasible."""
 PATH = Options(mu=1e3, tolerance=1e-3)
 
 
@@ -132,7 +134,7 @@ def solve(program: Program, start: Array, options: Options, budget: Budget) -> O
             return Outcome(run.x, iteration + 1, "feasible")
         if violation < 0.9 * best:
             best, best_at = violation, iteration
-        if iteration - best_at > options.stall and best > 1e-2:
+        if iteration - best_at > options.stall and best > HOPELESS:
             return Outcome(run.x, iteration + 1, "stalled")
         if step < options.inner_tolerance:
             run.update_multipliers(violation)
