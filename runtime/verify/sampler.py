@@ -1,7 +1,7 @@
 """The motion of a plan at any time: joints from the stored splines, poses smoothly between the stored samples.
 
-Of each module the frame that moves least in a phase, such as that of the foot it stands on, is interpolated, and the
-module follows from its joints; so a foot at rest stays at rest between the samples.
+Of each module the frame that moves least in a phase, such as that of the end it stands on, is interpolated, and the
+module follows from its joints; so what rests at the samples rests between them.
 """
 
 from __future__ import annotations
