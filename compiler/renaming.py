@@ -9,8 +9,9 @@ from .ir import Fact, Formula, Function, Object, Problem, Var
 from .layout import BIT, Layout
 from .normal_form import parts
 from .successors import Successors
+from .symmetry import is_reversible
 
-FEWEST = 3
+FEWEST = 2
 """Below this many interchangeable modules the renaming costs more than it saves."""
 
 
@@ -103,7 +104,7 @@ def _turnable(layout: Layout, objects: list[str]) -> bool:
     if len(objects) != 3:
         return False
     first, second = layout.problem.world.modules[objects[0]].type.effectors
-    alike = first.type == second.type and first.shape == second.shape
+    alike = first.type == second.type and is_reversible(layout.problem.world.modules[objects[0]].type)
     return alike and _invariant(layout, {objects[1]: objects[2], objects[2]: objects[1]})
 
 

@@ -18,7 +18,7 @@ from ..compiler.ir import Action, Problem
 from ..compiler.renaming import renaming
 from ..compiler.successors import Successors
 from .budget import Budget
-from .conflicts import LEAF, History, NoGoods
+from .conflicts import EMPTY, LEAF, OFF, NoGoods
 from .plan import SearchNode
 
 RECORDED = 2000
@@ -28,8 +28,10 @@ HURRIED = 1.5
 """Weight of the estimate once half the budget is spent, and of method wastar."""
 EQUAL = 1e-9
 
-Past = tuple[History, int, int | None]
-"""What no-goods and guide remember of the way here: last actions, place in the tree of prefixes, previous action."""
+Past = tuple[int, int, int | None]
+"""What no-goods and guide remember of the way here: number of the history, place in the tree of prefixes, previous
+action."""
+NOTHING: Past = (EMPTY, OFF, None)
 Key = Any
 """A state, up to renaming of modules; with what is remembered, where something is."""
 
@@ -82,12 +84,19 @@ class SkeletonSearch:
         self.no_goods.forbid_prefix(candidate.numbers)
 
     def forbid_actions(self, candidate: Candidate, first: int, last: int, from_start: bool = False) -> None:
-        """Do not propose actions `first` … `last` of a candidate one after the other again; with `from_start` only
-        when they open the plan, after the actions before them."""
+        """Do not propose actions `first` … `last` of a candidate one after the other again, from where their robots
+        are; with `from_start` only when they open the plan, after the actions before them."""
         if from_start:
             self.no_goods.forbid_prefix(candidate.numbers[: last + 1])
         else:
-            self.no_goods.forbid_sequence(candidate.actions[first : last + 1])
+            before = self._state_before(candidate, first)
+            self.no_goods.forbid_sequence(candidate.numbers[first : last + 1], before)
+
+    def _state_before(self, candidate: Candidate, index: int) -> int:
+        state = self.successors.initial
+        for number in candidate.numbers[:index]:
+            state = next(following for following, action in self.successors.expand(state) if action == number)
+        return state
 
     def readmit(self) -> bool:
         """Give refused sequences a second chance; False when there were none."""
@@ -129,7 +138,7 @@ class _Run:
     def run(self) -> Candidate | None:
         search = self.search
         start = search.successors.initial
-        self._push(start, 0.0, search.guide.start, ((), search.no_goods.root, None), None, None)
+        self._push(start, 0.0, search.guide.start, (EMPTY, search.no_goods.root, None), None, None)
         search.tree_nodes += 1
         pops, limit = 0, math.inf if search.node_limit is None else search.node_limit
         while self.queue:
@@ -153,17 +162,16 @@ class _Run:
         allowed = no_goods.allows if no_goods.active else None
         children = search.successors.expand(state)
         search.tree_nodes += len(children)
-        action_cost, cheapest, renamed = search.successors.cost, self.cheapest, search.renamed
+        action_cost, cheapest = search.successors.cost, self.cheapest
         for following, action in children:
-            if allowed is not None and not allowed(action):
+            if allowed is not None and not allowed(state, action):
                 self.cut = True
                 continue
-            then: Past | None = self._advance(past, action) if self.remembers else past
+            then: Past | None = self._advance(past, state, action) if self.remembers else past
             if then is None:
                 self.cut = True
                 continue
-            child = following if renamed is None else renamed(following)
-            child_key = (child, then) if self.remembers else child
+            child_key = self._key(following, then)
             child_cost = cost + action_cost(action)
             known = cheapest.get(child_key)
             if known is not None and (known <= child_cost or self.guided):
@@ -181,8 +189,7 @@ class _Run:
         if estimate == math.inf:
             return
         if parent is None:
-            state_key = state if self.search.renamed is None else self.search.renamed(state)
-            key = (state_key, past) if self.remembers else state_key
+            key = self._key(state, past)
         else:
             self.parents[key] = parent
         self.cheapest[key] = cost
@@ -192,11 +199,17 @@ class _Run:
         tie = 0.0 if self.order > 0 else guide
         heapq.heappush(self.queue, (priority, shown, tie, self.age, key, state, cost, past))
 
-    def _advance(self, past: Past, action: int) -> Past | None:
+    def _key(self, state: int, past: Past) -> Key:
+        """States that differ only in names are one, unless names are remembered."""
+        if self.remembers and past != NOTHING:
+            return state, past
+        return state if self.search.renamed is None else self.search.renamed(state)
+
+    def _advance(self, past: Past, state: int, action: int) -> Past | None:
         """What must be remembered after one more action; None when a no-good forbids it."""
         history, place, _ = past
         no_goods = self.search.no_goods
-        following = no_goods.follow(history, action) if no_goods.watches else ()
+        following = no_goods.follow(history, state, action) if no_goods.watches else EMPTY
         place = no_goods.descend(place, action)
         if following is None or place == LEAF:
             return None

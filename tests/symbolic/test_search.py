@@ -163,18 +163,41 @@ def test_a_refused_action_is_dropped_for_every_module_of_the_type() -> None:
         assert (action.rule, action.args[-2:], same_shape) != (refused.rule, refused.args[-2:], refused_shape)
 
 
+def states(search: SkeletonSearch, candidate: Candidate) -> list[int]:
+    found = [search.successors.initial]
+    for number in candidate.numbers:
+        found.append(next(t for t, a in search.successors.expand(found[-1]) if a == number))
+    return found
+
+
 def test_a_refused_pair_is_avoided_anywhere() -> None:
     search = started(climb(4, 1))
+    refused: list[object] = []
     for _ in range(8):
         candidate = search.next()
         assert candidate is not None
-        signature = search.no_goods.signature(candidate.actions[:2])
-        for i in range(len(candidate.actions) - 1):
-            assert search.no_goods.signature(candidate.actions[i : i + 2]) not in search.no_goods._conflicts
+        pairs = [
+            search.no_goods.bare(candidate.numbers[i : i + 2]) for i in range(len(candidate.actions) - 1)
+        ]
+        assert not set(pairs) & set(refused)
+        refused.append(pairs[0])
         search.forbid_actions(candidate, 0, 1)
-        assert signature in search.no_goods._conflicts
     assert search.readmit()
     assert not search.readmit()
+
+
+def test_a_refusal_holds_only_where_the_robot_stands() -> None:
+    search = started(climb(6, 2, rise=1.3))
+    bases = set()
+    for _ in range(4):
+        candidate = search.next()
+        assert candidate is not None
+        last = len(candidate.actions) - 1
+        assert candidate.actions[last].rule == "grasp"
+        place = search.no_goods.context(states(search, candidate)[last], candidate.numbers[last])
+        bases.add(tuple(fact[2] for fact in place))
+        search.forbid_actions(candidate, last, last)
+    assert len(bases) == 4
 
 
 def test_a_goal_out_of_reach_is_proved_infeasible() -> None:
