@@ -63,7 +63,7 @@ class Batch:
 
     def __init__(
         self, parts: Sequence[tuple[Part, Part]], states: Sequence[tuple[Configuration, Configuration]],
-        world: World, contacts: Sequence[PhaseContacts], slices: int, margin: float,
+        world: World, contacts: Sequence[PhaseContacts], slices: int, margin: float, collisions: bool = True,
     ) -> None:
         self.slices, self.margin = slices, margin
         trees = [coarse.tree for coarse, _ in parts]
@@ -74,10 +74,11 @@ class Batch:
         coarse, fine = [c for c, _ in parts], [f for _, f in parts]
         times = np.arange(slices + 1.0)
         self.coarse = Geometry(coarse, contacts, world, times, slices)
-        fixed = [k for k, b in enumerate(coarse[0].balls) if b.node < 0]
-        self.coarse.obstacle_share[fixed] = -np.inf
         self.times = np.arange(slices * REFINEMENT + 1) / REFINEMENT
         self._fine, self._rows = Geometry(fine, contacts, world, self.times, slices), np.arange(len(trees))
+        if not collisions:
+            self.coarse.ignore_collisions()
+            self._fine.ignore_collisions()
 
     def __len__(self) -> int:
         return len(self.phases)

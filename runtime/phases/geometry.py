@@ -106,7 +106,7 @@ class _Carried:
 class Geometry:
     """Phases of one structure at given times. `obstacle_share` `(spheres, obstacles, phases, times)`, `pair_share`
     `(pairs, phases, times)` and one of `body_shares` per carried body `(spheres, phases, times)` tell which share of
-    the margin holds: 1, less next to contacts, NEVER where two things touch all the time."""
+    the margin holds: 1, less next to contacts, NEVER where two things touch or rest all the time."""
 
     def __init__(
         self, parts: Sequence[Part], contacts: Sequence[PhaseContacts], world: World, times: Array, slices: int
@@ -137,6 +137,7 @@ class Geometry:
             contact = contacts[part.tree.phase]
             others = [o.tag for o in part.obstacles]
             _shares(contact, tags, others, times, slices, self.obstacle_share[:, :, k])
+            self.obstacle_share[[i for i, b in enumerate(part.balls) if b.node < 0], :, k] = NEVER
             for i, (a, b) in enumerate(self.pairs):
                 first, second = tags[a], tags[b]
                 if first is not None and second is not None:
@@ -163,6 +164,11 @@ class Geometry:
                 np.array(halves).T[:, :, None], np.array(roundings)[:, None], np.array(turned)[:, None],
             ))
             self.body_shares.append(shares)
+
+    def ignore_collisions(self) -> None:
+        """Let everything pass through everything."""
+        for share in (self.obstacle_share, self.pair_share, *self.body_shares):
+            share[...] = NEVER
 
     def take(self, index: Indices) -> Geometry:
         """The geometry of some of the phases, possibly repeated."""

@@ -65,18 +65,29 @@ def _bumped(batch: Batch, random: np.random.Generator, size: float) -> Array:
     return np.clip(inner, (joints.lower + joints.inset)[:, None], (joints.upper - joints.inset)[:, None])
 
 
-def _keep_best(group: _Group, index: Indices, batch: Batch, paths: Array) -> None:
-    """Take over clean paths that are cheaper, or while there is none what is least in the way; `index` gives the
-    phase of the group behind each path."""
-    checked = sweep(batch, paths)
-    clean = checked.clean
+def _keep_best(group: _Group, index: Indices, batch: Batch, paths: Array, budget: Budget) -> None:
+    """Take over the cheapest clean path of each phase when it is cheaper than what there is, or while there is none,
+    what is least in the way. `index` gives the phase of the group behind each path. Cheap paths are checked first,
+    as the swept check is dear."""
     cost = path_cost(batch, paths)
-    for k, phase in enumerate(index):
-        if clean[k] and (not group.solved[phase] or cost[k] < group.cost[phase]):
-            group.paths[phase], group.cost[phase], group.solved[phase] = paths[k], cost[k], True
-        elif not group.solved[phase] and checked.clearance[k] > group.clearance[phase]:
-            group.paths[phase], group.cost[phase] = paths[k], cost[k]
+    waiting: dict[int, list[int]] = {}
+    for row in np.argsort(cost, kind="stable"):
+        phase = int(index[row])
+        if not group.solved[phase] or cost[row] < group.cost[phase]:
+            waiting.setdefault(phase, []).append(int(row))
+    while waiting:
+        budget.check()
+        rows = [candidates.pop(0) for candidates in waiting.values()]
+        checked = sweep(batch.take(np.array(rows)), paths[rows])
+        for k, (phase, row) in enumerate(zip(list(waiting), rows, strict=True)):
+            if checked.clean[k]:
+                group.solved[phase] = True
+                waiting[phase] = []
+            elif group.solved[phase] or checked.clearance[k] <= group.clearance[phase]:
+                continue
+            group.paths[phase], group.cost[phase] = paths[row], cost[row]
             group.clearance[phase] = checked.clearance[k]
+        waiting = {phase: candidates for phase, candidates in waiting.items() if candidates}
 
 
 def _attempt(group: _Group, index: Indices, inner: Array, schedule: Schedule, budget: Budget) -> int:
@@ -84,13 +95,13 @@ def _attempt(group: _Group, index: Indices, inner: Array, schedule: Schedule, bu
     once more."""
     batch = group.batch.take(index)
     inner, iterations = smooth_paths(batch, inner, schedule, budget)
-    _keep_best(group, index, batch, batch.with_ends(inner))
+    _keep_best(group, index, batch, batch.with_ends(inner), budget)
     missed = ~group.solved[index] & (group.clearance[index] > -NEARLY)
     near = np.unique(index[missed])
     if len(near):
         batch = group.batch.take(near)
         inner, more = smooth_paths(batch, group.paths[near, 1:-1], WIDER, budget)
-        _keep_best(group, near, batch, batch.with_ends(inner))
+        _keep_best(group, near, batch, batch.with_ends(inner), budget)
         iterations += more
     return iterations
 
@@ -229,7 +240,8 @@ def _groups(
     groups = []
     for members in stacked.values():
         batch = Batch(
-            [parts[p] for p in members], [states[p] for p in members], world, touching, settings.slices, settings.margin
+            [parts[p] for p in members], [states[p] for p in members], world, touching,
+            settings.slices, settings.margin, settings.collisions,
         )
         count = len(members)
         paths = batch.with_ends(_straight(batch))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -188,6 +189,25 @@ def test_a_blocked_switch_is_reported_without_solving() -> None:
     assert result.violations[0].amount == pytest.approx(0.14, abs=0.01)
 
 
+def test_without_collisions_everything_passes() -> None:
+    block = box("block", (0.2, 0.2, 0.2), (0.8, 0.0, 0.0))
+    skeleton, states = arm_scene(planar_arm(2), [block], (1.5, 0.0), (0.0, 0.0))
+    settings = MotionSettings(collisions=False)
+    assert solve_sequence_path(skeleton, states, settings, 0, Budget(20.0)).feasible
+
+
+def test_modules_need_no_shapes() -> None:
+    bare = replace(planar_arm(2), links=(), effectors=tuple(replace(e, shape=None) for e in planar_arm(2).effectors))
+    assert solve(arm_scene(bare, [], (0.0, 0.0), (0.4, 0.2), (0.5, 0.0))).feasible
+
+
+def test_a_phase_without_motion_stays() -> None:
+    result = solve(arm_scene(planar_arm(2), [], (0.2, 0.1), (0.2, 0.1), (0.5, 0.0)))
+    assert result.feasible
+    assert np.ptp(result.paths[0].modules["arm"], axis=0).max() == 0.0
+    assert np.ptp(result.paths[1].modules["arm"], axis=0).max() > 0.2
+
+
 def test_a_prismatic_joint_slides() -> None:
     result = solve(arm_scene(planar_arm(2, prismatic=True), [], (0.0, -0.1), (0.4, 0.2)))
     assert result.feasible
@@ -232,8 +252,6 @@ def test_a_robot_that_stands_on_nothing_and_rows_along_the_way_are_refused() -> 
     with pytest.raises(UnsupportedPhase) as caught:
         solve_sequence_path(floating, configurations, SETTINGS, 0, Budget(10.0))
     assert caught.value.reason is Reason.FLOATING
-    from dataclasses import replace
-
     level = replace(motion("level", switch(call("bottom", X), ">=", call("top", X), 1)), rows=(
         replace(MOTIONS["touch"].rows[0], when="during"),
     ))
