@@ -7,7 +7,7 @@ capsules are such, cylinders are covered by spheres.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -156,11 +156,11 @@ class Obstacles:
         self._positions: list[Array] = []
         self._halves: list[tuple[float, float, float]] = []
         self._radii: list[float] = []
-        self._of: dict[str, Indices] = {}
+        self._of: dict[tuple[str, int], Indices] = {}
 
-    def add(self, body: Body, pose: Array) -> Indices:
-        """The numbers of the rounded boxes that make up a body that rests at `pose`."""
-        if body.name not in self._of:
+    def add(self, body: Body, place: int, pose: Array) -> Indices:
+        """The numbers of the rounded boxes that make up a body that rests at `pose`, which `place` stands for."""
+        if (body.name, place) not in self._of:
             matrix = pose_matrix(pose)
             first = len(self.names)
             for centre, half, radius in self._parts(body):
@@ -169,8 +169,8 @@ class Obstacles:
                 self._positions.append(matrix[:3, :3] @ np.array(centre) + matrix[:3, 3])
                 self._halves.append(half)
                 self._radii.append(radius)
-            self._of[body.name] = np.arange(first, len(self.names))
-        return self._of[body.name]
+            self._of[body.name, place] = np.arange(first, len(self.names))
+        return self._of[body.name, place]
 
     @staticmethod
     def _parts(body: Body) -> list[tuple[tuple[float, float, float], tuple[float, float, float], float]]:
@@ -207,15 +207,15 @@ class ClearanceGroup:
 
     def __init__(
         self, cloud: Cloud, obstacles: Obstacles | None, first: Indices, second: Indices, wanted: Array,
-        tags: Indices, labels: Sequence[Label],
+        tags: Indices, label_of: Callable[[Indices], Label],
     ) -> None:  # fmt: skip
-        """`wanted` is the distance to keep between the surfaces; `tags` (N,) number the `labels`."""
+        """`wanted` is the distance to keep between surfaces; `label_of` turns a row of `tags` (N, k) into a label."""
         self.cloud = cloud
         self.boxes = obstacles.arrays() if obstacles else None
         radii = cloud.radii
         reach = radii[first] + (self.boxes[3] if self.boxes else radii)[second]
         self._all = (first, second, wanted + reach, tags)
-        self.labels = labels
+        self.label_of = label_of
         self._use(np.zeros(0, dtype=np.int64))
 
     def _use(self, rows: Indices) -> None:
@@ -273,7 +273,7 @@ class ClearanceGroup:
         return len(self.rows), 1
 
     def label(self, instance: int) -> Label:
-        return self.labels[int(self.tags[instance])]
+        return self.label_of(self.tags[instance])
 
     def residuals(self, z: Array) -> Array:
         values: Array = self.wanted - self._distances(z, self.first, self.second)

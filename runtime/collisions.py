@@ -2,38 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..compiler.collision import Pair, pair, self_pairs
+from ..compiler.collision import Pair, self_pairs
 from ..compiler.ir import Problem
 from .clearance import ClearanceGroup, Cloud, Obstacles
-from .groups import Group, Label
+from .groups import Label
 from .layout import Indices, Layout
 from .skeleton import Array
 
-Margin = Callable[[Pair], float | None]
-"""The distance that two objects must keep in a slice; None when they may touch."""
+
+@dataclass(frozen=True, slots=True)
+class Margins:
+    """The distance that objects must keep in a slice: `usual` metres, but for some pairs another one, or, with None,
+    they may touch."""
+
+    usual: float
+    special: Mapping[Pair, float | None]
 
 
 @dataclass(slots=True)
 class _Rows:
-    """Pairs of numbers, the distances to keep, and the numbers of their labels."""
+    """Pairs of numbers, the distances to keep, and (phase, object, object) of each."""
 
     first: list[Indices] = field(default_factory=list)
     second: list[Indices] = field(default_factory=list)
     wanted: list[Array] = field(default_factory=list)
     tags: list[Indices] = field(default_factory=list)
 
-    def group(self, cloud: Cloud, obstacles: Obstacles | None, labels: list[Label]) -> ClearanceGroup | None:
-        if not self.first:
-            return None
-        return ClearanceGroup(
-            cloud, obstacles, np.concatenate(self.first), np.concatenate(self.second), np.concatenate(self.wanted),
-            np.concatenate(self.tags), labels,
-        )  # fmt: skip
+
+class Labels:
+    """Labels of collision rows, made when asked for from (phase, object number, object number)."""
+
+    def __init__(self) -> None:
+        self.names: list[str] = []
+        self._numbers: dict[str, int] = {}
+
+    def number(self, name: str) -> int:
+        """The number of an object."""
+        if name not in self._numbers:
+            self._numbers[name] = len(self.names)
+            self.names.append(name)
+        return self._numbers[name]
+
+    def label(self, tag: Indices) -> Label:
+        """A pair within one module speaks for "self", any other for "collision"."""
+        phase, a, b = (int(t) for t in tag)
+        first, second = self.names[a], self.names[b]
+        same = first.partition(".")[0] == second.partition(".")[0]
+        return Label(phase, ("self" if same else "collision", first, second), ("m",))
 
 
 class Collisions:
@@ -44,104 +64,96 @@ class Collisions:
         self.layout = layout
         self.cloud = Cloud(problem, layout)
         self.obstacles = Obstacles()
-        self._labels: list[Label] = []
+        self._labels = Labels()
         self._against_boxes = _Rows()
         self._against_spheres = _Rows()
-        self._grids: dict[tuple[int, int], tuple[Indices, Indices]] = {}
+        self._owners: dict[str, Indices] = {}
+        self._scenes: dict[tuple[tuple[str, int], ...], tuple[Indices, Indices]] = {}
 
-    def add_slice(self, slice_: int, phase: int, margin: Margin, before: int | None = None) -> None:
+    def add_slice(self, slice_: int, phase: int, margins: Margins, before: int | None = None) -> None:
         """Keep what moves in a slice clear. Slots that are those of slice `before` have been looked at there."""
         layout, world = self.layout, self.problem.world
-        names = [
-            n for n in layout.names
-            if n in world.modules or layout.is_unknown(slice_, n)
-        ]  # fmt: skip
-        fresh = {
+        names = [n for n in layout.names if n in world.modules or layout.is_unknown(slice_, n)]
+        fresh = [
             n for n in names
             if layout.is_unknown(slice_, n)
             and (before is None or layout.slices[before][n] != layout.slices[slice_][n])
-        }  # fmt: skip
-        for name in names:
-            if name in fresh:
-                for body in world.bodies.values():
-                    if body.name not in names:
-                        self._scene(slice_, phase, name, body.name, margin)
-                if name in world.modules:
-                    self._self(slice_, phase, name, margin)
+        ]  # fmt: skip
+        boxes, box_owners = self._scene(tuple((b, layout.slices[slice_].get(b, -1)) for b in world.bodies if b not in names))
+        for name in fresh:
+            spheres, owners = self.cloud.spheres(slice_, name), self._owners_of(name)
+            self._grid(self._against_boxes, phase, margins, (spheres, owners), (boxes, box_owners))
+            if name in world.modules:
+                pairs = np.array(self_pairs(world.modules[name].type), dtype=np.int64).reshape(-1, 2)
+                first, second = pairs[:, 0], pairs[:, 1]
+                self._add(
+                    self._against_spheres, phase, margins,
+                    (spheres[first], owners[first]), (spheres[second], owners[second]),
+                )  # fmt: skip
         for i, a in enumerate(names):
             for b in names[i + 1 :]:
                 if a in fresh or b in fresh:
-                    self._spheres(slice_, phase, a, b, margin)
+                    self._grid(
+                        self._against_spheres, phase, margins,
+                        (self.cloud.spheres(slice_, a), self._owners_of(a)),
+                        (self.cloud.spheres(slice_, b), self._owners_of(b)),
+                    )  # fmt: skip
 
-    def _tag(self, phase: int, kind: str, a: str, b: str) -> int:
-        self._labels.append(Label(phase, (kind, a, b), ("m",)))
-        return len(self._labels) - 1
+    def _owners_of(self, name: str) -> Indices:
+        if name not in self._owners:
+            self._owners[name] = np.array([self._labels.number(o) for o in self.cloud.owners(name)])
+        return self._owners[name]
 
-    def _grid(self, a: int, b: int) -> tuple[Indices, Indices]:
-        if (a, b) not in self._grids:
-            self._grids[a, b] = (np.repeat(np.arange(a), b), np.tile(np.arange(b), a))
-        return self._grids[a, b]
+    def _scene(self, bodies: tuple[tuple[str, int], ...]) -> tuple[Indices, Indices]:
+        """The rounded boxes of all bodies that rest at known places, by their names and places in z (-1: those that
+        never move), and the bodies' numbers."""
+        if bodies not in self._scenes:
+            numbers, owners = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+            for name, place in bodies:
+                fixed = place < 0
+                pose = self.layout.resting[name] if fixed else self.layout.constants[place : place + 7]
+                found = self.obstacles.add(self.problem.world.bodies[name], place, pose)
+                numbers.append(found)
+                owners.append(np.full(len(found), self._labels.number(name)))
+            self._scenes[bodies] = (np.concatenate(numbers), np.concatenate(owners))
+        return self._scenes[bodies]
 
-    def _runs(self, name: str) -> list[tuple[str, Indices]]:
-        """The spheres of a thing by the object that they belong to."""
-        owners = self.cloud.owners(name)
-        return [
-            (owner, np.array([i for i, o in enumerate(owners) if o == owner])) for owner in dict.fromkeys(owners)
-        ]
+    def _grid(
+        self, rows: _Rows, phase: int, margins: Margins, a: tuple[Indices, Indices], b: tuple[Indices, Indices]
+    ) -> None:
+        """Every one of `a` against every one of `b`; each is numbers and owners."""
+        left = np.repeat(np.arange(len(a[0])), len(b[0]))
+        right = np.tile(np.arange(len(b[0])), len(a[0]))
+        self._add(rows, phase, margins, (a[0][left], a[1][left]), (b[0][right], b[1][right]))
 
-    def _scene(self, slice_: int, phase: int, name: str, body: str, margin: Margin) -> None:
-        pose = self.layout.resting.get(body)
-        if pose is None:
-            pose = self.layout.constants[self.layout.slot(slice_, body)]
-        boxes = self.obstacles.add(self.problem.world.bodies[body], pose)
-        spheres = self.cloud.spheres(slice_, name)
-        for owner, members in self._runs(name):
-            self._rows(self._against_boxes, spheres[members], boxes, phase, (owner, body), margin)
-
-    def _spheres(self, slice_: int, phase: int, a: str, b: str, margin: Margin) -> None:
-        first, second = self.cloud.spheres(slice_, a), self.cloud.spheres(slice_, b)
-        for owner, members in self._runs(a):
-            for other, others in self._runs(b):
-                self._rows(
-                    self._against_spheres, first[members], second[others], phase, (owner, other), margin
-                )  # fmt: skip
-
-    def _rows(
-        self, rows: _Rows, first: Indices, second: Indices, phase: int, objects: Pair, margin: Margin
-    ) -> None:  # fmt: skip
-        wanted = margin(pair(*objects))
-        if wanted is None:
+    def _add(
+        self, rows: _Rows, phase: int, margins: Margins, a: tuple[Indices, Indices], b: tuple[Indices, Indices]
+    ) -> None:
+        if not len(a[0]):
             return
-        left, right = self._grid(len(first), len(second))
-        rows.first.append(first[left])
-        rows.second.append(second[right])
-        rows.wanted.append(np.full(len(left), wanted))
-        rows.tags.append(np.full(len(left), self._tag(phase, "collision", *objects)))
-
-    def _self(self, slice_: int, phase: int, name: str, margin: Margin) -> None:
-        pairs = np.array(self_pairs(self.problem.world.modules[name].type), dtype=np.int64).reshape(-1, 2)
-        wanted = margin((name, name))
-        if not len(pairs) or wanted is None:
-            return
-        spheres = self.cloud.spheres(slice_, name)
-        rows = self._against_spheres
-        rows.first.append(spheres[pairs[:, 0]])
-        rows.second.append(spheres[pairs[:, 1]])
-        rows.wanted.append(np.full(len(pairs), wanted))
-        rows.tags.append(np.full(len(pairs), self._tag(phase, "self", name, name)))
+        wanted = np.full(len(a[0]), margins.usual)
+        for (one, other), margin in margins.special.items():
+            i, j = self._labels.number(one), self._labels.number(other)
+            met = ((a[1] == i) & (b[1] == j)) | ((a[1] == j) & (b[1] == i))
+            wanted[met] = -np.inf if margin is None else margin
+        kept = np.isfinite(wanted)
+        rows.first.append(a[0][kept])
+        rows.second.append(b[0][kept])
+        rows.wanted.append(wanted[kept])
+        rows.tags.append(np.stack([np.full(int(kept.sum()), phase), a[1][kept], b[1][kept]], axis=1))
 
     def groups(self) -> list[ClearanceGroup]:
         """Sphere–box and sphere–sphere rows; none takes part before the first `refresh`."""
-        found = (
-            self._against_boxes.group(self.cloud, self.obstacles, self._labels),
-            self._against_spheres.group(self.cloud, None, self._labels),
-        )
-        return [g for g in found if g]
+        found = []
+        for rows, obstacles in ((self._against_boxes, self.obstacles), (self._against_spheres, None)):
+            if rows.first:
+                found.append(ClearanceGroup(
+                    self.cloud, obstacles, np.concatenate(rows.first), np.concatenate(rows.second),
+                    np.concatenate(rows.wanted), np.concatenate(rows.tags), self._labels.label,
+                ))  # fmt: skip
+        return found
 
 
 def refresh(groups: list[ClearanceGroup], z: Array) -> bool:
     """Take in the pairs that are near at z; whether one that was left out is violated."""
     return any([group.refresh(z) for group in groups])
-
-
-__all__ = ["Collisions", "Group", "Margin", "refresh"]

@@ -13,7 +13,7 @@ from ..compiler.collision import Pair, PhaseContacts, contacts, taper
 from ..compiler.ir import Problem
 from .budget import Budget
 from .clearance import ClearanceGroup
-from .collisions import Collisions, Margin, refresh
+from .collisions import Collisions, Margins, refresh
 from .features import Features, differences, homing, limits, norms
 from .groups import Group
 from .interpolation import interpolate
@@ -110,15 +110,16 @@ class PathProgram:
             slices = self._slices(k)
             for u, t in enumerate(slices):
                 if u and not (self.pinned and u == self.count):
-                    collisions.add_slice(t, k, self._margin(contact, u), before=t - 1)
+                    collisions.add_slice(t, k, self._margins(contact, u), before=t - 1)
         return collisions.groups()
 
-    def _margin(self, contact: PhaseContacts, u: int) -> Margin:
-        def margin(objects: Pair) -> float | None:
+    def _margins(self, contact: PhaseContacts, u: int) -> Margins:
+        special: dict[Pair, float | None] = dict.fromkeys(sorted(contact.during))
+        for objects in sorted((contact.start | contact.end) - contact.during):
             share = taper(contact, objects, np.array([float(u)]), self.count)
-            return None if share is None or share[0] <= 0.0 else self.settings.margin * float(share[0])
-
-        return margin
+            ahead = share is not None and share[0] > 0.0
+            special[objects] = self.settings.margin * float(share[0]) if ahead and share is not None else None
+        return Margins(self.settings.margin, special)
 
     def program(self) -> Program:
         """The program over the pairs that take part at present."""

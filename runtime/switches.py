@@ -10,7 +10,7 @@ from ..compiler.collision import Pair, contacts, keeps_pose
 from ..compiler.ir import Function, Problem, Row
 from .budget import Budget
 from .clearance import ClearanceGroup
-from .collisions import Collisions, Margin, refresh
+from .collisions import Collisions, Margins, refresh
 from .features import Features, differences, homing, limits, norms
 from .groups import Group
 from .layout import Layout
@@ -102,16 +102,14 @@ class SwitchProgram:
         touching = contacts(self.skeleton)
         if free:
             contact = touching[self.phases[0]]
-            collisions.add_slice(0, self.phases[0], self._margin(contact.during, contact.start))
+            collisions.add_slice(0, self.phases[0], self._margins(contact.during, contact.start))
         for slice_, phase in enumerate(self.phases, start=1):
-            margin = self._margin(touching[phase].during, touching[phase].end)
+            margin = self._margins(touching[phase].during, touching[phase].end)
             collisions.add_slice(slice_, phase, margin, before=slice_ - 1)
         return collisions.groups()
 
-    def _margin(self, *exempt: frozenset[Pair]) -> Margin:
-        allowed = frozenset[Pair]().union(*exempt)
-        margin = self.settings.switch_margin
-        return lambda objects: None if objects in allowed else margin
+    def _margins(self, *exempt: frozenset[Pair]) -> Margins:
+        return Margins(self.settings.switch_margin, dict.fromkeys(sorted(frozenset[Pair]().union(*exempt))))
 
     def program(self) -> Program:
         """The program over the pairs that take part at present."""

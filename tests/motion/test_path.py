@@ -85,3 +85,14 @@ def test_bodies_move_only_while_held(solved: Solved) -> None:
     for phase, path in zip(skeleton.phases, result.paths, strict=True):
         held = {b for name, a, b in phase.mode if name == "stable" and skeleton.problem.world.effector(a)}
         assert set(path.bodies) == held & set(skeleton.problem.world.bodies)
+
+
+def test_pinned_obstacles_stand_where_they_were_put_down() -> None:
+    """The second box must keep clear of the first one's new place on the tray, not of its old one on the table."""
+    skeleton = pick_and_place(2)
+    sequence = solve_sequence(skeleton, SETTINGS, 0, Budget(30.0))
+    result = solve_path(skeleton, SETTINGS, 0, Budget(30.0), sequence, pinned=True)
+    assert result.feasible
+    first = sequence.configurations[2].bodies["item[1]"]
+    second = result.paths[3].bodies["item[2]"]
+    assert np.linalg.norm(second[:, :3] - first[:3], axis=1).min() > 0.06
