@@ -34,11 +34,11 @@ def parser() -> lark.Lark:
     version = f"{lark.__version__} {sys.version}"
     key = hashlib.sha256(f"{version}\n{text}".encode()).hexdigest()[:24]
     file = _cache_folder() / f"grammar-{key}.bin"
-    loaded = _load(file)
+    loaded = load_cached(file)
     if loaded is not None:
         return loaded
     built = build(text)
-    _store(built, file)
+    store(built, file)
     return built
 
 
@@ -47,7 +47,7 @@ def _cache_folder() -> Path:
     return Path(root) / "tamplang"
 
 
-def _load(file: Path) -> lark.Lark | None:
+def load_cached(file: Path) -> lark.Lark | None:
     """The cached parser, or None. The file is unpickled, so only one that this user owns is opened."""
     try:
         if hasattr(os, "getuid") and file.stat().st_uid != os.getuid():
@@ -68,7 +68,7 @@ def _load(file: Path) -> lark.Lark | None:
         return None
 
 
-def _store(built: lark.Lark, file: Path) -> None:
+def store(built: lark.Lark, file: Path) -> None:
     """Write the tables in one step, so that no other process ever reads half of them; give up silently."""
     content = io.BytesIO()
     built.save(content)
