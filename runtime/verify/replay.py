@@ -223,6 +223,8 @@ def replay(problem: ir.Problem, plan: Plan, findings: Findings) -> Story:
             return _as_stored(plan, interpreter, modes, added)
         if str(action) != phase.action:
             findings.fail("action", f"phase {index + 1} is called {phase.action} but is {action}", time=phase.end)
+        if phase.place != place_of(problem.rules[action.rule].span):
+            findings.fail("action", f"phase {index + 1} does not name the place of rule {action.rule}", time=phase.end)
         added.append(outcome.added_motion)
         stored = interpreter.canonical(_facts(phase.added))
         if not (outcome.added_motion - motion <= stored <= outcome.added_motion):

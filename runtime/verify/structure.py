@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ..plan import ModuleRecord, Plan, ShapeRecord
+from ..plan import FORMAT, ModuleRecord, Plan, ShapeRecord
 from .findings import Findings
 from .limits import LIMITS
 from .shapes import SIZES
@@ -21,6 +21,8 @@ Rows = Sequence[Sequence[float]]
 def check_structure(plan: Plan, findings: Findings) -> bool:
     """Whether the plan is well formed; what is not is in the findings, with the part's name."""
     before = len(findings.failures)
+    if plan.format != FORMAT:
+        findings.fail("structure", f"the plan has format {plan.format!r}, not {FORMAT!r}")
     _check_times(plan, findings)
     for name in _repeated([m.name for m in plan.modules] + [b.name for b in plan.bodies]):
         findings.fail("structure", f"{name} occurs twice", between=[name])

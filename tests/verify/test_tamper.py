@@ -83,6 +83,14 @@ def change_label(data: Data) -> None:
     data["phases"][0]["action"] = "step(c.A, c.B, left, left)"
 
 
+def change_place(data: Data) -> None:
+    data["phases"][0]["place"]["line"] += 1
+
+
+def change_format(data: Data) -> None:
+    data["format"] = "tamplang-plan/0"
+
+
 def swap_phases(data: Data) -> None:
     for key in ("action", "rule", "args"):
         a, b = data["phases"][0], data["phases"][1]
@@ -250,6 +258,8 @@ CASES: list[tuple[Callable[[Data], None], str]] = [
     (delete_phase_with_samples, "action"),
     (change_action, "position_m"),
     (change_label, "action"),
+    (change_place, "action"),
+    (change_format, "structure"),
     (swap_phases, "action"),
     (drop_mode, "literals"),
     (drop_literal, "literals"),
