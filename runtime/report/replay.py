@@ -10,12 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..plan import PhaseRecord, Plan, ShapeRecord
-from .kinematics import Array, joint_frames, pose_rows
+from ..plan import BodyRecord, PhaseRecord, Plan, ShapeRecord
+from .kinematics import Array, joint_frames, pose_rows, rotate
 from .robots import ACCENT, FIXED, PALETTE, group_modules, lighten, module_colours
 
 MOST_SAMPLES = 2400
 FOCUS_POINTS = 300
+SURROUNDINGS = 0.25
+"""Metres around the motion within which the camera shows the fixed things that the plan uses."""
 UPRIGHT = (0.0, 0.0, 0.0, 0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
 
 
@@ -34,7 +36,8 @@ class Recorder:
 @dataclass(slots=True)
 class Scene:
     """What the page's player needs. `frames` pairs a scene path with its poses `(T, 7)`; `paint` lists what
-    takes the colour of its robot: path, module index, share of white; `names` maps objects to scene paths."""
+    takes the colour of its robot: path, module index, share of white; `names` maps objects to scene paths.
+    `points` and `still` hold balls `(n, 4)` around what moves and what does not, `corners` those of what is used."""
 
     times: Array
     recorder: Recorder = field(default_factory=Recorder)
@@ -43,6 +46,7 @@ class Scene:
     names: dict[str, str] = field(default_factory=dict)
     points: list[Array] = field(default_factory=list)
     still: list[Array] = field(default_factory=list)
+    corners: list[Array] = field(default_factory=list)
 
 
 def pick_samples(times: Sequence[float]) -> NDArray[np.intp]:
@@ -185,6 +189,7 @@ class Builder:
 
     def add_bodies(self) -> None:
         tracks = {t.name: t for t in self.plan.body_tracks}
+        touched = {a for p in self.plan.phases for literal in (*p.mode, *p.added) for a in literal.args}
         for index, body in enumerate(self.plan.bodies):
             path = f"body{index}"
             self.scene.names[body.name] = path
@@ -192,6 +197,7 @@ class Builder:
             poses = pose_rows((self.sampled(track.poses) if track else []) or [body.pose])
             centre = pose_rows([(0, 0, 0, 0, 0, 0, 1)])[0]
             accent = body.movable or track is not None
+            self.scene.corners += [box_corners(body, poses[0])] if body.name in touched and not accent else []
             self.add_shape(f"{path}/shape", body.shape, centre, ACCENT if accent else FIXED)
             if accent:
                 self.add_frame(path, poses, extent(body.shape))
@@ -203,6 +209,13 @@ class Builder:
         self.viewer["/Axes"].set_property("visible", False)
         for light in ("PointLightNegativeX", "PointLightPositiveX", "SpotLight"):
             self.viewer[f"/Lights/{light}"].set_property("visible", False)
+
+
+def box_corners(body: BodyRecord, pose: Array) -> Array:
+    """Corners `(8, 3)` of a box around the body, in the world."""
+    half = np.array(body.shape.size) / 2.0 if body.shape.kind == "box" else np.full(3, extent(body.shape))
+    signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
+    return pose[:3] + rotate(np.broadcast_to(pose[3:], (8, 4)), signs * half)
 
 
 def joint_rows(rows: Sequence[Sequence[float]], start: Sequence[float], count: int) -> Array:
@@ -221,6 +234,10 @@ def camera_view(scene: Scene) -> dict[str, Any]:
     picks = max(1, FOCUS_POINTS // len(groups))
     balls = np.concatenate([g[:: max(1, -(-len(g) // picks))] for g in groups])
     moving = np.concatenate(scene.points) if scene.points else balls
+    if scene.corners:
+        low, high = balls[:, :3].min(axis=0) - SURROUNDINGS, balls[:, :3].max(axis=0) + SURROUNDINGS
+        used = np.clip(np.concatenate(scene.corners), low, high)
+        balls = np.concatenate([balls, np.concatenate([used, np.zeros((len(used), 1))], axis=1)])
     flat = moving[:, :2] - moving[:, :2].mean(axis=0)
     values, vectors = np.linalg.eigh(flat.T @ flat + np.diag([1e-9, 0.0]))
     along = vectors[:, int(np.argmax(values))]

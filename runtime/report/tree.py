@@ -12,11 +12,13 @@ MOST_NODES = 2000
 
 @dataclass(slots=True)
 class Branch:
-    """A node to draw: its depth, whether the plan runs through it, what hangs below, its refusals."""
+    """A node to draw: its depth, whether the plan runs through it, what hangs below, its refusals; and in which
+    search it was met, for after a refusal the search starts again."""
 
     node: SearchNode
     depth: int
     chosen: bool
+    round: int
     below: int = 0
     children: int = 0
     reasons: list[RefusalRecord] = field(default_factory=list)
@@ -25,6 +27,7 @@ class Branch:
 @dataclass(frozen=True, slots=True)
 class Tree:
     branches: list[Branch]
+    rounds: int
     left_out: int
     counts: list[tuple[str, int]]
 
@@ -48,12 +51,14 @@ def walk(nodes: list[SearchNode], actions: list[str]) -> list[tuple[Branch, tupl
     roots, children = children_of(nodes)
     result: list[tuple[Branch, tuple[str, ...]]] = []
     stack: list[tuple[int, int, tuple[str, ...], bool]] = [(r, 0, (), True) for r in reversed(roots)]
+    started = 0
     while stack:
         at, depth, before, on_plan = stack.pop()
         node = nodes[at]
         path = (*before, node.action) if node.action else before
         chosen = on_plan and list(path) == actions[: len(path)]
-        branch = Branch(node, depth, chosen, children=len(children.get(at, ())))
+        started += depth == 0
+        branch = Branch(node, depth, chosen, started, children=len(children.get(at, ())))
         result.append((branch, path))
         stack += [(c, depth + 1, path, chosen) for c in reversed(children.get(at, []))]
     return result
@@ -76,4 +81,5 @@ def build_tree(plan: Plan) -> Tree:
         open_branches.append(branch)
     counts = Counter(b.node.status for b, _ in found)
     kept = [b for b, _ in found[:MOST_NODES]]
-    return Tree(kept, len(found) - len(kept), sorted(counts.items(), key=lambda c: (-c[1], c[0])))
+    rounds = found[-1][0].round if found else 0
+    return Tree(kept, rounds, len(found) - len(kept), sorted(counts.items(), key=lambda c: (-c[1], c[0])))

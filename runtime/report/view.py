@@ -80,10 +80,10 @@ def figure(amount: float, unit: str) -> str:
     small = {"m": "mm", "s": "ms"}.get(unit)
     if small and abs(amount) < 0.1:
         amount, unit = amount * 1000.0, small
-    if amount != 0.0 and abs(amount) < 1e-6:
-        text = f"{amount:.0e}"
-    else:
-        text = f"{amount:.3g}" if abs(amount) < 1000 else f"{amount:.0f}"
+    least = 1e-3 if small and unit == small else 1e-6
+    if 0.0 < abs(amount) < least:
+        return f"< {least:g} {unit}".strip()
+    text = f"{amount:.3g}" if abs(amount) < 1000 else f"{amount:.0f}"
     return f"{text} {unit}".strip()
 
 

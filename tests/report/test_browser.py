@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from playwright.sync_api import Browser
 
 from tamplang.runtime.plan import Plan
 from tamplang.runtime.report import write_report
@@ -176,3 +177,25 @@ def test_everything_that_moves_is_in_the_picture(opened: Opened) -> None:
     spread = opened.page.evaluate("n => { tamplang.seek(0); return tamplang.onScreen(n); }", "c[1].A")
     end = opened.page.evaluate("n => { tamplang.seek(5); return tamplang.onScreen(n); }", "c[1].A")
     assert max(abs(a - b) for a, b in zip(spread, end, strict=True)) > 0.6
+
+
+def test_following_keeps_the_robot_in_the_middle(opened: Opened) -> None:
+    opened.page.locator("#follow").check()
+    for time in (0.5, 2.5, 4.5):
+        opened.seek(time)
+        x, y = opened.page.evaluate("n => window.tamplang.onScreen(n)", "c[1]")
+        assert abs(x) < 0.7 and abs(y) < 0.9
+    opened.page.locator("#whole").click()
+    assert not opened.page.locator("#follow").is_checked()
+
+
+def test_without_webgl_the_rest_of_the_page_works(browser: Browser, tmp_path: Path) -> None:
+    write_report(climb_plan(), tmp_path / "climb.html")
+    page = browser.new_page()
+    page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
+    opened = Opened(page, (tmp_path / "climb.html").as_uri())
+    assert "needs WebGL" in page.locator("#trouble").inner_text()
+    page.locator("button.block").nth(2).click()
+    assert opened.time() == pytest.approx(2.0)
+    assert opened.pose("c[1]") is None
+    page.close()

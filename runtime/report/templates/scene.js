@@ -181,16 +181,22 @@ class ReplayScene {
     const offset = camera.position.clone().sub(controls.target);
     this.moved = true;
     controls.target.copy(this.movingCentre());
-    camera.position.copy(controls.target).addScaledVector(offset.normalize(), Math.min(offset.length(), 5.5));
+    const centre = this.middle();
+    const spread = Math.max(0, ...this.frames.map((frame) => frame.position.distanceTo(centre)));
+    camera.position.copy(controls.target).add(offset.clampLength(0, 1.5 + 3.2 * spread));
     this.viewer.set_dirty();
   }
 
-  movingCentre() {
-    const { THREE } = MeshCat;
-    const sum = new THREE.Vector3();
+  /* Mean place of the frames that move, in the world; and the same for the camera, whose y is up. */
+  middle() {
+    const sum = new MeshCat.THREE.Vector3();
     for (const frame of this.frames) sum.add(frame.position);
-    if (this.frames.length) sum.divideScalar(this.frames.length);
-    return new THREE.Vector3(sum.x, sum.z, -sum.y);
+    return this.frames.length ? sum.divideScalar(this.frames.length) : sum.set(...this.bounds().centre);
+  }
+
+  movingCentre() {
+    const { x, y, z } = this.middle();
+    return new MeshCat.THREE.Vector3(x, z, -y);
   }
 
   show(time, colours) {
