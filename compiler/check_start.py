@@ -31,8 +31,10 @@ class Volume:
 
 
 def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str, str]]) -> None:
-    """Report every pair that overlaps by more than `TOLERANCE`, the deepest first where one item makes several. `carried` holds pairs (thing, support)
-    that may touch: what stands on something."""
+    """Report every pair that overlaps by more than `TOLERANCE`, the deepest first where one item makes several.
+
+    `carried` holds pairs (thing, support) that may touch: what stands on something.
+    """
     exempt = {frozenset(pair) for pair in carried}
     found: dict[frozenset[str], tuple[float, Volume, Volume]] = {}
     for one, other in candidates(list(volumes(world))):

@@ -72,8 +72,9 @@ def check_literal(context: Context, scope: Scope, literal: syntax.Literal) -> ir
         _report_arity(context, literal, signature)
         return None
     arguments = [check_term(context, scope, a) for a in literal.args]
+    swapped = _swapped(context, arguments, signature, literal)
     fits = [
-        check_argument(context, typed, variable, arg, signature)
+        check_argument(context, typed, variable, arg, signature, swapped)
         for typed, variable, arg in zip(arguments, signature.variables, literal.args, strict=True)
     ]
     if not all(fits) or any(not a.kind.known and not isinstance(a.term, ir.Any_) for a in arguments):
@@ -117,8 +118,25 @@ def _report_arity(context: Context, literal: syntax.Literal, signature: Signatur
     )
 
 
+def _swapped(context: Context, arguments: Sequence[Typed], signature: Signature, literal: syntax.Literal) -> str | None:
+    """The hint for two arguments that fit only the other way round."""
+    if len(arguments) != 2 or not all(a.kind.name == "object" for a in arguments):
+        return None
+    wanted = [v.type.name for v in signature.variables if isinstance(v.type, ir.ObjectType)]
+    if all(context.library.is_a(a.kind.type, w) for a, w in zip(arguments, wanted[::-1], strict=True)):
+        left, right = "[]" if literal.motion else "()"
+        words = [literal.predicate, *(context.findings.text(a.span) for a in literal.args[::-1])]
+        return f"the arguments fit the other way round: `{left}{' '.join(words)}{right}`"
+    return None
+
+
 def check_argument(
-    context: Context, typed: Typed, variable: ir.Variable, arg: syntax.Term, signature: Signature
+    context: Context,
+    typed: Typed,
+    variable: ir.Variable,
+    arg: syntax.Term,
+    signature: Signature,
+    swapped: str | None = None,
 ) -> bool:
     """Whether an argument is an object of the declared type or below it; reports otherwise."""
     if not typed.kind.known:
@@ -139,8 +157,8 @@ def check_argument(
         return False
     if context.library.is_a(typed.kind.type, wanted):
         return True
-    help = None
-    if context.library.is_a(wanted, typed.kind.type):
+    help = swapped
+    if help is None and context.library.is_a(wanted, typed.kind.type):
         help = f"declare it as `{wanted}`, which is below `{typed.kind.type}`"
     context.findings.report(
         "E0202",

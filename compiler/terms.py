@@ -69,6 +69,8 @@ def expect_kind(
     help = None
     if typed.kind == NUMBER and kind.name in EXAMPLES:
         help = f"give it a unit, such as `{_with_unit(context, term, typed, kind)}`"
+    elif kind == NUMBER and typed.kind == LENGTH:
+        help = "divide it by a length such as `1 m`"
     context.findings.report(code, term.span, f"{what} must be {kind}, not {typed.kind}", help=help)
     return False
 
@@ -104,7 +106,7 @@ def _check_call(context: Context, scope: Scope, term: syntax.Call) -> Typed:
             name_span,
             f"`{term.function}` cannot be used in {PLACES[scope.place]}",
             help=_instead(term.function, place),
-            note=f"{term.function}: {builtin.doc}",
+            note=describe(term.function),
         )
         return BROKEN
     counts = sorted({len(o) for o in builtin.overloads})
@@ -114,7 +116,7 @@ def _check_call(context: Context, scope: Scope, term: syntax.Call) -> Typed:
             "E0201",
             term.span,
             f"`{term.function}` takes {wanted} argument{'s' if wanted != '1' else ''}, not {len(term.args)}",
-            note=f"{term.function}: {builtin.doc}",
+            note=describe(term.function),
         )
         return BROKEN
     return _apply(context, scope, term, name_span)
@@ -127,6 +129,12 @@ PLACES = {
     "goal": "a goal",
     "heuristic": "a heuristic",
 }
+
+
+def describe(name: str) -> str:
+    """The forms of a built-in function and what it gives."""
+    forms = " or ".join(f"{name}({', '.join(o)})" for o in FUNCTIONS[name].overloads)
+    return f"{forms}: {FUNCTIONS[name].doc}"
 
 
 def _instead(name: str, place: str) -> str | None:
@@ -156,7 +164,7 @@ def _apply(context: Context, scope: Scope, term: syntax.Call, name_span: Span) -
             )
             expected = f"argument {i + 1} of `{term.function}` must be {wanted}, not {typed.kind}"
             code = "E0203" if typed.kind.is_scalar and any(Kind(o[i]).is_scalar for o in overloads) else "E0208"
-            context.findings.report(code, arg.span, expected, note=f"{term.function}: {builtin.doc}")
+            context.findings.report(code, arg.span, expected, note=describe(term.function))
             return BROKEN
         overloads = fitting
     kind = arguments[0].kind if builtin.result == "same" else Kind(builtin.result)
@@ -227,6 +235,8 @@ def _report_mixed(context: Context, term: syntax.Binary, left: Typed, right: Typ
         help = "give the number a unit, or multiply it by a length such as `1 m`"
     elif left.kind == right.kind == LENGTH and term.operator == "*":
         help = "divide one of them by `1 m` to get a plain number"
+    elif {left.kind.name, right.kind.name} == {"vector", "length"} and term.operator in "+-":
+        help = "write the length as a vector, such as `(0, 0, 1 m)`, or multiply it by an axis"
     first, second = (right, left) if term.operator == "-" else (left, right)
     context.findings.report(
         "E0203" if scalar else "E0208",
