@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 from tamplang.compiler.ir import (
     And,
@@ -56,7 +57,7 @@ def variables(kind: ObjectType | ChainType | RangeType, *names: str) -> tuple[Va
     return tuple(Variable(n, kind) for n in names)
 
 
-def term(item: object) -> Term:
+def term(item: Any) -> Term:
     if isinstance(item, str):
         if item == "ANY":
             return Any_()
@@ -64,18 +65,19 @@ def term(item: object) -> Term:
         if dot:
             return ChainEnd(chain, end == "last")
         return Var(item)
-    return item if not isinstance(item, int | float) else Number(float(item))  # type: ignore[return-value]
+    made: Term = Number(float(item)) if isinstance(item, int | float) else item
+    return made
 
 
-def lit(predicate: str, *args: object) -> Literal:
+def lit(predicate: str, *args: Any) -> Literal:
     return Literal(predicate, tuple(term(a) for a in args))
 
 
-def motion(predicate: str, *args: object) -> Literal:
+def motion(predicate: str, *args: Any) -> Literal:
     return Literal(predicate, tuple(term(a) for a in args), motion=True)
 
 
-def call(name: str, *args: object) -> Function:
+def call(name: str, *args: Any) -> Function:
     return Function(name, tuple(term(a) for a in args))
 
 
@@ -90,7 +92,7 @@ def plus(*terms: Term) -> Term:
     return total
 
 
-def post(*items: object) -> tuple[EffectItem, ...]:
+def post(*items: Any) -> tuple[EffectItem, ...]:
     """Literals are added, `Not(literal)` deleted, other effect items pass."""
     made: list[EffectItem] = []
     for item in items:
@@ -100,16 +102,16 @@ def post(*items: object) -> tuple[EffectItem, ...]:
             assert isinstance(item.operand, Literal)
             made.append(Effect(item.operand, True))
         else:
-            made.append(item)  # type: ignore[arg-type]
+            made.append(item)
     return tuple(made)
 
 
-def no(*args: object) -> Not:
-    return Not(lit(*args))  # type: ignore[arg-type]
+def no(*args: Any) -> Not:
+    return Not(lit(*args))
 
 
-def no_motion(*args: object) -> Not:
-    return Not(motion(*args))  # type: ignore[arg-type]
+def no_motion(*args: Any) -> Not:
+    return Not(motion(*args))
 
 
 def module_of(k: int | Term, side: str) -> ChainModule:

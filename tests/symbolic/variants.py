@@ -1,4 +1,4 @@
-"""Problems that use what the standard rules do not: conditional effects, loops, disjunctions, wildcards, loose facts."""
+"""What the standard rules do not use: conditional effects, loops, disjunctions, wildcards, loose facts."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from tamplang.compiler.ir import (
     And,
+    ChainModule,
     Compare,
     EffectFor,
     EffectIf,
@@ -50,7 +51,9 @@ def rule(name: str, parameters: tuple[Variable, ...], condition: Formula, *effec
     return Rule(name, parameters, condition, post(*effects), ONE)
 
 
-def table(rules: list[Rule], extra: list[Predicate], facts: set[tuple[str, ...]], goal: Formula, count: int = 2) -> Problem:
+def table(
+    rules: list[Rule], extra: list[Predicate], facts: set[tuple[str, ...]], goal: Formula, count: int = 2
+) -> Problem:
     bodies = [box("plate", "base", (1, 1, 0.1), (0, 0, 0)), box("shelf", "base", (1, 1, 0.1), (1.4, 0, 0))]
     bodies += [box(f"cup[{i}]", "object", (0.1, 0.1, 0.1), (0.2 * i, 0, 0.1), True) for i in range(1, 4)]
     modules = [module(f"m[{k}]", 0, 0.3 * k, 0.05) for k in range(1, count + 1)]
@@ -87,7 +90,8 @@ def fields() -> Problem:
     slot = Predicate("slot", variables(OBJECT, "X", "Y"), False, False, 0)
     rules = [
         rule("put", variables(OBJECT, "X", "Y"), And((lit("grippable", "X"), lit("tray", "Y"))), lit("slot", "X", "Y")),
-        rule("drop", variables(OBJECT, "X"), Exists(variables(OBJECT, "Y"), lit("slot", "X", "Y")), no("slot", "X", "ANY")),
+        rule("drop", variables(OBJECT, "X"), Exists(variables(OBJECT, "Y"), lit("slot", "X", "Y")),
+             no("slot", "X", "ANY")),
         rule("swap", variables(OBJECT, "X", "Y", "U", "V"),
              And((lit("slot", "X", "U"), lit("slot", "Y", "V"), Compare("!=", Var("U"), Var("V")))),
              no("slot", "X", "U"), no("slot", "Y", "V"), lit("slot", "X", "V"), lit("slot", "Y", "U")),
@@ -134,9 +138,7 @@ def chains() -> Problem:
     return table(rules, [tired, docked], set(), goal, 3)
 
 
-def _at(chain: str, index: Var, side: str) -> object:
-    from tamplang.compiler.ir import ChainModule
-
+def _at(chain: str, index: Var, side: str) -> ChainModule:
     return ChainModule(chain, index, side)
 
 
