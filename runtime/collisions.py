@@ -79,7 +79,8 @@ class Collisions:
             if layout.is_unknown(slice_, n)
             and (before is None or layout.slices[before][n] != layout.slices[slice_][n])
         ]  # fmt: skip
-        boxes, box_owners = self._scene(tuple((b, layout.slices[slice_].get(b, -1)) for b in world.bodies if b not in names))
+        offsets = layout.slices[slice_]
+        boxes, box_owners = self._scene(tuple((b, offsets.get(b, -1)) for b in world.bodies if b not in names))
         for name in fresh:
             spheres, owners = self.cloud.spheres(slice_, name), self._owners_of(name)
             self._grid(self._against_boxes, phase, margins, (spheres, owners), (boxes, box_owners))
