@@ -1,0 +1,218 @@
+"""Multi-bound judgement of one skeleton (thesis, section 3.2): coarse and cheap bounds first, conflicts when one refuses."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..compiler.ir import Action, Fact, Problem
+from .assemble import assemble
+from .budget import Budget
+from .path import solve_path
+from .phases import UnsupportedPhase, solve_sequence_path
+from .plan import BoundRecord, Plan, StatisticsRecord
+from .sequence import solve_sequence, window_feasible
+from .settings import MotionSettings
+from .skeleton import BoundResult, Configuration, PhasePath, Skeleton, Violation
+from .verify import verify
+
+RESAMPLES = 4
+"""How often the switch poses are drawn anew when a phase between them finds no path."""
+LONGEST_WINDOW = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Conflict:
+    """Phases `first` … `last` of a skeleton cannot be done one after the other; with `from_start` only when they begin
+    in the start configuration (then `first` is 0)."""
+
+    bound: str
+    first: int
+    last: int
+    from_start: bool
+    violations: tuple[Violation, ...]
+
+
+@dataclass(slots=True)
+class Judgement:
+    """Either accepted, with the motion of every phase unless only P_seq was asked for, or refused with conflicts."""
+
+    accepted: bool
+    paths: list[PhasePath] | None = None
+    conflicts: list[Conflict] = field(default_factory=list)
+
+
+class Clock:
+    """Wall-clock seconds per stage."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def __call__(self, stage: str) -> Iterator[None]:
+        started = time.monotonic()
+        try:
+            yield
+        finally:
+            self.seconds[stage] = self.seconds.get(stage, 0.0) + time.monotonic() - started
+
+
+class Bounds:
+    """The bounds of one run: their settings, their counters, and what single actions were already found to allow."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        settings: MotionSettings,
+        finest: str,
+        seed: int,
+        budget: Budget,
+        tell: Callable[[str, str], None],
+    ) -> None:
+        self.problem = problem
+        self.settings = settings
+        self.finest = finest
+        self.seed = seed
+        self.budget = budget
+        self.tell = tell
+        self.clock = Clock()
+        self._counts: dict[str, list[int]] = {"seq": [0, 0], "seq-path": [0, 0], "path": [0, 0]}
+        self._windows: dict[tuple[tuple[Action, ...], frozenset[Fact]], BoundResult] = {}
+
+    def judge(self, skeleton: Skeleton) -> Judgement:
+        """Take a skeleton through the bounds. Raises OutOfTime."""
+        conflicts = self._refused_windows(skeleton, 1)
+        if conflicts:
+            return Judgement(False, conflicts=conflicts)
+        sequence = self._sequence(skeleton, self.seed, None)
+        if not sequence.feasible:
+            return Judgement(False, conflicts=self._shrink(skeleton, sequence))
+        if self.finest == "seq" or not skeleton.phases:
+            return Judgement(True)
+        return self._paths(skeleton, sequence)
+
+    def believe(
+        self, skeleton: Skeleton, actions: Sequence[Action], paths: Sequence[PhasePath], statistics: StatisticsRecord
+    ) -> Plan:
+        """The plan with the verifier's verdict in it."""
+        import msgspec
+
+        self.tell("verify", "verifying the plan")
+        plan = assemble(self.problem, actions, skeleton, paths, statistics)
+        with self.clock("verify"):
+            verdict = verify(plan)
+        return msgspec.structs.replace(plan, verdict=verdict)
+
+    def records(self) -> list[BoundRecord]:
+        stages = {"seq": "seq", "seq-path": "seq_path", "path": "path"}
+        return [
+            BoundRecord(bound, solved, refused, self.clock.seconds.get(stages[bound], 0.0))
+            for bound, (solved, refused) in self._counts.items()
+        ]
+
+    def _refused_windows(self, skeleton: Skeleton, length: int) -> list[Conflict]:
+        """Conflicts of all windows of `length` phases that P_seq refuses, wherever they start."""
+        conflicts = []
+        for first in range(len(skeleton) - length + 1):
+            result = self._window(skeleton, first, first + length - 1)
+            if not result.feasible:
+                conflicts.append(
+                    Conflict("seq", first, first + length - 1, first == 0, tuple(result.violations))
+                )
+        return conflicts
+
+    def _window(self, skeleton: Skeleton, first: int, last: int) -> BoundResult:
+        phases = skeleton.phases[first : last + 1]
+        key = (tuple(phase.action for phase in phases), phases[0].mode if first else frozenset())
+        if key not in self._windows:
+            self.tell("seq", f"P_seq of {phases[-1].action}")
+            with self.clock("seq"):
+                result = window_feasible(skeleton, first, last, self.settings, self.seed, self.budget)
+            self._count("seq", result.feasible)
+            self._windows[key] = result
+        return self._windows[key]
+
+    def _sequence(
+        self, skeleton: Skeleton, seed: int, warm: Sequence[Configuration] | None
+    ) -> BoundResult:
+        self.tell("seq", f"P_seq of {len(skeleton)} actions")
+        with self.clock("seq"):
+            result = solve_sequence(skeleton, self.settings, seed, self.budget, warm=warm)
+        self._count("seq", result.feasible)
+        return result
+
+    def _shrink(self, skeleton: Skeleton, refused: BoundResult) -> list[Conflict]:
+        """A short conflict behind a refused P_seq: the worst phase with one or two before it, else a prefix."""
+        worst = refused.violations[0].phase if refused.violations else len(skeleton) - 1
+        for length in range(2, LONGEST_WINDOW + 1):
+            first = worst - length + 1
+            if first > 0:
+                result = self._window(skeleton, first, worst)
+                if not result.feasible:
+                    return [Conflict("seq", first, worst, False, tuple(result.violations))]
+        last = len(skeleton) - 1
+        if worst < last:
+            prefix = replace(skeleton, phases=skeleton.phases[: worst + 1], final_mode=skeleton.phases[worst + 1].mode)
+            if not self._sequence(prefix, self.seed, None).feasible:
+                last = worst
+        return [Conflict("seq", 0, last, True, tuple(refused.violations))]
+
+    def _paths(self, skeleton: Skeleton, sequence: BoundResult) -> Judgement:
+        """P_seqPath between the switch poses, drawn anew around phases that fail; then P_path."""
+        result = None
+        for attempt in range(RESAMPLES + 1):
+            if attempt and result is not None:
+                failed = sorted({v.phase for v in result.violations})
+                warm = _resample(sequence.configurations, failed, self.seed + attempt)
+                again = self._sequence(skeleton, self.seed + attempt, warm)
+                if not again.feasible:
+                    continue
+                sequence = again
+            result = self._sequence_path(skeleton, sequence)
+            if result.feasible:
+                return Judgement(True, result.paths)
+        assert result is not None
+        bound = "seq-path"
+        if self.finest == "path":
+            self.tell("path", f"P_path of {len(skeleton)} actions")
+            with self.clock("path"):
+                free = solve_path(skeleton, self.settings, self.seed, self.budget, sequence)
+            self._count("path", free.feasible)
+            if free.feasible:
+                return Judgement(True, free.paths)
+            bound = "path"
+        last = max((v.phase for v in result.violations[:1]), default=len(skeleton) - 1)
+        return Judgement(False, conflicts=[Conflict(bound, 0, last, True, tuple(result.violations))])
+
+    def _sequence_path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult:
+        self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
+        with self.clock("seq_path"):
+            try:
+                result = solve_sequence_path(
+                    skeleton, sequence.configurations, self.settings, self.seed, self.budget
+                )
+            except UnsupportedPhase:
+                result = solve_path(skeleton, self.settings, self.seed, self.budget, sequence, pinned=True)
+        self._count("seq-path", result.feasible)
+        return result
+
+    def _count(self, bound: str, feasible: bool) -> None:
+        self._counts[bound][0 if feasible else 1] += 1
+
+
+def _resample(configurations: Sequence[Configuration], failed: Sequence[int], seed: int) -> list[Configuration]:
+    """Switch configurations 1 … K as a start, with new joint values at both ends of the failed phases."""
+    random = np.random.default_rng(seed)
+    changed = {k for phase in failed for k in (phase, phase + 1)} - {0}
+    result = []
+    for k, configuration in enumerate(configurations):
+        fresh = configuration.copy()
+        if k in changed:
+            for values in fresh.modules.values():
+                values[7:] += random.normal(0.0, 0.4, len(values) - 7)
+        result.append(fresh)
+    return result

@@ -1,0 +1,200 @@
+"""The LGP loop (thesis, algorithm 1): candidate skeletons from the symbolic search, bounds from coarse to fine, refusals
+fed back to the search, and the verifier's word on every plan before it is called solved.
+
+    search ──candidate──▶ single actions ──▶ P_seq ──▶ P_seqPath ──▶ (P_path) ──▶ verifier ──▶ plan
+       ▲                        │               │            │            │
+       └────────── conflict ────┴───────────────┴────────────┴────────────┘
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+from ..compiler.ir import Problem
+from ..compiler.successors import Successors
+from ..langs.diagnostics import Diagnostic
+from .bounds import Bounds
+from .budget import Budget, OutOfTime
+from .plan import Plan, StatisticsRecord
+from .refusals import Refusals
+from .search import Candidate, SkeletonSearch
+from .settings import MotionSettings
+from .skeletons import build_skeleton
+
+BOUNDS = ("seq", "seq-path", "path")
+SEARCHES = ("astar", "wastar", "bfs", "guide")
+SOLVERS = ("algn", "ipopt")
+
+
+@dataclass(frozen=True, slots=True)
+class SolveOptions:
+    """What a user may set; `time` in seconds, None without limit. `bound` is the finest bound that is tried."""
+
+    bound: str = "path"
+    search: str = "astar"
+    time: float | None = 60.0
+    nodes: int | None = None
+    solutions: int = 1
+    solver: str = "algn"
+    seed: int = 0
+    slices: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Where a run stands, for a progress bar; seconds."""
+
+    stage: str
+    message: str
+    elapsed: float
+    limit: float | None
+    tree_nodes: int
+    candidates: int
+    solutions: int
+
+
+@dataclass(slots=True)
+class Outcome:
+    """What a run found. `status` is solved, infeasible (proved), exhausted (every candidate refused), budget,
+    interrupted or refused (only plans that the verifier does not believe). `plans` are best first.
+
+    With bound "seq" there is no motion, hence no plan: `actions` and `cost` tell the skeleton that P_seq accepts.
+    """
+
+    status: str
+    plans: list[Plan] = field(default_factory=list)
+    statistics: StatisticsRecord = field(default_factory=StatisticsRecord)
+    explanation: list[Diagnostic] = field(default_factory=list)
+    actions: list[str] = field(default_factory=list)
+    cost: float = 0.0
+
+
+def solve(
+    problem: Problem, options: SolveOptions, progress: Callable[[Progress], None] | None = None
+) -> Outcome:
+    """Search until `options.solutions` verified plans stand or the budget is spent; Ctrl-C ends with what was found."""
+    return _Run(problem, options, progress).run()
+
+
+class _Run:
+    def __init__(
+        self, problem: Problem, options: SolveOptions, progress: Callable[[Progress], None] | None
+    ) -> None:
+        self.problem = problem
+        self.options = options
+        self.report = progress
+        self.budget = Budget(options.time)
+        self.candidates = 0
+        self.plans: list[Plan] = []
+        self.accepted: list[Candidate] = []
+        self.distrusted: list[Plan] = []
+        self.first_bound: float | None = None
+        self.bounds = Bounds(problem, _motion_settings(problem, options), options.bound, options.seed, self.budget, self._tell)
+        self.refusals = Refusals(problem)
+        self.search: SkeletonSearch | None = None
+
+    def run(self) -> Outcome:
+        try:
+            status = self._loop()
+        except OutOfTime:
+            status = "budget"
+        except KeyboardInterrupt:
+            status = "interrupted"
+        return self._outcome(status)
+
+    def _loop(self) -> str:
+        clock = self.bounds.clock
+        self._tell("compile", "compiling the rules")
+        with clock("compile"):
+            successors = Successors(self.problem)
+            self.search = SkeletonSearch(
+                self.problem, successors, self.options.search, self.budget, self.options.nodes
+            )
+        while len(self.accepted) < self.options.solutions:
+            self._tell("search", "searching for a skeleton")
+            with clock("search"):
+                candidate = self.search.next()
+            if candidate is None:
+                return self.search.status
+            self.candidates += 1
+            if self.first_bound is None:
+                self.first_bound = candidate.lower_bound
+            self._try(self.search, candidate)
+        return "solved"
+
+    def _try(self, search: SkeletonSearch, candidate: Candidate) -> None:
+        """Take one candidate through the bounds; whatever comes of it, the search will not propose it again."""
+        skeleton = build_skeleton(self.problem, candidate.actions, search.successors)
+        judgement = self.bounds.judge(skeleton)
+        if judgement.accepted:
+            self.accepted.append(candidate)
+            if judgement.paths is not None:
+                plan = self.bounds.believe(skeleton, candidate.actions, judgement.paths, self._statistics())
+                if plan.verdict is not None and plan.verdict.verified:
+                    self.plans.append(plan)
+                else:
+                    self.accepted.pop()
+                    self.distrusted.append(plan)
+            search.forbid_plan(candidate)
+            return
+        for conflict in judgement.conflicts:
+            self.refusals.add(skeleton, conflict)
+            search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start)
+
+    def _statistics(self) -> StatisticsRecord:
+        search = self.search
+        cost = self.accepted[0].cost if self.accepted else 0.0
+        gap = None if self.first_bound is None or not self.accepted else max(0.0, cost - self.first_bound)
+        return StatisticsRecord(
+            tree_nodes=search.tree_nodes if search else 0,
+            expanded_nodes=search.expanded_nodes if search else 0,
+            optimal=gap == 0.0,
+            gap=gap,
+            cost=cost,
+            seconds={"total": self.budget.elapsed, **self.bounds.clock.seconds},
+            bounds=self.bounds.records(),
+            refusals=self.refusals.records(),
+            tree=list(search.tree) if search else [],
+        )
+
+    def _outcome(self, status: str) -> Outcome:
+        statistics = self._statistics()
+        plans = [_with_statistics(plan, statistics) for plan in self.plans]
+        if self.accepted:
+            status = "solved" if status in ("solved", "exhausted", "infeasible") else status
+        elif self.distrusted:
+            status, plans = "refused", self.distrusted
+        actions = [str(a) for a in self.accepted[0].actions] if self.accepted else []
+        if not actions and plans:
+            actions = [phase.action for phase in plans[0].phases]
+        explanation = [] if self.accepted else self.refusals.explain(status)
+        return Outcome(status, plans, statistics, explanation, actions, statistics.cost)
+
+    def _tell(self, stage: str, message: str) -> None:
+        if self.report is None:
+            return
+        nodes = self.search.tree_nodes if self.search else 0
+        self.report(
+            Progress(
+                stage, message, self.budget.elapsed, self.options.time, nodes, self.candidates, len(self.accepted)
+            )
+        )
+
+
+def _motion_settings(problem: Problem, options: SolveOptions) -> MotionSettings:
+    settings = MotionSettings(solver=options.solver)
+    slices = options.slices or problem.options.slices
+    if slices is not None:
+        settings = replace(settings, slices=slices)
+    if problem.options.margin is not None:
+        margin = problem.options.margin
+        settings = replace(settings, margin=margin, switch_margin=margin + 0.005)
+    return settings
+
+
+def _with_statistics(plan: Plan, statistics: StatisticsRecord) -> Plan:
+    """The plan with the figures of the whole run, but its own cost."""
+    import msgspec
+
+    return msgspec.structs.replace(plan, statistics=statistics)
