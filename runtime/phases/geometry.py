@@ -41,26 +41,20 @@ class Part:
         return joints, balls, self.pairs, carried
 
 
-def make_part(tree: PhaseTree, world: World, margin: float, exact_bodies: bool, known: dict[object, object]) -> Part:
+def make_part(tree: PhaseTree, world: World, margin: float, exact_bodies: bool) -> Part:
     """The geometry of a phase with spheres that cover within `margin`. With `exact_bodies`, other spheres meet the
-    true shapes of carried bodies and not their spheres. `known` keeps pairs that were found before."""
+    true shapes of carried bodies and not their spheres."""
     lineage = Lineage(tree)
     balls = moving_balls(tree, world, margin)
     near = obstacles_near(tree, lineage, balls, 2 * margin)
-    shape = tuple((b.node, *(round(c, 6) for c in b.centre), b.owner in tree.bodies) for b in balls)
-    lengths = tuple(tuple(np.round(b[:3, 3], 6)) for b, p in zip(tree.before, tree.parents, strict=True) if p >= 0)
-    key = (margin, tuple(tree.parents), tuple(tree.kinds), lengths, shape)
-    if key not in known:
-        known[key] = meeting_pairs(lineage, balls, not exact_bodies)
-    pairs = known[key]
-    assert isinstance(pairs, tuple)
+    pairs = meeting_pairs(lineage, balls, not exact_bodies)
     carried = tuple((name, _meets_body(tree, lineage, balls, name)) for name in tree.bodies) if exact_bodies else ()
     return Part(tree, balls, pairs, near, carried)
 
 
-def make_parts(tree: PhaseTree, world: World, known: dict[object, object]) -> tuple[Part, Part]:
+def make_parts(tree: PhaseTree, world: World) -> tuple[Part, Part]:
     """What the optimiser sees of a phase, and what accepts its path."""
-    return make_part(tree, world, PATH_MARGIN, False, known), make_part(tree, world, CHECK_MARGIN, True, known)
+    return make_part(tree, world, PATH_MARGIN, False), make_part(tree, world, CHECK_MARGIN, True)
 
 
 def _meets_body(tree: PhaseTree, lineage: Lineage, balls: tuple[Ball, ...], name: str) -> tuple[int, ...]:

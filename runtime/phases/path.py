@@ -232,9 +232,8 @@ def _groups(
     """Phases that move, stacked by structure."""
     world = skeleton.problem.world
     touching = contacts(skeleton)
-    known: dict[object, object] = {}
     stacked: dict[object, list[int]] = {}
-    parts = {t.phase: make_parts(t, world, known) for t in trees if t.variables}
+    parts = {t.phase: make_parts(t, world) for t in trees if t.variables}
     for phase, (coarse, fine) in parts.items():
         stacked.setdefault((coarse.structure, fine.structure), []).append(phase)
     groups = []

@@ -132,7 +132,7 @@ def test_a_path_that_tunnels_between_slices_is_caught() -> None:
     skeleton, configurations = arm_scene(planar_arm(1, 0.8), [slab], (-1.4,), (1.4,))
     tree = phase_tree(skeleton.problem, 0, skeleton.phases[0], configurations[0], configurations[1])
     world = skeleton.problem.world
-    parts, states = [make_parts(tree, world, {})], [(configurations[0], configurations[1])]
+    parts, states = [make_parts(tree, world)], [(configurations[0], configurations[1])]
     batch = Batch(parts, states, world, contacts(skeleton), 5, 0.0)
     path = np.linspace(-1.4, 1.4, 6)[None, :, None]
     obstacles, _, _ = batch.coarse.clearances(path)
@@ -163,7 +163,7 @@ def test_sampling_finds_a_way_round_the_wall() -> None:
     skeleton, states = arm_scene(planar_arm(3, 0.33), [wall], (0.7, -0.2, 0.1), (-0.7, 0.2, -0.1))
     tree = phase_tree(skeleton.problem, 0, skeleton.phases[0], states[0], states[1])
     world = skeleton.problem.world
-    parts = [make_parts(tree, world, {})]
+    parts = [make_parts(tree, world)]
     batch = Batch(parts, [(states[0], states[1])], world, contacts(skeleton), SETTINGS.slices, SETTINGS.margin)
     starts = sampled_starts(batch, 0, np.random.default_rng(0), Budget(20.0), 3)
     assert starts is not None and starts.shape == (3, SETTINGS.slices - 1, 3)
@@ -212,6 +212,28 @@ def test_a_prismatic_joint_slides() -> None:
     result = solve(arm_scene(planar_arm(2, prismatic=True), [], (0.0, -0.1), (0.4, 0.2)))
     assert result.feasible
     assert result.paths[0].modules["arm"][-1, 7:] == pytest.approx([0.4, 0.2])
+
+
+def random_boxes(random: np.random.Generator) -> list[Body]:
+    found = []
+    for k in range(3):
+        angle, away = random.uniform(-3.0, 3.0), random.uniform(0.25, 1.0)
+        x, y = random.uniform(0.05, 0.4, 2).tolist()
+        found.append(box(f"box[{k}]", (x, y, 0.3), (away * math.cos(angle), away * math.sin(angle), 0.0)))
+    return found
+
+
+def test_accepted_paths_in_random_worlds_are_clear() -> None:
+    accepted = 0
+    for seed in range(24):
+        random = np.random.default_rng(seed)
+        arm, bodies = planar_arm(3, 0.33), random_boxes(random)
+        scene = arm_scene(arm, bodies, random.uniform(-2, 2, 3).tolist(), random.uniform(-2, 2, 3).tolist())
+        result = solve(scene, seed)
+        if result.feasible:
+            accepted += 1
+            assert penetration(scene[0], result) < -1e-3
+    assert accepted >= 4
 
 
 def test_same_seed_same_path() -> None:
