@@ -116,8 +116,7 @@ class _Checker:
 
     def _record(self, literal: ir.Fact, residual: _Residual) -> None:
         time = float(self._motion.times[residual.sample])
-        unit = unit_of(residual.kind)
-        message = f"[{' '.join(literal)}] is off by {residual.amount:.3g} {unit}".rstrip()
+        message = f"[{' '.join(literal)}] does not hold"
         self._findings.measure(
             residual.kind, residual.amount, message,
             time=time, between=literal[1:], place=place_of(residual.row.span),

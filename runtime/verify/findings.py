@@ -60,7 +60,8 @@ class Findings:
             self.measures[kind] = MeasureRecord(kind, amount, limit, unit, time, list(between), place)
         if amount <= limit:
             return True
-        self.fail(kind, message, amount=amount, unit=unit, time=time, between=between, place=place)
+        figures = f"{amount:.3g} {unit}".rstrip() + f", limit {limit:g}"
+        self.fail(kind, f"{message}: {figures}", amount=amount, unit=unit, time=time, between=between, place=place)
         return False
 
     def verdict(self) -> VerdictRecord:
