@@ -40,6 +40,9 @@ class _Sums:
     def add(self, scatter: _Scatter, slope: Array, square: Array) -> None:
         self._values.append(square.ravel()[scatter.source])
         self._targets.append(scatter.target)
+        self.pull(scatter, slope)
+
+    def pull(self, scatter: _Scatter, slope: Array) -> None:
         self._slopes.append(slope.ravel()[scatter.vector_source])
         self._slope_targets.append(scatter.vector_target)
 
@@ -60,7 +63,8 @@ class _Sums:
 class Program:
     """Minimise Σ ½‖cost‖² subject to equalities and inequalities, over x = z[len(constants):].
 
-    Residuals come as three flat vectors: costs, equalities, inequalities (r <= 0), each group after the other.
+    Residuals come as three flat vectors: costs, equalities, inequalities (r <= 0), each group after the other. Costs
+    are linear rows, so that their part of the system is made once.
     """
 
     def __init__(self, constants: Array, unknowns: int, groups: Sequence[Group]) -> None:
@@ -74,6 +78,14 @@ class Program:
             id(g): _Scatter(g.span(), len(constants), self.width)
             for kind in ("cost", "equality") for g in self.groups[kind]
         }  # fmt: skip
+
+        z = self.full(np.zeros(unknowns))
+        self._cost_jacobians = [g.jacobians(z, np.arange(g.shape[0]))[0] for g in self.groups["cost"]]
+        sums = _Sums(unknowns, self.width)
+        for group, jacobian in zip(self.groups["cost"], self._cost_jacobians, strict=True):
+            square = np.matmul(jacobian.transpose(0, 2, 1), jacobian)
+            sums.add(self._scatters[id(group)], np.zeros((len(jacobian), 1, jacobian.shape[2])), square)
+        self._cost_band = sums.band()
 
     def _reach(self, group: Group) -> int:
         places = group.span()
@@ -105,10 +117,19 @@ class Program:
         sums = _Sums(self.unknowns, self.width)
         cost, equality, inequality = residuals
         if costs:
-            self._add_always("cost", z, cost, 1.0, sums)
+            self._pull_costs(cost, sums)
         self._add_always("equality", z, mu * equality + multipliers[0], mu, sums)
         self._add_pushing(z, np.maximum(mu * inequality + multipliers[1], 0.0), mu, sums)
-        return sums.gradient(), sums.band()
+        band = sums.band()
+        return sums.gradient(), band + self._cost_band if costs else band
+
+    def _pull_costs(self, cost: Array, sums: _Sums) -> None:
+        at = 0
+        for group, jacobian in zip(self.groups["cost"], self._cost_jacobians, strict=True):
+            count, rows = group.shape
+            block = cost[at : at + count * rows].reshape(count, 1, rows)
+            at += count * rows
+            sums.pull(self._scatters[id(group)], np.matmul(block, jacobian))
 
     def _add_always(self, kind: str, z: Array, pull: Array, weight: float, sums: _Sums) -> None:
         at = 0
@@ -139,7 +160,6 @@ class Program:
         """Lower band (unknowns, width) of the Hessian of cost_weight · ½‖c‖² + λ·e + κ·i; costs are linear rows."""
         z = self.full(x)
         sums = _Sums(self.unknowns, self.width)
-        self._add_always("cost", z, self.residuals(x)[0] * 0.0, cost_weight, sums)
         for kind, weights in (("equality", multipliers[0]), ("inequality", multipliers[1])):
             at = 0
             for group in self.groups[kind]:
@@ -149,7 +169,7 @@ class Program:
                 for hessians, places in group.curvature(z, block):
                     slope = np.zeros((len(places), 1, places.shape[1]))
                     sums.add(_Scatter(places, len(self.constants), self.width), slope, hessians)
-        return sums.band()
+        return sums.band() + cost_weight * self._cost_band
 
     def jacobian(self, x: Array) -> tuple[Array, Indices, Indices]:
         """Values, rows and columns of the Jacobian of equalities, then inequalities, by the unknowns. The pattern
