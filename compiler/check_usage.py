@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from ..langs import syntax
+from ..langs.source import Span
 from . import ir
 from .check_logic import Placement, predicates_in
 from .context import Context
@@ -34,6 +35,7 @@ def check_usage(
         _check_deletions(context, rule, sources, stated)
         _check_fires(context, rule, added, stated)
     _check_read(context, rules, derived, added)
+    _check_parameters(context)
 
 
 Pattern = tuple[bool, str, tuple[str | None, ...]]
@@ -196,6 +198,40 @@ def _read_in_items(items: Sequence[syntax.SceneItem]) -> Iterator[str]:
                 yield from _literals(formula)
         elif isinstance(item, syntax.ForItem | syntax.IfItem):
             yield from _read_in_items(item.items)
+
+
+def _check_parameters(context: Context) -> None:
+    """Parameters that the body of their declaration never names."""
+    library = context.library
+    declarations: list[tuple[str, Span, tuple[syntax.Parameter, ...], tuple[object, ...]]] = [
+        *((d.name, d.span, d.parameters, (d.body,)) for d in library.derived.values()),
+        *((d.name, d.span, d.parameters, (d.pre, d.where, d.post, d.cost)) for d in library.rules.values()),
+        *((d.name, d.span, d.parameters, d.items) for d in library.motions.values()),
+        *((d.name, d.span, d.parameters, (d.start, d.cases)) for d in library.heuristics.values()),
+        *((d.name, d.span, d.parameters, d.items) for d in library.modules.values()),
+        *((d.name, d.span, d.parameters, d.items) for d in library.scenes.values()),
+        *((d.name, d.span, d.parameters, d.items) for d in library.tasks.values()),
+    ]
+    for owner, span, parameters, body in declarations:
+        if context.findings.errors_within([span]):
+            continue
+        named = set(_names(body)) | set(_names(tuple((p.type, p.default) for p in parameters)))
+        for parameter in parameters:
+            if parameter.name not in named:
+                where = context.findings.word(parameter.span, parameter.name)
+                context.findings.report("W0005", where, f"`{owner}` never uses its parameter `{parameter.name}`")
+
+
+def _names(node: object) -> Iterator[str]:
+    if isinstance(node, syntax.Name):
+        yield node.name
+    elif isinstance(node, tuple):
+        for part in node:
+            yield from _names(part)
+    elif isinstance(node, syntax.Node):
+        for field in node.__dataclass_fields__:
+            if field != "span":
+                yield from _names(getattr(node, field))
 
 
 def _literals(node: object) -> Iterator[str]:

@@ -48,7 +48,8 @@ def _listed(names: Mapping[str, object]) -> str:
 
 
 def parameter_values(task: syntax.TaskDecl, given: Mapping[str, str]) -> dict[str, float | int]:
-    """The values of the given parameters in SI units. Raises UsageError on unknown names and unfit values."""
+    """The values of the given parameters in SI units. Raises UsageError on unknown names,
+    unfit values and parameters left without any."""
     types = {p.name: p.type.name for p in task.parameters if isinstance(p.type, syntax.NamedType)}
     values: dict[str, float | int] = {}
     for name, text in given.items():
@@ -56,6 +57,9 @@ def parameter_values(task: syntax.TaskDecl, given: Mapping[str, str]) -> dict[st
             listed = f"it has {', '.join(types)}" if types else "it has none"
             raise UsageError(f"task `{task.name}` has no parameter `{name}`; {did_you_mean(name, types) or listed}")
         values[name] = parse_value(name, types[name], text)
+    for parameter in task.parameters:
+        if parameter.default is None and parameter.name not in values:
+            raise UsageError(f"parameter `{parameter.name}` of task `{task.name}` has no default and needs a value")
     return values
 
 

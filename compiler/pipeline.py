@@ -23,7 +23,7 @@ from ..langs.source import Source
 from . import ir
 from .imports import load_library, load_sources
 from .instantiate import instantiate
-from .lifted import Lifted, check_declarations
+from .lifted import check_declarations
 from .parameters import UsageError, choose_task, parameter_values
 
 __all__ = ["UsageError", "check", "check_sources", "compile_problem", "compile_sources", "compile_text", "load_library"]
@@ -91,8 +91,3 @@ def compile_text(
 ) -> tuple[ir.Problem, tuple[Diagnostic, ...]]:
     """`compile_problem` for one text."""
     return compile_sources([Source(name, text)], task, parameters, seed)
-
-
-def lift(sources: Sequence[Source]) -> Lifted:
-    """Stages 1 to 3 alone, for tools that look at declarations."""
-    return check_declarations(*load_sources(sources))

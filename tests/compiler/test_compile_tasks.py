@@ -135,6 +135,14 @@ def test_several_tasks() -> None:
         compile_text("type a < object\n")
 
 
+def test_a_parameter_without_default_needs_a_value() -> None:
+    task = "task t(n: int) { base b[n]: box(1 m, 1 m, 1 m) at (0, 0, 0) fact (tray b[n]) goal (tray b[n]) }"
+    text = f"import std.motion\n{task}\n"
+    assert list(compile_text(text, parameters={"n": "4"})[0].world.bodies) == ["b[4]"]
+    with pytest.raises(UsageError, match="parameter `n` of task `t` has no default"):
+        compile_text(text)
+
+
 def test_errors_are_raised_together() -> None:
     with pytest.raises(SourceError) as error:
         compile_text("import std.motion\ntype a < b\nrule r(A: c) { pre (support A) post not (suport A) }\n")

@@ -16,8 +16,10 @@ ROOT = Path(__file__).parents[2]
 FILES = sorted([*(ROOT / "examples").glob("*.tamp"), *(ROOT / "tests/programs/good").glob("[lo]*.tamp")])
 LIBRARY = [Source(f"std/{p.name}", p.read_text()) for p in sorted((ROOT / "stdlib").glob("*.tamp"))]
 TOKEN = re.compile(r"\w+(?:\.\d+)?|[^\s\w]")
-FOREIGN = ["0", "-1", "2.5", "3 m", "90 deg", "ANY", "c", "X", "c[1]", "c.A", "(", ")", "{", "}", "[on X A]", "prune", "base",
-           "(0, 0)", "length(c)", "if", "..", "module", '"x"', "pose(X, Y)", "1 .. 2", "distance(X, X)"]  # fmt: skip
+FOREIGN = (
+    '0|-1|2.5|3 m|90 deg|ANY|c|X|c[1]|c.A|(|)|{|}|[on X A]|prune|base|(0, 0)|length(c)|if|..|module|"x"|pose(X, Y)'
+    "|1 .. 2|distance(X, X)"
+).split("|")
 
 
 def mutated(text: str, chance: random.Random) -> str:
