@@ -69,6 +69,7 @@ class Batch:
         trees = [coarse.tree for coarse, _ in parts]
         self.phases = np.array([t.phase for t in trees])
         self.joints = _joints(trees, world)
+        self.variables = [t.variables for t in trees]
         self.start = np.array([joint_values(t, s) for t, (s, _) in zip(trees, states, strict=True)])
         self.end = np.array([joint_values(t, e) for t, (_, e) in zip(trees, states, strict=True)])
         coarse, fine = [c for c, _ in parts], [f for _, f in parts]
@@ -87,6 +88,7 @@ class Batch:
         """Some of the phases, possibly repeated."""
         result = object.__new__(Batch)
         result.slices, result.margin, result.times = self.slices, self.margin, self.times
+        result.variables = [self.variables[i] for i in index]
         result.phases, result.joints = self.phases[index], self.joints.take(index)
         result.start, result.end = self.start[index], self.end[index]
         result.coarse = self.coarse.take(index)

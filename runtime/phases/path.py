@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiler.collision import contacts
+from ...compiler.ir import World
 from ..budget import Budget
 from ..settings import MotionSettings
 from ..skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton, Violation
@@ -137,16 +138,28 @@ def _blocked(batch: Batch) -> list[Violation]:
     return found
 
 
-def _failures(group: _Group) -> list[Violation]:
-    """The worst pair on the best path of every phase that is not solved."""
+def _failures(group: _Group, world: World) -> list[Violation]:
+    """What is wrong with the best path of every phase that is not solved: the worst pair, or when nothing is in the
+    way, the joint that passes its limit or moves too far between two slices."""
     from scipy.interpolate import CubicSpline
 
     found = []
+    batch = group.batch
     for k in np.flatnonzero(~group.solved):
-        knots = np.arange(group.batch.slices + 1)
-        values = CubicSpline(knots, group.paths[k], bc_type="clamped")(group.batch.times)
-        clash = worst_clash(group.batch, int(k), values, slice(None))
-        found.append(Violation(int(group.batch.phases[k]), ("collision", *clash.pair), max(clash.amount, 0.0), "m"))
+        phase = int(batch.phases[k])
+        values = CubicSpline(np.arange(batch.slices + 1), group.paths[k], bc_type="clamped")(batch.times)
+        clash = worst_clash(batch, int(k), values, slice(None))
+        if clash.amount > 0.0:
+            found.append(Violation(phase, ("collision", *clash.pair), clash.amount, "m"))
+            continue
+        joints = batch.joints
+        beyond = np.maximum(values - joints.upper[k], joints.lower[k] - values).max(axis=0)
+        step = np.abs(np.diff(group.paths[k], axis=0)).max(axis=0) - joints.step[k]
+        kind, excess = ("limit", beyond) if beyond.max() > 0.0 else ("step", step)
+        module, joint = batch.variables[k][int(excess.argmax())]
+        record = world.modules[module].type.joints[joint]
+        unit = "rad" if record.kind == "revolute" else "m"
+        found.append(Violation(phase, (kind, module, record.name), float(excess.max()), unit))
     return found
 
 
@@ -169,7 +182,7 @@ def solve_sequence_path(
     if not result.violations:
         for k, group in enumerate(groups):
             result.iterations += _solve(group, np.random.default_rng([seed, k]), budget)
-        result.violations += [v for group in groups for v in _failures(group)]
+        result.violations += [v for group in groups for v in _failures(group, skeleton.problem.world)]
         result.cost = float(sum(group.cost.sum() for group in groups))
         result.paths = _paths(skeleton, groups, trees, states, settings.slices)
         result.feasible = not result.violations

@@ -181,6 +181,19 @@ def test_an_impossible_phase_names_the_wall() -> None:
     assert worst.literal[0] == "collision" and worst.literal[2] in {"east", "west"}
 
 
+def test_a_switch_beyond_a_joint_limit_names_the_joint() -> None:
+    result = solve(arm_scene(planar_arm(2), [], (0.0, 0.0), (0.3, 2.9)))
+    assert not result.feasible
+    assert result.violations[0].literal == ("limit", "arm", "j2") and result.violations[0].unit == "rad"
+    assert result.violations[0].amount == pytest.approx(0.1, abs=0.01)
+
+
+def test_too_large_a_motion_for_the_slices_names_the_joint() -> None:
+    skeleton, states = arm_scene(planar_arm(2), [], (-2.5, 0.0), (2.5, 0.0))
+    result = solve_sequence_path(skeleton, states, MotionSettings(slices=6), 0, Budget(20.0))
+    assert not result.feasible and result.violations[0].literal == ("step", "arm", "j1")
+
+
 def test_a_blocked_switch_is_reported_without_solving() -> None:
     block = box("block", (0.2, 0.2, 0.2), (0.8, 0.0, 0.0))
     result = solve(arm_scene(planar_arm(2), [block], (1.5, 0.0), (0.0, 0.0)))
