@@ -214,7 +214,7 @@ class TermBuilder:
         return tuple(p for child in branches(tree, "parameter") for p in self._grouped(child))
 
     def _grouped(self, tree: Branch) -> list[s.Parameter]:
-        """`A B: gripper = x` gives a parameter for each name."""
+        """`A B: port = x` gives a parameter for each name."""
         names, rest = tokens(tree), branches(tree)
         kind = self.type(rest[0])
         default = self.term(rest[1]) if len(rest) > 1 else None

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from lark import Token
 
@@ -76,25 +78,36 @@ _GROUPS = (
 _BEFORE_CONDITION = {"_PRE", "_WHERE", "_GOAL", "_IF", "_AND", "_OR", "_NOT"}
 _CLOSING = {")": "(", "]": "[", "}": "{"}
 _INSTEAD = {
-    "&": "`and`",
-    "|": "`or`",
-    "!": "`not` or `!=`",
-    ";": None,
-    "'": '`"`',
-    "’": '`"`',
-    "“": '`"`',
-    "”": '`"`',
-    "≤": "`<=`",
-    "≥": "`>=`",
-    "≠": "`!=`",
-    "·": "`*`",
-    "×": "`*`",
-    "∧": "`and`",
-    "∨": "`or`",
-    "∃": "`exists`",
-    "∀": "`forall`",
-    "…": "`..`",
+    "&": ("_AND", "and"),
+    "|": ("_OR", "or"),
+    "!": ("_NOT", "not"),
+    "∧": ("_AND", "and"),
+    "∨": ("_OR", "or"),
+    "∃": ("_EXISTS", "exists"),
+    "∀": ("_FORALL", "forall"),
+    "≤": ("ORDER", "<="),
+    "≥": ("ORDER", ">="),
+    "≠": ("ORDER", "!="),
+    "·": ("STAR", "*"),
+    "×": ("STAR", "*"),
+    "−": ("MINUS", "-"),
+    "–": ("MINUS", "-"),
+    "…": ("_DOTS", ".."),
 }
+_HINTS = {
+    ";": "lines need no sign at their end",
+    "\u00a0": "this is a no-break space; write a plain one",
+}
+_WRONG_QUOTES = re.compile(r"['‘’“”`][^'‘’“”`]*['‘’“”`]")
+
+
+@dataclass(frozen=True, slots=True)
+class Strange:
+    """What is said about characters that start no terminal: how many they are, and the terminal meant, if known."""
+
+    diagnostic: Diagnostic
+    width: int
+    meant: tuple[str, str] | None
 
 
 def misspelt(source: Source, token: Token, keyword: str) -> Diagnostic:
@@ -165,25 +178,31 @@ def dangling(source: Source, comma: Token) -> Diagnostic:
     return Diagnostic("E0001", "nothing follows this `,`", span_of(source.path, comma), help="leave it out")
 
 
-def unreadable(source: Source, position: int, automaton: Automaton) -> tuple[Diagnostic, int]:
-    """The diagnostic for a character that starts no terminal, and how many characters to leave out."""
+def unreadable(source: Source, position: int, automaton: Automaton) -> Strange:
+    """The character at `position` starts no terminal."""
     character = source.text[position]
     line, column = automaton.place(position)
-    width = 1
-    if character == '"':
-        width = len(source.line(line)) - column + 1
-    elif source.text.startswith(("&&", "||"), position):
-        width = 2
+    quoted = _quoted(source.line(line)[column - 1 :].rstrip())
+    if quoted is not None:
+        span = Span(source.path, position, position + len(quoted), line, column, line, column + len(quoted))
+        told = "this text has no closing quote" if character == '"' else 'texts stand between `"` and `"`'
+        found = Diagnostic("E0006", told, span, help='put `"` at its start and its end, on the same line')
+        inner = quoted[1:] if character == '"' else quoted[1:-1]
+        return Strange(found, len(quoted), ("STRING", f'"{inner}"'))
+    width = 2 if source.text.startswith(("&&", "||"), position) else 1
     span = Span(source.path, position, position + width, line, column, line, column + width)
-    if character == '"':
-        return Diagnostic(
-            "E0006", "this text has no closing quote", span, help='put `"` at its end, on the same line'
-        ), width
     shown = f"`{character}`" if character.isprintable() else f"U+{ord(character):04X}"
-    if character == ";":
-        return Diagnostic("E0002", f"unknown character {shown}", span, help="lines need no sign at their end"), width
-    instead = _INSTEAD.get(character)
-    return Diagnostic("E0002", f"unknown character {shown}", span, help=f"write {instead}" if instead else None), width
+    meant = _INSTEAD.get(character)
+    hint = f"write `{meant[1]}`" if meant is not None else _HINTS.get(character)
+    return Strange(Diagnostic("E0002", f"unknown character {shown}", span, help=hint), width, meant)
+
+
+def _quoted(rest: str) -> str | None:
+    """The text that a quote without partner, or a pair of wrong quotes, was meant to enclose."""
+    if rest.startswith('"'):
+        return rest
+    match = _WRONG_QUOTES.match(rest)
+    return None if match is None else match[0]
 
 
 def unknown_unit(source: Source, number: Token, found: Token) -> Diagnostic | None:

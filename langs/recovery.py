@@ -24,8 +24,6 @@ LOOKAHEAD = 40
 RECENT = 12
 SURE = 20
 SKIP = 2
-ENOUGH = (2, 3, 2)
-"""How many tokens must be readable after a repair of each kind."""
 _SIGNS = {
     "COMMA": ",",
     "COLON": ":",
@@ -63,7 +61,7 @@ class Repair:
     feed: tuple[Token, ...]
     position: int
     diagnostic: Diagnostic
-    needs: int = 0
+    needs: int = 2
 
 
 class Recovery:
@@ -103,9 +101,9 @@ class Recovery:
 
     def _repair(self, found: Token | Unreadable | None) -> None:
         repairs = list(self._repairs(found))
-        for kind, enough in enumerate(ENOUGH):
+        for kind in range(SKIP + 1):
             tried = [(self._reach(r), r) for r in repairs if r.kind == kind]
-            good = [(reach, r) for reach, r in tried if reach >= max(enough, r.needs)]
+            good = [(reach, r) for reach, r in tried if reach >= r.needs]
             if good:
                 self._apply(good[0][1] if kind == SKIP else max(good, key=lambda t: t[0])[1])
                 return
@@ -152,15 +150,24 @@ class Recovery:
         for index, token, before in self._recent(found):
             if token.type != "NAME" or len(token) < 2:
                 continue
-            if index > 0 and self.reads[index - 1].token == "," and str(token) in self.automaton.keywords.values():
-                comma = self.reads[index - 1].token
-                yield Repair(0, index - 1, (), token.start_pos or 0, complaints.dangling(self.source, comma))
+            if str(token) in self.automaton.keywords.values():
+                yield from self._shadowed(index, token, before)
             fitting = {
                 self.automaton.keywords[k]: k for k in self.automaton.accepts(before) if k in self.automaton.keywords
             }
             for near in get_close_matches(str(token), sorted(fitting), n=2, cutoff=0.6):
                 keyword = self._replaced(token, fitting[near], near)
                 yield Repair(0, index, (keyword,), token.end_pos or 0, complaints.misspelt(self.source, token, near))
+
+    def _shadowed(self, index: int, token: Token, before: Stack) -> Iterator[Repair]:
+        """A keyword read as a name, because a name or value lacks before it, or a comma is too many."""
+        start = token.start_pos or 0
+        if index > 0 and self.reads[index - 1].token == ",":
+            comma = self.reads[index - 1].token
+            yield Repair(0, index - 1, (), start, complaints.dangling(self.source, comma), 3)
+        if index < len(self.reads):
+            name = self.automaton.token("NAME", "?", start)
+            yield Repair(0, index, (name,), start, self._unexpected_at(token, index, before), 3)
 
     def _bare_literal(self, found: Token | None) -> Iterator[Repair]:
         """`goal held target`: a literal without its parentheses, where only a condition can stand."""
@@ -202,7 +209,7 @@ class Recovery:
                 if kind in _SIGNS or kind in _LINKS:
                     text = _SIGNS.get(kind) or self.automaton.keywords[kind]
                     sign = self.automaton.token(kind, text, position)
-                    needs = SURE if kind in _OPENING else 0
+                    needs = SURE if kind in _OPENING else 3
                     yield Repair(1, index, (sign,), position, self._lacking(text, index, token), needs)
 
     def _at_end(self) -> Iterator[tuple[int, Token, Stack]]:
@@ -216,19 +223,20 @@ class Recovery:
         if unit is not None:
             yield Repair(0, len(self.reads), (), found.end_pos or 0, unit)
         if before is not None and before == ",":
-            yield Repair(1, len(self.reads) - 1, (), found.start_pos or 0, complaints.dangling(self.source, before))
+            yield Repair(1, len(self.reads) - 1, (), found.start_pos or 0, complaints.dangling(self.source, before), 3)
         in_literal = found == "," and "_ANY" in self.automaton.accepts(self.stack)
         unexpected = self._unexpected(found)
-        yield Repair(0 if in_literal else 1, len(self.reads), (), found.end_pos or 0, unexpected)
+        yield Repair(0 if in_literal else 1, len(self.reads), (), found.end_pos or 0, unexpected, 3)
         name = self.automaton.token("NAME", "?", found.start_pos or 0)
-        yield Repair(1, len(self.reads), (name,), found.start_pos or 0, unexpected)
+        yield Repair(1, len(self.reads), (name,), found.start_pos or 0, unexpected, 3)
 
     def _unreadable(self, found: Unreadable) -> Iterator[Repair]:
-        diagnostic, width = complaints.unreadable(self.source, found.position, self.automaton)
-        for kind in ("_AND", "_OR", "_NOT"):
-            word = self.automaton.token(kind, self.automaton.keywords[kind], found.position, width)
-            yield Repair(0, len(self.reads), (word,), found.position + width, diagnostic)
-        yield Repair(1, len(self.reads), (), found.position + width, diagnostic)
+        strange = complaints.unreadable(self.source, found.position, self.automaton)
+        position = found.position + strange.width
+        if strange.meant is not None:
+            word = self.automaton.token(*strange.meant, found.position, strange.width)
+            yield Repair(0, len(self.reads), (word,), position, strange.diagnostic, 0)
+        yield Repair(1, len(self.reads), (), position, strange.diagnostic, 1)
 
     def _skipped_lines(self, found: Token | Unreadable | None) -> Iterator[Repair]:
         """Leave out the whole line of the mistake, or it and one or two more."""
@@ -265,18 +273,17 @@ class Recovery:
 
     def _complaint(self, found: Token | Unreadable | None) -> Diagnostic:
         if isinstance(found, Unreadable):
-            return complaints.unreadable(self.source, found.position, self.automaton)[0]
+            return complaints.unreadable(self.source, found.position, self.automaton).diagnostic
         return self._unexpected(found)
 
     def _unexpected(self, found: Token | None) -> Diagnostic:
-        before = [r.token for r in self.reads]
         token = found or self.automaton.token("$END", "", len(self.source.text))
+        return self._unexpected_at(token, len(self.reads), self.stack)
+
+    def _unexpected_at(self, token: Token, index: int, before: Stack) -> Diagnostic:
+        previous = self.reads[index - 1].token if index > 0 else None
         return complaints.unexpected(
-            self.source,
-            token,
-            before[-1] if before else None,
-            self.automaton.accepts(self.stack),
-            self.automaton.keywords,
+            self.source, token, previous, self.automaton.accepts(before), self.automaton.keywords
         )
 
     def _lacking(self, text: str, index: int, token: Token) -> Diagnostic:

@@ -47,7 +47,7 @@ class Wildcard(Node):
 
 @dataclass(frozen=True, slots=True)
 class Index(Node):
-    """`stair[i]`, `c[k]`."""
+    """`shelf[i]`, `c[k]`."""
 
     base: Term
     index: Term
@@ -142,7 +142,7 @@ Type = NamedType | ChainType | RangeType
 
 @dataclass(frozen=True, slots=True)
 class Parameter(Node):
-    """One parameter or bound variable. `A B: gripper` gives two of them. `in` binders (`for i in 1 .. n`,
+    """One parameter or bound variable. `A B: port` gives two of them. `in` binders (`for i in 1 .. n`,
     `for X in base`) are parameters too. `default` is None where there is none."""
 
     name: str
@@ -269,7 +269,7 @@ class PredicateDecl(Node):
 
 @dataclass(frozen=True, slots=True)
 class DerivedDecl(Node):
-    """`derived (held X: object) = exists A: gripper { (grasped A X) }`."""
+    """`derived (held X: object) = exists A: port { (taken A X) }`."""
 
     name: str
     parameters: tuple[Parameter, ...]
@@ -321,7 +321,7 @@ class RuleDecl(Node):
 
 @dataclass(frozen=True, slots=True)
 class PlacementDecl(Node):
-    """`placement (A: gripper) on (Y: base) { (support A), … }`: the literals that hold at the start for whatever a
+    """`placement (A: port) on (Y: base) { (support A), … }`: the literals that hold at the start for whatever a
     scene or task puts `on` something."""
 
     subject: Parameter
@@ -332,7 +332,7 @@ class PlacementDecl(Node):
 
 @dataclass(frozen=True, slots=True)
 class HeuristicCase(Node):
-    """`step(A, B, X, Y): …`: the change of the cost-to-go when the last action is this rule."""
+    """`move(A, B, X, Y): …`: the change of the cost-to-go when the last action is this rule."""
 
     rule: str
     parameters: tuple[str, ...]
@@ -350,7 +350,7 @@ class HeuristicDecl(Node):
 
 @dataclass(frozen=True, slots=True)
 class EffectorItem(Node):
-    """`effector A: gripper sphere(0.05 m) at (0, 0, 0) normal (0, 0, -1)`; `shape` may be Text in a URDF module."""
+    """`effector A: port sphere(0.05 m) at (0, 0, 0) normal (0, 0, -1)`; `shape` may be Text in a URDF module."""
 
     name: str
     type: str | None
@@ -401,7 +401,7 @@ class ModuleDecl(Node):
 
 @dataclass(frozen=True, slots=True)
 class BodyItem(Node):
-    """`base stair[i]: box(0.3 m, 0.8 m, 0.05 m) at (0, 0, 0) heading 0.2`, or `object b: box(…) on tray at (x, y)`."""
+    """`base shelf[i]: box(0.3 m, 0.8 m, 0.05 m) at (0, 0, 0) heading 0.2`, or `object b: box(…) on shelf at (x, y)`."""
 
     type: str
     name: Term
@@ -413,7 +413,7 @@ class BodyItem(Node):
 
 @dataclass(frozen=True, slots=True)
 class RobotItem(Node):
-    """`crawler c[k]: A on ground at (0, 0.3 * k) heading 90 deg`, with arguments `crawler(size = 2 m) c: …`.
+    """`arm c[k]: A on ground at (0, 0.3 * k) heading 90 deg`, with arguments `arm(size = 2 m) c: …`.
     Without `on` the module frame itself is put `at` a point."""
 
     type: str
@@ -449,7 +449,7 @@ class IfItem(Node):
 
 @dataclass(frozen=True, slots=True)
 class SceneUse(Node):
-    """`scene stairs(n)` inside a task or another scene."""
+    """`scene shelves(n)` inside a task or another scene."""
 
     name: str
     args: tuple[Argument, ...]
@@ -457,14 +457,14 @@ class SceneUse(Node):
 
 @dataclass(frozen=True, slots=True)
 class GoalItem(Node):
-    """`goal (held target), (on tray b)`: the conjuncts."""
+    """`goal (held target), (on shelf b)`: the conjuncts."""
 
     formulas: tuple[Formula, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class GuideUse(Node):
-    """`guide climb(target)`."""
+    """`guide approach(target)`."""
 
     name: str
     args: tuple[Argument, ...]
