@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 
 from .domains import effects_of
-from .ir import Fact, Formula, Function, Object, Problem, Var
+from .ir import Action, Chain, Fact, Formula, Function, Object, Problem, Value, Var
 from .layout import BIT, Layout
 from .normal_form import parts
 from .successors import Successors
@@ -15,8 +15,8 @@ FEWEST = 2
 """Below this many interchangeable modules the renaming costs more than it saves."""
 
 
-def renaming(successors: Successors) -> Callable[[int], int] | None:
-    """A function that gives states that differ only in the names of interchangeable modules, or of the two ends of
+def renaming(successors: Successors) -> Renaming | None:
+    """Gives states that differ only in the names of interchangeable modules, or of the two ends of
     such a module, the same int (mostly: ties may remain). None when there are too few such modules."""
     layout, problem = successors.layout, successors.problem
     named = _named(problem)
@@ -36,7 +36,7 @@ def renaming(successors: Successors) -> Callable[[int], int] | None:
         else:
             groups.append([module.name])
     large = [g for g in groups if len(g) >= FEWEST]
-    return Renaming(layout, large).canonical if large else None
+    return Renaming(layout, large) if large else None
 
 
 def _objects(problem: Problem, module: str) -> list[str]:
@@ -108,6 +108,17 @@ def _turnable(layout: Layout, objects: list[str]) -> bool:
     return alike and _invariant(layout, {objects[1]: objects[2], objects[2]: objects[1]})
 
 
+def renamed_action(action: Action, names: Mapping[str, str]) -> Action:
+    """The action with other names for modules and ends."""
+
+    def renamed(value: Value) -> Value:
+        if isinstance(value, Chain):
+            return Chain(tuple((names.get(m, m), names.get(a, a), names.get(b, b)) for m, a, b in value.modules))
+        return names.get(value, value) if isinstance(value, str) else value
+
+    return Action(action.rule, tuple(map(renamed, action.args)))
+
+
 class Renaming:
     """Sorts interchangeable modules, and their ends, by what holds of them and of what they are linked to."""
 
@@ -137,6 +148,8 @@ class Renaming:
         self.pair_mask = 0
         for bit, _ in self.pairs:
             self.pair_mask |= bit
+        self._shapes: dict[int, dict[str, int]] = {}
+        """Colours by the flags alone: they come first, so that few flag words stand for all."""
         self._links: dict[int, list[Fact]] = {}
         self._known: dict[int, int] = {}
 
@@ -147,13 +160,32 @@ class Renaming:
             found = self._known[state] = self._canonical(state)
         return found
 
-    def _canonical(self, state: int) -> int:
+    def names(self, state: int) -> dict[str, str]:
+        """What each module and end of the state is called in `canonical(state)`."""
+        return self._named(state, self._values(state), self._linked(state))
+
+    def _values(self, state: int) -> dict[str, tuple[int, ...]]:
+        return {o: tuple([state >> shift & mask for _, shift, mask in self.places[o]]) for o in self.objects}
+
+    def _linked(self, state: int) -> list[Fact]:
         word = state & self.pair_mask
         links = self._links.get(word)
         if links is None:
             links = self._links[word] = [fact for bit, fact in self.pairs if word & bit]
-        values = {o: tuple([state >> shift & mask for _, shift, mask in self.places[o]]) for o in self.objects}
-        names = self._order(self._colours(values, links))
+        return links
+
+    def _named(self, state: int, values: Mapping[str, tuple[int, ...]], links: list[Fact]) -> dict[str, str]:
+        flags = state & self.layout.flag_mask
+        shape = self._shapes.get(flags)
+        if shape is None:
+            bare = {o: tuple([flags >> shift & mask for _, shift, mask in self.places[o]]) for o in self.objects}
+            shape = self._shapes[flags] = self._colours(bare, links)
+        colours = self._colours(values, links)
+        return self._order({o: (shape[o], colours[o]) for o in self.objects})
+
+    def _canonical(self, state: int) -> int:
+        values, links = self._values(state), self._linked(state)
+        names = self._named(state, values, links)
         renamed = state & self.kept
         for old, new in names.items():
             for value, (_, shift, _) in zip(values[old], self.places[new], strict=True):
@@ -182,7 +214,7 @@ class Renaming:
             colours = fresh
         return colours
 
-    def _order(self, colours: Mapping[str, int]) -> dict[str, str]:
+    def _order(self, colours: Mapping[str, tuple[int, int]]) -> dict[str, str]:
         names: dict[str, str] = {}
         for group, turnable in zip(self.groups, self.turnable, strict=True):
             sides = []

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from ..compiler.costs import CostToGo
 from ..compiler.estimate import Estimate
 from ..compiler.ir import Action, Problem
-from ..compiler.renaming import renaming
+from ..compiler.renaming import Renaming, renamed_action, renaming
 from ..compiler.successors import Successors
 from .budget import Budget
 from .conflicts import EMPTY, LEAF, OFF, NoGoods
@@ -67,7 +66,7 @@ class SkeletonSearch:
         self.guide = CostToGo(problem, successors)
         self.estimate = Estimate(successors)
         self.no_goods = NoGoods(problem, successors)
-        self.renamed: Callable[[int], int] | None = renaming(successors)
+        self.renaming = renaming(successors)
         self._values: dict[int, float] = {}
         self.tree: list[SearchNode] = []
         self.tree_nodes = 0
@@ -134,10 +133,14 @@ class _Run:
         self.order = 1 if search.method == "bfs" else -1
         no_goods = search.no_goods
         self.remembers = no_goods.watches or no_goods.root >= 0 or (self.guided and search.guide.reads_previous)
+        self.representative = search.renaming is not None and not self.remembers
+        """Whether the search goes through renamed states; the plan gets its names at the end."""
 
     def run(self) -> Candidate | None:
         search = self.search
         start = search.successors.initial
+        if self.representative:
+            start = self._key(start, NOTHING)
         self._push(start, 0.0, search.guide.start, (EMPTY, search.no_goods.root, None), None, None)
         search.tree_nodes += 1
         pops, limit = 0, math.inf if search.node_limit is None else search.node_limit
@@ -179,7 +182,8 @@ class _Run:
             value = guide + search.guide.change(state, action, self.parents[key][1] if key in self.parents else None)
             if self.guided and value == math.inf:
                 continue
-            self._push(following, child_cost, value, then, child_key, (key, action))
+            kept = child_key if self.representative else following
+            self._push(kept, child_cost, value, then, child_key, (key, action))
 
     def _push(
         self, state: int, cost: float, guide: float, past: Past, key: Key, parent: tuple[Key, int] | None
@@ -203,7 +207,8 @@ class _Run:
         """States that differ only in names are one, unless names are remembered."""
         if self.remembers and past != NOTHING:
             return state, past
-        return state if self.search.renamed is None else self.search.renamed(state)
+        renaming = self.search.renaming
+        return state if renaming is None else renaming.canonical(state)
 
     def _advance(self, past: Past, state: int, action: int) -> Past | None:
         """What must be remembered after one more action; None when a no-good forbids it."""
@@ -230,15 +235,35 @@ class _Run:
 
     def _candidate(self, key: Key, cost: float) -> Candidate:
         search = self.search
-        numbers: list[int] = []
+        path: list[tuple[Key, int]] = []
         while key in self.parents:
-            key, number = self.parents[key]
-            numbers.append(number)
-        numbers.reverse()
+            above, number = self.parents[key]
+            path.append((key, number))
+            key = above
+        path.reverse()
+        numbers = [number for _, number in path]
+        if self.representative and search.renaming is not None:
+            numbers = self._named_again(path, search.renaming)
         actions = tuple(search.successors.action(n) for n in numbers)
         bound = self._lower_bound(cost)
         search.status = "found"
         return Candidate(tuple(numbers), actions, cost, bound >= cost - EQUAL and not self.cut, bound)
+
+    def _named_again(self, path: list[tuple[Key, int]], renaming: Renaming) -> list[int]:
+        """The actions of a path through renamed states, with the names that lead there from the start itself."""
+        successors = self.search.successors
+        state = successors.initial
+        representative = renaming.canonical(state)
+        names = {new: old for old, new in renaming.names(state).items()}
+        numbers = []
+        for key, chosen in path:
+            reached = next(t for t, a in successors.expand(representative) if a == chosen)
+            action = renamed_action(successors.action(chosen), names)
+            state, number = next((t, a) for t, a in successors.expand(state) if successors.action(a) == action)
+            numbers.append(number)
+            names = {new: names.get(old, old) for old, new in renaming.names(reached).items()}
+            representative = key
+        return numbers
 
     def _lower_bound(self, cost: float) -> float:
         """No plan that the no-goods leave is cheaper than this."""

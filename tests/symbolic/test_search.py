@@ -82,8 +82,10 @@ def check_estimate(problem: Problem, most: int = 1500) -> None:
     if complete and successors.initial not in left:
         assert started(problem).next() is None
     if successors.initial in left:
-        candidate = started(problem).next()
+        search = started(problem)
+        candidate = search.next()
         assert candidate is not None and candidate.optimal
+        replayed(search, candidate)
         assert candidate.cost == left[successors.initial]
 
 
@@ -226,6 +228,16 @@ def test_node_and_time_limits_end_the_search() -> None:
     spent = SkeletonSearch(problem, Successors(problem), "astar", Budget(0.0))
     assert spent.next() is None
     assert spent.status == "budget"
+
+
+@pytest.mark.parametrize("crawlers, rise", [(3, 2.6), (4, 1.0)])
+def test_plans_through_renamed_states_get_their_names_back(crawlers: int, rise: float) -> None:
+    search = started(climb(8, crawlers, rise=rise))
+    for _ in range(3):
+        candidate = search.next()
+        assert candidate is not None
+        replayed(search, candidate)
+        search.forbid_actions(candidate, len(candidate.actions) - 1, len(candidate.actions) - 1)
 
 
 def test_the_search_is_deterministic() -> None:
