@@ -29,6 +29,11 @@
       scene.follow(false);
     });
     window.addEventListener("beforeprint", () => scene.viewer.render());
+    const farAway = 6;  // metres: beyond this a module in the whole scene is too small to see
+    if (scene.bounds().radius > farAway) {
+      get("follow").checked = true;
+      scene.follow(true);
+    }
   }
 
   function startControls() {

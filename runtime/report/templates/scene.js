@@ -40,6 +40,8 @@ class ReplayScene {
     this.viewer.set_3d_pane_size = () => resize(pane.clientWidth || 1, pane.clientHeight || 1);
     for (const command of data.commands) this.viewer.handle_command_bytearray(decodeBytes(command));
     this.frames = data.frames.map((path) => this.node(path));
+    const modules = this.frames.filter((_, index) => data.frames[index].startsWith("module"));
+    this.followed = modules.length ? modules : this.frames;
     this.painted = data.paint.map(([path, module, share]) =>
       ({ material: this.node(path + "/<object>").material, module, share }));
     this.light();
@@ -182,16 +184,16 @@ class ReplayScene {
     this.moved = true;
     controls.target.copy(this.movingCentre());
     const centre = this.middle();
-    const spread = Math.max(0, ...this.frames.map((frame) => frame.position.distanceTo(centre)));
+    const spread = Math.max(0, ...this.followed.map((frame) => frame.position.distanceTo(centre)));
     camera.position.copy(controls.target).add(offset.clampLength(0, 1.5 + 3.2 * spread));
     this.viewer.set_dirty();
   }
 
-  /* Mean place of the frames that move, in the world; and the same for the camera, whose y is up. */
+  /* Mean place of the modules that move, in the world; and the same for the camera, whose y is up. */
   middle() {
     const sum = new MeshCat.THREE.Vector3();
-    for (const frame of this.frames) sum.add(frame.position);
-    return this.frames.length ? sum.divideScalar(this.frames.length) : sum.set(...this.bounds().centre);
+    for (const frame of this.followed) sum.add(frame.position);
+    return this.followed.length ? sum.divideScalar(this.followed.length) : sum.set(...this.bounds().centre);
   }
 
   movingCentre() {
