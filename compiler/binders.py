@@ -13,7 +13,7 @@ from .kinds import NUMBER, UNKNOWN, VALUE_TYPES, Kind
 from .library import VALUE_TYPE_NAMES
 from .names import Entry, Scope, Typed
 
-LARGEST_LOOP = 100_000
+LARGEST_LOOP = 20_000
 
 
 def bind(context: Context, scope: Scope, binders: Sequence[syntax.Parameter]) -> tuple[Scope, tuple[ir.Variable, ...]]:
@@ -90,7 +90,9 @@ def _check_chain(context: Context, scope: Scope, node: syntax.ChainType) -> tupl
     return chain, Kind("chain", node.element, ends[0])
 
 
-def unrolled(context: Context, scope: Scope, binders: Sequence[syntax.Parameter]) -> Iterator[Scope] | None:
+def unrolled(
+    context: Context, scope: Scope, binders: Sequence[syntax.Parameter], allowed: int = LARGEST_LOOP
+) -> Iterator[Scope] | None:
     """One scope for every choice of values of range binders; None when a bound is not known, or after an error."""
     if not binders:
         return iter((scope,))
@@ -101,10 +103,9 @@ def unrolled(context: Context, scope: Scope, binders: Sequence[syntax.Parameter]
     first, last = bounds
     if first is None or last is None:
         return None
-    if last - first >= LARGEST_LOOP:
-        context.findings.report(
-            "E0510", head.type.span, f"the loop has {last - first + 1} rounds, at most {LARGEST_LOOP} are allowed"
-        )
+    if last - first >= allowed:
+        message = f"this loop has more than {LARGEST_LOOP} rounds"
+        context.findings.report("E0510", head.type.span, message, help=f"it runs from {first} to {last}")
         return None
     where = context.findings.word(head.span, head.name)
     inner = [
@@ -112,7 +113,8 @@ def unrolled(context: Context, scope: Scope, binders: Sequence[syntax.Parameter]
     ]
     if not rest:
         return iter(inner)
-    nested = [unrolled(context, s, rest) for s in inner]
+    room = allowed // max(1, len(inner))
+    nested = [unrolled(context, s, rest, room) for s in inner]
     if any(n is None for n in nested):
         return None
     return itertools.chain.from_iterable(n for n in nested if n is not None)

@@ -55,7 +55,10 @@ class _Loader:
     def read(self, path: str, declaration: syntax.Import) -> Source | None:
         if path in self.given:
             return self.given[path]
-        location = on_disk(path)
+        location = Path(path) if declaration.is_path else on_disk(path)
+        if not declaration.is_path and not declaration.target.startswith(f"{STANDARD}."):
+            self.diagnostics.append(_foreign(declaration))
+            return None
         try:
             return Source(path, read_source(location).text)
         except SourceError as error:
@@ -75,6 +78,16 @@ class _Loader:
         elif not declaration.is_path and near:
             help = "the standard library has " + ", ".join(f"{STANDARD}.{n}" for n in near)
         return Diagnostic("E0111", f"nothing to import under {what}", declaration.span, (), help)
+
+
+def _foreign(declaration: syntax.Import) -> Diagnostic:
+    """A dotted import that is not of the standard library."""
+    head, _, tail = declaration.target.partition(".")
+    own = declaration.target.replace(".", "/") + EXTENSION
+    help = f'files of your own are quoted: `import "{own}"`'
+    if (tail or head) in neighbours(STANDARD_FOLDER / "any"):
+        help = f"did you mean `import {STANDARD}.{tail or head}`?"
+    return Diagnostic("E0111", f"nothing to import under {declaration.target}", declaration.span, (), help)
 
 
 def _import_of(stem: str, declaration: syntax.Import) -> str:

@@ -26,6 +26,9 @@ from .task_options import check_options
 from .terms import check_term
 from .values import bind_arguments, number, shape, vector
 
+MOST_THINGS = 10_000
+"""How many bodies and modules a scene may have; with ten times fewer, search still takes moments."""
+
 
 @dataclass(frozen=True, slots=True)
 class Standing:
@@ -64,6 +67,7 @@ class SceneBuilder:
         self.spans: dict[str, Span] = {}
         self.module_types: dict[tuple[str, tuple[float | None, ...]], BuiltModule | None] = {}
         self.open_scenes: list[str] = []
+        self.full = False
         self.late: list[tuple[Scope, syntax.SceneItem]] = []
 
     def build(self, scope: Scope, items: Sequence[syntax.SceneItem]) -> BuiltScene:
@@ -115,6 +119,11 @@ class SceneBuilder:
             self.walk(inner, item.items)
             return
         for inner in unrolled(self.context, scope, item.binders) or ():
+            if len(self.spans) > MOST_THINGS:
+                if not self.full:
+                    self.findings.report("E0510", item.span, f"this loop makes more than {MOST_THINGS} things")
+                self.full = True
+                return
             self.walk(inner, item.items)
 
     def branch(self, scope: Scope, item: syntax.IfItem) -> None:
