@@ -1,4 +1,4 @@
-"""P_seq and P_path beyond the crawler: sliding joints, rows within one module, `during` rows, two hands on one thing."""
+"""P_seq and P_path beyond the crawler: sliding joints, rows within one module, `during` rows, two hands on a bar."""
 
 from __future__ import annotations
 
