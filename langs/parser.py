@@ -15,7 +15,8 @@ from .source import Source, Span
 def parse(source: Source) -> tuple[syntax.File, tuple[Diagnostic, ...]]:
     """The tree of `source`, and all that is wrong with its syntax, in source order.
 
-    A file with mistakes gives the tree of its repaired text: what could not be repaired is left out.
+    A file with mistakes gives the tree of its repaired text: what could not be repaired is left out, and a lacking name
+    is `?`.
     """
     tree, mistakes = _parse_tree(source)
     builder = TreeBuilder(source.path, source.text.split("\n"))
@@ -51,7 +52,9 @@ def _repaired_tree(source: Source) -> tuple[Branch, list[Diagnostic]]:
 
 def _declaration(builder: TreeBuilder, branch: Branch) -> list[syntax.Declaration]:
     try:
-        return [builder.declaration(branch)]
+        made = builder.declaration(branch)
+        unnamed = isinstance(made, syntax.Import) and not made.is_path and made.target.endswith("?")
+        return [] if unnamed else [made]
     except NestingError as e:
         builder.problem("E0008", "this is nested too deeply", e.span)
         return []

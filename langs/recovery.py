@@ -19,6 +19,8 @@ from .automaton import Automaton, Stack, Unreadable
 from .diagnostics import Diagnostic
 from .source import Source
 
+PLACEHOLDER = "?"
+"""The name that stands where one lacks in a repaired text; no sound text has it as a name."""
 MAX_ERRORS = 50
 LOOKAHEAD = 40
 RECENT = 12
@@ -166,7 +168,7 @@ class Recovery:
             comma = self.reads[index - 1].token
             yield Repair(0, index - 1, (), start, complaints.dangling(self.source, comma), 3)
         if index < len(self.reads):
-            name = self.automaton.token("NAME", "?", start)
+            name = self.automaton.token("NAME", PLACEHOLDER, start)
             yield Repair(0, index, (name,), start, self._unexpected_at(token, index, before), 3)
 
     def _bare_literal(self, found: Token | None) -> Iterator[Repair]:
@@ -227,7 +229,7 @@ class Recovery:
         in_literal = found == "," and "_ANY" in self.automaton.accepts(self.stack)
         unexpected = self._unexpected(found)
         yield Repair(0 if in_literal else 1, len(self.reads), (), found.end_pos or 0, unexpected, 3)
-        name = self.automaton.token("NAME", "?", found.start_pos or 0)
+        name = self.automaton.token("NAME", PLACEHOLDER, found.start_pos or 0)
         yield Repair(1, len(self.reads), (name,), found.start_pos or 0, unexpected, 3)
 
     def _unreadable(self, found: Unreadable) -> Iterator[Repair]:
