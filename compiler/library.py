@@ -14,7 +14,18 @@ from .findings import Findings
 BUILT_IN_TYPES: Mapping[str, str | None] = {"object": None, "effector": "object", "module": None}
 VALUE_TYPE_NAMES = ("int", "real", "length", "angle")
 
-Declared = TypeVar("Declared", bound=syntax.Declaration)
+Named = (
+    syntax.TypeDecl
+    | syntax.PredicateDecl
+    | syntax.DerivedDecl
+    | syntax.MotionDecl
+    | syntax.RuleDecl
+    | syntax.HeuristicDecl
+    | syntax.ModuleDecl
+    | syntax.SceneDecl
+    | syntax.TaskDecl
+)
+Declared = TypeVar("Declared", bound=Named)
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +86,7 @@ class _Tables:
         for declaration in self.declarations:
             if not isinstance(declaration, kind):
                 continue
-            name = getattr(declaration, "name")  # noqa: B009 - imports and placements have none and are not asked for
+            name = declaration.name
             first = table.setdefault(name, declaration)
             if first is not declaration:
                 self.duplicate(name, declaration.span, first.span)

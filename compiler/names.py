@@ -40,7 +40,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Family:
-    """The things of a scene that share a base name, such as `stair[1]`, `stair[2]`: type and number of indices."""
+    """The things of a scene that share a base name, such as `plate[1]`, `plate[2]`: type and number of indices."""
 
     type: str
     indices: int

@@ -132,7 +132,7 @@ def _unknown_attribute(context: Context, term: syntax.Attribute, what: str, know
 def check_object(
     context: Context, scope: Scope, term: syntax.Term, base: str, indices: list[tuple[syntax.Term, Typed]]
 ) -> Typed:
-    """A thing of the scene by its base name and indices, such as `stair[3]`; while the scene is not built yet the
+    """A thing of the scene by its base name and indices, such as `plate[3]`; while the scene is not built yet the
     indices are not looked up."""
     family = scope.objects.families[base]
     findings = context.findings

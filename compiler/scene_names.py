@@ -14,7 +14,7 @@ __all__ = ["base_and_indices", "collect_objects", "full_name"]
 
 
 def base_and_indices(term: syntax.Term) -> tuple[str, list[syntax.Term]]:
-    """`stair[i]` as its base name and its indices."""
+    """`plate[i]` as its base name and its indices."""
     indices: list[syntax.Term] = []
     while isinstance(term, syntax.Index):
         indices.insert(0, term.index)
