@@ -8,6 +8,7 @@ with all rows built. CPU seconds, the front end left out.
 
 from __future__ import annotations
 
+import gc
 import random
 import time
 from pathlib import Path
@@ -69,6 +70,8 @@ def rate(successors: Successors) -> float:
 
 
 def measure(name: str, problem: Problem) -> None:
+    gc.collect()
+    gc.freeze()
     started = time.process_time()
     successors = Successors(problem)
     search = SkeletonSearch(problem, successors, "astar", Budget(60))

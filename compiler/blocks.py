@@ -10,10 +10,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from .algebra import conjunction
 from .chains import Word
 from .domains import FlatRule
 from .expressions import Check, Test, compiled, ground, source, split
-from .guards import Environment, Guards, Undefined, conjunction
+from .guards import Environment, Guards, Undefined
 from .ir import (
     And,
     Any_,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from .algebra import arithmetic
 from .expressions import literal_test
 from .guards import Environment, Undefined
 from .ir import (
@@ -75,7 +76,7 @@ class CostToGo:
                 return self._value(term.then if holds else term.otherwise, env, state, previous)
             case Arith():
                 values = [self._value(t, env, state, previous) for t in term.operands]
-                return _arithmetic(term.operator, values)
+                return float(arithmetic(term.operator, values))
             case Aggregate():
                 word = self.successors.word(state)
                 inner = (e for e, _ in guards.solutions(term.variables, (), env, word))
@@ -127,17 +128,6 @@ class CostToGo:
             return bool(env.get(wanted.name) == arg)
         known = self.successors.guards.resolve(wanted, env)
         return getattr(known, "name", getattr(known, "value", None)) == arg
-
-
-def _arithmetic(operator: str, values: list[float]) -> float:
-    if operator == "neg":
-        return -values[0]
-    left, right = values
-    if operator == "+":
-        return left + right
-    if operator == "-":
-        return left - right
-    return left * right if operator == "*" else left / right
 
 
 def _reads_previous(term: Term) -> bool:

@@ -51,6 +51,12 @@ class Estimate:
         self.costs = {f.rule.name: self._least_cost(f) for f in self.layout.domains.rules}
         self.landmarks: list[Landmark] = []
         self._known: dict[frozenset[Fact], int] = {}
+        self._achieved: dict[Fact, list[Achiever]] = {}
+        self._adding: dict[str, list[tuple[FlatRule, Literal, dict[str, Type]]]] = {}
+        for flat in self.layout.domains.rules:
+            for effect, types in scoped_effects(flat.rule.effects, {v.name: v.type for v in flat.variables}):
+                if not effect.negated and not effect.literal.motion:
+                    self._adding.setdefault(effect.literal.predicate, []).append((flat, effect.literal, types))
         for facts in self._goals():
             self._add(facts, None, 0)
         served = {f.rule.name: self._served(f) for f in self.layout.domains.rules}
@@ -145,19 +151,21 @@ class Estimate:
         mask, value = self.layout.encode(fact)
         return state & mask == value
 
-    def _achievers(self, fact: Fact) -> Iterator[Achiever]:
+    def _achievers(self, fact: Fact) -> list[Achiever]:
         """Every way in which an effect may add a fact, with the variables that this binds."""
+        if fact not in self._achieved:
+            self._achieved[fact] = list(self._find_achievers(fact))
+        return self._achieved[fact]
+
+    def _find_achievers(self, fact: Fact) -> Iterator[Achiever]:
         orders = [fact]
         if self.successors.problem.predicates[fact[0]].symmetric:
             orders.append((fact[0], fact[2], fact[1]))
-        for flat in self.layout.domains.rules:
-            for effect, types in scoped_effects(flat.rule.effects, {v.name: v.type for v in flat.variables}):
-                if effect.negated or effect.literal.motion or effect.literal.predicate != fact[0]:
-                    continue
-                for order in orders:
-                    env = self._unified(effect.literal, order, flat, types)
-                    if env is not None:
-                        yield Achiever(flat, env)
+        for flat, literal, types in self._adding.get(fact[0], ()):
+            for order in orders:
+                env = self._unified(literal, order, flat, types)
+                if env is not None:
+                    yield Achiever(flat, env)
 
     def _unified(
         self, literal: Literal, fact: Fact, flat: FlatRule, types: dict[str, Type]

@@ -6,13 +6,13 @@ between small objects and hence the chains. What remains is a formula over the o
 
 from __future__ import annotations
 
-import math
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from .algebra import MATHS, arithmetic, conjunction, disjunction, flip, is_plain, negation
 from .chains import Word
 from .geometry import Geometry
 from .ir import (
@@ -45,7 +45,7 @@ from .ir import (
     Variable,
 )
 from .layout import FIELD, FLAG, STATIC, Layout
-from .normal_form import FALSE, NEGATED, TRUE, free_names
+from .normal_form import FALSE, TRUE, free_names
 
 Environment = Mapping[str, Any]
 """Values of variables: an object's name, a number, a chain; or an array of object indices for a whole row at once."""
@@ -123,7 +123,7 @@ class Guards:
                 return self._function(term, env)
             case Arith():
                 values = [self.number(t, env) for t in term.operands]
-                return _arithmetic(term.operator, values)
+                return arithmetic(term.operator, values)
             case Conditional():
                 chosen = self.reduce(term.condition, env, None)
                 return self.number(term.then if chosen == TRUE else term.otherwise, env)
@@ -150,7 +150,7 @@ class Guards:
             if names[0].rpartition(".")[0] != names[1].rpartition(".")[0]:
                 raise Undefined
             return self.geometry.reach(names[0], names[1])
-        return _MATHS[name](*(self.number(a, env) for a in args))
+        return MATHS[name](*(self.number(a, env) for a in args))
 
     def thing(self, term: Term, env: Environment) -> Any:
         """The index of the object that a term denotes, or an array of indices."""
@@ -181,7 +181,7 @@ class Guards:
             case Exists():
                 return self._exists(formula, env, word)
             case Forall():
-                flipped = Exists(formula.variables, _flip(formula.body))
+                flipped = Exists(formula.variables, flip(formula.body))
                 return negation(self._exists(flipped, env, word))
             case Previous():
                 return FALSE
@@ -379,7 +379,7 @@ class Guards:
         """Settle comparisons of lengths for all candidates at once."""
         if len(values) <= FEW or not isinstance(variable.type, ObjectType):
             return values, live
-        usable = [f for f in live if isinstance(f, Compare) and free_names(f) == {variable.name} and _plain(f)]
+        usable = [f for f in live if isinstance(f, Compare) and free_names(f) == {variable.name} and is_plain(f)]
         if not usable:
             return values, live
         indices = np.array([self._order[str(v)] for v in values])
@@ -393,77 +393,3 @@ class Guards:
 def _is_thing(term: Term, env: Environment) -> bool:
     """An object, or a chain variable; the other side is then one too, not known yet."""
     return isinstance(term, Object | ChainEnd | ChainModule) or (isinstance(term, Var) and term.name not in env)
-
-
-def _plain(formula: Compare) -> bool:
-    """Whether both sides are lengths made of geometry and arithmetic only."""
-
-    def plain(term: Term) -> bool:
-        if isinstance(term, Function):
-            return term.name in ("distance", "stride", "radius", "abs", "sqrt")
-        return isinstance(term, Number) or (isinstance(term, Arith) and all(map(plain, term.operands)))
-
-    return plain(formula.left) and plain(formula.right)
-
-
-def _flip(formula: Formula) -> Formula:
-    """The negation of a normal-form formula, negations at the leaves again."""
-    match formula:
-        case And():
-            return Or(tuple(_flip(f) for f in formula.operands))
-        case Or():
-            return And(tuple(_flip(f) for f in formula.operands))
-        case Exists():
-            return Forall(formula.variables, _flip(formula.body))
-        case Forall():
-            return Exists(formula.variables, _flip(formula.body))
-        case Not():
-            return formula.operand
-        case Compare():
-            return Compare(NEGATED[formula.operator], formula.left, formula.right)
-        case _:
-            return Not(formula)
-
-
-def negation(formula: Formula) -> Formula:
-    if formula == TRUE:
-        return FALSE
-    if formula == FALSE:
-        return TRUE
-    return _flip(formula)
-
-
-def conjunction(parts: Any) -> Formula:
-    """And of reduced formulas, flattened and without repetition."""
-    return _joined(parts, And, TRUE, FALSE)
-
-
-def disjunction(parts: Any) -> Formula:
-    """Or of reduced formulas, flattened and without repetition."""
-    return _joined(parts, Or, FALSE, TRUE)
-
-
-def _joined(parts: Any, kind: type[And] | type[Or], neutral: Formula, absorbing: Formula) -> Formula:
-    found: dict[Formula, None] = {}
-    for part in parts:
-        if part == absorbing:
-            return absorbing
-        if part != neutral:
-            found.update(dict.fromkeys(part.operands if isinstance(part, kind) else (part,)))
-    return next(iter(found)) if len(found) == 1 else kind(tuple(found))
-
-
-def _arithmetic(name: str, values: list[Any]) -> Any:
-    if name == "neg" or len(values) == 1:
-        return -values[0]
-    left, right = values
-    return {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}[name](left, right)
-
-
-_MATHS: dict[str, Callable[..., Any]] = {
-    "abs": np.abs,
-    "sqrt": np.sqrt,
-    "sin": math.sin,
-    "cos": math.cos,
-    "floor": math.floor,
-}

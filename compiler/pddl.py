@@ -11,8 +11,9 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import permutations, product
 
+from .algebra import conjunction, disjunction, negation
 from .domains import FlatRule
-from .guards import Environment, Guards, conjunction, disjunction, negation
+from .guards import Environment, Guards
 from .ir import (
     And,
     Any_,
