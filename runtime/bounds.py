@@ -146,20 +146,20 @@ class Bounds:
         return result
 
     def _shrink(self, skeleton: Skeleton, refused: BoundResult) -> list[Conflict]:
-        """A short conflict behind a refused P_seq: the worst phase with one or two before it, else a prefix."""
-        worst = refused.violations[0].phase if refused.violations else len(skeleton) - 1
+        """A short conflict behind a refused P_seq: two or three phases around the worst, else the shortest prefix."""
+        end = len(skeleton)
+        worst = refused.violations[0].phase if refused.violations else end - 1
         for length in range(2, LONGEST_WINDOW + 1):
-            first = worst - length + 1
-            if first > 0:
-                result = self._window(skeleton, first, worst)
+            for first in range(max(1, worst - length + 1), min(worst, end - length) + 1):
+                result = self._window(skeleton, first, first + length - 1)
                 if not result.feasible:
-                    return [Conflict("seq", first, worst, False, tuple(result.violations))]
-        last = len(skeleton) - 1
-        if worst < last:
-            prefix = replace(skeleton, phases=skeleton.phases[: worst + 1], final_mode=skeleton.phases[worst + 1].mode)
-            if not self._sequence(prefix, self.seed, None).feasible:
-                last = worst
-        return [Conflict("seq", 0, last, True, tuple(refused.violations))]
+                    return [Conflict("seq", first, first + length - 1, False, tuple(result.violations))]
+        for length in range(worst + 1, end):
+            prefix = replace(skeleton, phases=skeleton.phases[:length], final_mode=skeleton.phases[length].mode)
+            result = self._sequence(prefix, self.seed, None)
+            if not result.feasible:
+                return [Conflict("seq", 0, length - 1, True, tuple(result.violations))]
+        return [Conflict("seq", 0, end - 1, True, tuple(refused.violations))]
 
     def _paths(self, skeleton: Skeleton, sequence: BoundResult) -> Judgement:
         """P_seqPath between the switch poses, drawn anew around phases that fail; then P_path."""

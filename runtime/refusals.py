@@ -57,12 +57,8 @@ class Refusals:
         )
 
     def _diagnostic(self, skeleton: Skeleton, conflict: Conflict, action: str, reason: str) -> Diagnostic:
-        before = conflict.last - conflict.first
         rule = self.problem.rules.get(skeleton.phases[conflict.last].action.rule)
-        context = ""
-        if before:
-            start = "from the start" if conflict.from_start else f"after {skeleton.phases[conflict.first].action}"
-            context = f", {start}," if conflict.from_start else f", {start},"
+        context = " from the start" if conflict.from_start else ""
         span = self._span(conflict)
         labels = (Label(rule.span, "the rule of this action"),) if rule is not None and rule.span else ()
         earlier = ", ".join(str(p.action) for p in skeleton.phases[conflict.first : conflict.last])

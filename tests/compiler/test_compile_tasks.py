@@ -66,7 +66,7 @@ def test_goal_loops_are_written_out() -> None:
 def test_the_sources_of_a_problem_compile_again_without_a_disk(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     first, _ = compile_problem(CLIMB, parameters={"n": "4"}, seed=2)
     assert [s.path for s in first.sources[1:]] == [
-        f"std/{name}.tamp" for name in ("crawler", "logic", "rules", "motion", "heuristics", "scenes")
+        f"std/{name}.tamp" for name in ("crawler", "motion", "logic", "rules", "heuristics", "scenes")
     ]
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("tamplang.compiler.imports.STANDARD_FOLDER", tmp_path)
