@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product
+from typing import Any
 
 from .domains import FlatRule, scoped_effects
 from .expressions import Test, literal_test, test_source
@@ -67,11 +68,11 @@ class Estimate:
             landmark.weight = min((self.costs[r] / max(served[r], 1) for r in rules), default=math.inf)
             self._locate(landmark)
         self.text = self.source()
-        names: dict[str, object] = {"inf": math.inf}
+        names: dict[str, Any] = {"inf": math.inf}
         names |= {f"table_{i}": table for i, table in enumerate(self._tables)}
         names |= {f"holders_{i}": holders for i, holders in enumerate(self._holders)}
         exec(compile(self.text, "<estimate>", "exec"), names)
-        self.value: Callable[[int], float] = names["value"]  # type: ignore[assignment]
+        self.value: Callable[[int], float] = names["value"]
 
     # --- landmarks -----------------------------------------------------------------------------------------------
 

@@ -49,14 +49,14 @@ class NormalForm:
         """The formula as `exists variables { and of conjuncts }`, in negation normal form."""
         hidden: list[Variable] = []
         found: list[Formula] = []
-        todo = [self.normal(formula, {}, False)]
-        while todo:
-            item = todo.pop(0)
+        waiting = [self.normal(formula, {}, False)]
+        while waiting:
+            item = waiting.pop(0)
             if isinstance(item, And):
-                todo[:0] = item.operands
+                waiting[:0] = item.operands
             elif isinstance(item, Exists):
                 hidden.extend(item.variables)
-                todo.insert(0, item.body)
+                waiting.insert(0, item.body)
             elif item not in found:
                 found.append(item)
         return tuple(hidden), tuple(found)

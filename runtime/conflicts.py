@@ -172,9 +172,9 @@ class NoGoods:
         """The objects of an action and all ends of the modules that are linked to its own, walking along the links."""
         links = self._links(state)
         found = dict.fromkeys(_objects(action))
-        todo = list(found)
-        while todo:
-            name = todo.pop(0)
+        waiting = list(found)
+        while waiting:
+            name = waiting.pop(0)
             world = self.problem.world
             module = name if name in world.modules else name.rpartition(".")[0]
             known = world.modules.get(module)
@@ -182,7 +182,7 @@ class NoGoods:
             for other in [*sorted(links.get(name, ())), *ends]:
                 if other not in found:
                     found[other] = None
-                    todo.append(other)
+                    waiting.append(other)
         return list(found)
 
     def _links(self, state: int) -> dict[str, set[str]]:
