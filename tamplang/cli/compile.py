@@ -15,7 +15,7 @@ from .sources import reading_sources
 
 if TYPE_CHECKING:
     from ..compiler.ir import MotionPredicate, Problem, Row
-    from ..compiler.successors import Successors
+    from ..compiler.symbolic.successors import Successors
 
 STATES_TO_VISIT = 1000
 """How many states `ground` and `successors` visit: the back end grounds and generates as the search goes."""
@@ -58,7 +58,7 @@ def _successors(problem: Problem) -> str:
 
 def _walked(problem: Problem) -> tuple[Successors, int]:
     """The successor functions after a breadth-first walk, and how many states it met."""
-    from ..compiler.successors import Successors
+    from ..compiler.symbolic.successors import Successors
 
     successors = Successors(problem)
     seen = {successors.initial}
@@ -85,7 +85,7 @@ def _constraints(problem: Problem) -> str:
 
 
 def _described(row: Row, predicate: MotionPredicate) -> str:
-    from ..compiler.constraints import arguments, units
+    from ..compiler.motion.constraints import arguments, units
 
     size = "1 row" if row.rows == 1 else f"{row.rows} rows"
     of = ", ".join(arguments(row, predicate.variables))
@@ -106,7 +106,7 @@ def _costs(problem: Problem) -> str:
 
 
 def _pddl(problem: Problem) -> str:
-    from ..compiler.pddl import to_pddl
+    from ..compiler.symbolic.pddl import to_pddl
 
     domain, task = to_pddl(problem)
     return f"{domain}\n{task}"

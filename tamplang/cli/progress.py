@@ -14,10 +14,10 @@ SECONDS_BETWEEN_LINES = 1.0
 
 
 @contextmanager
-def shown_progress() -> Iterator[Callable[[Progress], None]]:
-    """Give the callback for `runtime.lgp.solve`; the bar vanishes when the run ends."""
+def shown_progress(check: Callable[[], None]) -> Iterator[Callable[[Progress], None]]:
+    """Give the callback for `runtime.lgp.solve`, which runs `check` first; the bar vanishes when the run ends."""
     if not sys.stderr.isatty():
-        yield _plain_lines()
+        yield _plain_lines(check)
         return
     from .bar import bar
 
@@ -25,6 +25,7 @@ def shown_progress() -> Iterator[Callable[[Progress], None]]:
         task = shown.add_task("starting", total=None, detail="")
 
         def show(progress: Progress) -> None:
+            check()
             shown.update(
                 task,
                 description=progress.stage,
@@ -52,11 +53,12 @@ def counted(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
-def _plain_lines() -> Callable[[Progress], None]:
+def _plain_lines(check: Callable[[], None]) -> Callable[[Progress], None]:
     last = float("-inf")
 
     def show(progress: Progress) -> None:
         nonlocal last
+        check()
         if progress.elapsed - last < SECONDS_BETWEEN_LINES:
             return
         last = progress.elapsed

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
 from .outputs import checked_output, numbered
 from .parameters import parameters_option
@@ -70,7 +71,7 @@ def solve(
     plan_file, report_file = _files(file, loaded.problem.task, solutions, out, report)
     with needing_libraries():
         load_libraries()
-        with shown_progress() as progress:
+        with kept_interrupt() as check, shown_progress(check) as progress:
             result = loaded.solve(
                 bound=bound,
                 search=search,

@@ -40,7 +40,7 @@ class SourceFailure(click.ClickException):
 @contextmanager
 def reading_sources(as_json: bool = False) -> Iterator[None]:
     """Around code that reads programs: turns their errors into `SourceFailure` and `click.UsageError`."""
-    from ..compiler.parameters import UsageError
+    from ..compiler.scenes.parameters import UsageError
     from ..langs.diagnostics import SourceError
 
     try:
