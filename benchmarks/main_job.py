@@ -32,7 +32,10 @@ def run(arguments: list[str]) -> tuple[float, float, int, str]:
     started = time.monotonic()
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     process = subprocess.Popen(
-        [sys.executable, "-m", "tamplang", *arguments], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=environment
+        [sys.executable, "-m", "tamplang", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        env=environment,
     )
     assert process.stdout is not None
     output = process.stdout.read().decode()
@@ -71,7 +74,8 @@ def main() -> None:
     for example in sorted((ROOT / "examples").glob("*.tamp")):
         rows.append(command_row(f"check {example.name}", ["check", str(example)], options.seeds, 0.5))
     rows.append(command_row("--version", ["--version"], options.seeds, 0.2))
-    print(f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, seeds 0 to {options.seeds - 1}\n")
+    machine = f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}"
+    print(f"{machine}, seeds 0 to {options.seeds - 1}\n")
     print("| what | median s | worst s | goal s | peak MB | verified | lengths |")
     print("|---|---|---|---|---|---|---|")
     for r in rows:

@@ -15,9 +15,9 @@ from pathlib import Path
 
 from tamplang.compiler.ir import Problem
 from tamplang.compiler.pipeline import compile_problem, compile_text
-from tamplang.compiler.successors import Successors
+from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.search import SkeletonSearch
+from tamplang.runtime.search.best_first import SkeletonSearch
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 TASKS = (

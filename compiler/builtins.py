@@ -28,7 +28,8 @@ def _f(overloads: str, result: str, rows: int, place: str, doc: str) -> Builtin:
 
 
 FUNCTIONS: dict[str, Builtin] = {
-    "distance": _f("object object", "length", 1, "rule", "smallest distance between two shapes at the start, 0 when they overlap"),
+    "distance": _f("object object", "length", 1, "rule",
+                   "smallest distance between two shapes at the start, 0 when they overlap"),
     "stride": _f("object object length", "length", 1, "rule",
                  "smallest distance between the top faces of two things at the start, each shrunk by the inset"),
     "reach": _f("object object|chain", "length", 1, "rule",
@@ -36,7 +37,8 @@ FUNCTIONS: dict[str, Builtin] = {
     "length": _f("chain", "number", 1, "rule", "how many modules a chain has"),
     "radius": _f("object", "length", 1, "rule motion", "radius of a round shape, or of the sphere around another one"),
     "jitter": _f("length", "length", 1, "scene", "a random length between minus and plus the argument, by the seed"),
-    "random": _f("number number|length length|angle angle", "same", 1, "scene", "a random number between two bounds, by the seed"),
+    "random": _f("number number|length length|angle angle", "same", 1, "scene",
+                 "a random number between two bounds, by the seed"),
     "sqrt": _f("number", "number", 1, "scene rule motion", "square root"),
     "abs": _f("number|length|angle", "same", 1, "scene rule motion", "absolute value"),
     "sin": _f("angle", "number", 1, "scene rule motion", "sine"),

@@ -12,7 +12,7 @@ from ..langs.diagnostics import Diagnostic, SourceError
 from ..langs.parser import parse
 from ..langs.reader import read_source
 from ..langs.source import Source
-from .findings import Findings
+from .checks.findings import Findings
 from .library import Library, build_library
 
 STANDARD = "std"

@@ -9,7 +9,7 @@ from typing import TypeVar
 from ..langs import syntax
 from ..langs.source import Source, Span
 from . import ir
-from .findings import Findings
+from .checks.findings import Findings
 
 BUILT_IN_TYPES: Mapping[str, str | None] = {"object": None, "effector": "object", "module": None}
 VALUE_TYPE_NAMES = ("int", "real", "length", "angle")

@@ -21,10 +21,10 @@ from ..langs.diagnostics import Diagnostic, SourceError
 from ..langs.reader import read_source
 from ..langs.source import Source
 from . import ir
+from .checks.lifted import check_declarations
 from .imports import load_library, load_sources
-from .instantiate import instantiate
-from .lifted import check_declarations
-from .parameters import UsageError, choose_task, parameter_values
+from .scenes.instantiate import instantiate
+from .scenes.parameters import UsageError, choose_task, parameter_values
 
 __all__ = ["UsageError", "check", "check_sources", "compile_problem", "compile_sources", "compile_text", "load_library"]
 

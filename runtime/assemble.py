@@ -14,7 +14,7 @@ from ..compiler import ir
 from ..compiler.printing_terms import format_formula
 from ..langs.source import Span
 from . import plan as record
-from .chain import Resampled, resample
+from .resampling import Resampled, resample
 from .skeleton import PhasePath, Skeleton, start_configuration
 from .verify.findings import place_of
 from .verify.formulas import ReplayError

@@ -1,4 +1,4 @@
-"""Multi-bound judgement of one skeleton (thesis, section 3.2): coarse and cheap bounds first, conflicts when one refuses."""
+"""Multi-bound judgement of one skeleton (thesis, section 3.2): cheap bounds first, conflicts when one refuses."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ import numpy as np
 from ..compiler.ir import Action, Fact, Problem
 from .assemble import assemble
 from .budget import Budget
-from .path import solve_path
-from .phases import UnsupportedPhase, solve_sequence_path
+from .motion.path import solve_path
+from .motion.phases import UnsupportedPhase, solve_sequence_path
+from .motion.sequence import solve_sequence, window_feasible
+from .motion.settings import MotionSettings
 from .plan import BoundRecord, Plan, StatisticsRecord
-from .sequence import solve_sequence, window_feasible
-from .settings import MotionSettings
 from .skeleton import BoundResult, Configuration, PhasePath, Skeleton, Violation
 from .verify import verify
 

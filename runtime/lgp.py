@@ -1,5 +1,5 @@
-"""The LGP loop (thesis, algorithm 1): candidate skeletons from the symbolic search, bounds from coarse to fine, refusals
-fed back to the search, and the verifier's word on every plan before it is called solved.
+"""The LGP loop (thesis, algorithm 1): candidate skeletons from the symbolic search, bounds from coarse to fine,
+refusals fed back to the search, and the verifier's word on every plan before it is called solved.
 
     search ──candidate──▶ single actions ──▶ P_seq ──▶ P_seqPath ──▶ (P_path) ──▶ verifier ──▶ plan
        ▲                        │               │            │            │
@@ -12,15 +12,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from ..compiler.ir import Problem
-from ..compiler.successors import Successors
+from ..compiler.symbolic.successors import Successors
 from ..langs.diagnostics import Diagnostic
 from .bounds import Bounds
 from .budget import Budget, OutOfTime
+from .motion.settings import MotionSettings
 from .plan import Plan, StatisticsRecord
 from .refusals import Refusals
-from .search import Candidate, SkeletonSearch
-from .settings import MotionSettings
-from .skeletons import build_skeleton
+from .search.best_first import Candidate, SkeletonSearch
+from .search.skeletons import build_skeleton
 
 BOUNDS = ("seq", "seq-path", "path")
 SEARCHES = ("astar", "wastar", "bfs", "guide")
@@ -90,7 +90,8 @@ class _Run:
         self.accepted: list[Candidate] = []
         self.distrusted: list[Plan] = []
         self.first_bound: float | None = None
-        self.bounds = Bounds(problem, _motion_settings(problem, options), options.bound, options.seed, self.budget, self._tell)
+        settings = _motion_settings(problem, options)
+        self.bounds = Bounds(problem, settings, options.bound, options.seed, self.budget, self._tell)
         self.refusals = Refusals(problem)
         self.search: SkeletonSearch | None = None
 

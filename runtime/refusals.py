@@ -34,7 +34,7 @@ class Refusals:
             key=lambda item: (item[1].last - item[1].first, -max((v.amount for v in item[1].violations), default=0.0)),
         )
         seen: set[tuple[str, str]] = set()
-        diagnostics = []
+        diagnostics: list[Diagnostic] = []
         for skeleton, conflict in ranked:
             action = str(skeleton.phases[conflict.last].action)
             reason = self._reason(conflict)

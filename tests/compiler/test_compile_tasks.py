@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tamplang.compiler import ir
-from tamplang.compiler.parameters import parse_value
 from tamplang.compiler.pipeline import UsageError, check, compile_problem, compile_sources, compile_text
 from tamplang.compiler.printing import format_ast, format_ir
+from tamplang.compiler.scenes.parameters import parse_value
 from tamplang.langs.diagnostics import SourceError
 from tamplang.langs.parser import parse
 from tamplang.langs.source import Source

@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tamplang.compiler import ir
-from tamplang.compiler.check_start import Volume, bounds, candidates, penetration
 from tamplang.compiler.pipeline import compile_text
-from tamplang.compiler.placing import module_pose, top_of
 from tamplang.compiler.poses import between, compose, effector_pose, joint_frames, orientation, position, rotate, yaw
+from tamplang.compiler.scenes.check_start import Volume, bounds, candidates, penetration
+from tamplang.compiler.scenes.placing import module_pose, top_of
 from tamplang.langs.diagnostics import SourceError
 
 HEAD = "import std.crawler\nimport std.rules\n"

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from tamplang.compiler import ir
+from tamplang.compiler.checks.relaxation import Relaxation, World
 from tamplang.compiler.pipeline import check_sources, compile_problem, compile_text
-from tamplang.compiler.reachability import possible
-from tamplang.compiler.relaxation import Relaxation, World
-from tamplang.compiler.successors import Successors
+from tamplang.compiler.scenes.reachability import possible
+from tamplang.compiler.symbolic.successors import Successors
 from tamplang.langs.source import Source
 
 ROOT = Path(__file__).parents[2]

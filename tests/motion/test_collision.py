@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tamplang.compiler.collision import (
+from tamplang.compiler.ir import Shape
+from tamplang.compiler.motion.collision import (
     CHECK_MARGIN,
     PATH_MARGIN,
     bodies_near,
@@ -22,8 +23,7 @@ from tamplang.compiler.collision import (
     self_pairs,
     taper,
 )
-from tamplang.compiler.ir import Shape
-from tamplang.runtime.phases.tree import link_frames
+from tamplang.runtime.motion.phases.tree import link_frames
 
 from .fixtures import CRAWLER, climb_alone, climb_together, pick_and_place
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tamplang.compiler.ir import Effector, Joint, ModuleType
-from tamplang.compiler.kinematics import effector_frame, joint_frames
+from tamplang.compiler.motion.kinematics import effector_frame, joint_frames
 
 numbers = st.floats(-1.5, 1.5, allow_nan=False).map(lambda x: round(x, 3))
 

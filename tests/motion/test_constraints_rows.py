@@ -7,7 +7,8 @@ import coal
 import numpy as np
 import pytest
 
-from tamplang.compiler.constraints import (
+from tamplang.compiler.ir import Letter, Number, Row
+from tamplang.compiler.motion.constraints import (
     BodyKind,
     EffectorKind,
     Kind,
@@ -18,9 +19,8 @@ from tamplang.compiler.constraints import (
     stage,
     units,
 )
-from tamplang.compiler.distances import SIZES, Solid, bottom, gap, inside, top
-from tamplang.compiler.ir import Letter, Number, Row
-from tamplang.compiler.kinematics import pose_frame
+from tamplang.compiler.motion.distances import SIZES, Solid, bottom, gap, inside, top
+from tamplang.compiler.motion.kinematics import pose_frame
 
 from .fixtures import CRAWLER, MOTIONS, X, Y, call, motion, switch
 

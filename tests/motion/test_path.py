@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.path import solve_path
-from tamplang.runtime.sequence import solve_sequence
-from tamplang.runtime.settings import MotionSettings
+from tamplang.runtime.motion.path import solve_path
+from tamplang.runtime.motion.sequence import solve_sequence
+from tamplang.runtime.motion.settings import MotionSettings
+from tamplang.runtime.motion.starts import effector_pose
 from tamplang.runtime.skeleton import BoundResult, Skeleton
-from tamplang.runtime.starts import effector_pose
 
 from .fixtures import CRAWLER, climb_alone, climb_together, pick_and_place
 

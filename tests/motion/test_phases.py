@@ -9,17 +9,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tamplang.compiler.collision import contacts, pose_matrix
 from tamplang.compiler.ir import IDENTITY, Action, Body, Effector, Joint, Link, Module, ModuleType, Shape
+from tamplang.compiler.motion.collision import contacts, pose_matrix
 from tamplang.runtime.budget import Budget, OutOfTime
-from tamplang.runtime.phases import Reason, UnsupportedPhase, polish, solve_sequence_path
-from tamplang.runtime.phases.batch import Batch, sweep
-from tamplang.runtime.phases.geometry import make_parts
-from tamplang.runtime.phases.sampling import sampled_starts
-from tamplang.runtime.phases.smoothing import Schedule, smooth_paths
-from tamplang.runtime.phases.tree import link_frames, phase_tree
-from tamplang.runtime.sequence import solve_sequence
-from tamplang.runtime.settings import MotionSettings
+from tamplang.runtime.motion.phases import Reason, UnsupportedPhase, polish, solve_sequence_path
+from tamplang.runtime.motion.phases.batch import Batch, sweep
+from tamplang.runtime.motion.phases.geometry import make_parts
+from tamplang.runtime.motion.phases.sampling import sampled_starts
+from tamplang.runtime.motion.phases.smoothing import Schedule, smooth_paths
+from tamplang.runtime.motion.phases.tree import link_frames, phase_tree
+from tamplang.runtime.motion.sequence import solve_sequence
+from tamplang.runtime.motion.settings import MotionSettings
 from tamplang.runtime.skeleton import BoundResult, Configuration, Phase, Skeleton, start_configuration
 
 from .fixtures import (

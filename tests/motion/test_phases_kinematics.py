@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tamplang.compiler.collision import pose_matrix
 from tamplang.compiler.ir import Joint, ModuleType, Shape
-from tamplang.runtime.phases.balls import Ball
-from tamplang.runtime.phases.kinematics import Kinematics, Points, mounted_poses
-from tamplang.runtime.phases.shapes import Shapes
-from tamplang.runtime.phases.tree import PhaseTree, link_frames, mount_module, node_frames
+from tamplang.compiler.motion.collision import pose_matrix
+from tamplang.runtime.motion.phases.balls import Ball
+from tamplang.runtime.motion.phases.kinematics import Kinematics, Points, mounted_poses
+from tamplang.runtime.motion.phases.shapes import Shapes
+from tamplang.runtime.motion.phases.tree import PhaseTree, link_frames, mount_module, node_frames
 
 Pose = tuple[float, float, float, float, float, float, float]
 

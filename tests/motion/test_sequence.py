@@ -9,10 +9,10 @@ import pytest
 
 from tamplang.compiler.ir import Problem
 from tamplang.runtime.budget import Budget, OutOfTime
-from tamplang.runtime.sequence import refine, solve_sequence, window_feasible
-from tamplang.runtime.settings import MotionSettings
+from tamplang.runtime.motion.sequence import refine, solve_sequence, window_feasible
+from tamplang.runtime.motion.settings import MotionSettings
+from tamplang.runtime.motion.starts import effector_pose
 from tamplang.runtime.skeleton import Configuration, Skeleton, start_configuration
-from tamplang.runtime.starts import effector_pose
 
 from .fixtures import CRAWLER, climb_alone, climb_together, pick_and_place
 

@@ -21,11 +21,11 @@ from tamplang.compiler.ir import (
     Shape,
 )
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.path import solve_path
-from tamplang.runtime.sequence import solve_sequence
-from tamplang.runtime.settings import MotionSettings
+from tamplang.runtime.motion.path import solve_path
+from tamplang.runtime.motion.sequence import solve_sequence
+from tamplang.runtime.motion.settings import MotionSettings
+from tamplang.runtime.motion.starts import effector_pose
 from tamplang.runtime.skeleton import Phase, Skeleton
-from tamplang.runtime.starts import effector_pose
 
 from .fixtures import X, Y, box, call, climb_together, crawler, make_problem, motion, switch
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tamplang.runtime.budget import Budget, OutOfTime
-from tamplang.runtime.groups import Label, LinearGroup, NormGroup
-from tamplang.runtime.ipopt import solve_ipopt
-from tamplang.runtime.program import Program
-from tamplang.runtime.solver import Options, project, solve
+from tamplang.runtime.motion.groups import Label, LinearGroup, NormGroup
+from tamplang.runtime.motion.ipopt import solve_ipopt
+from tamplang.runtime.motion.program import Program
+from tamplang.runtime.motion.solver import Options, project, solve
 
 EXACT = Options(tolerance=1e-8, step_tolerance=1e-6, iterations=300)
 

@@ -6,7 +6,6 @@ import itertools
 from collections.abc import Iterator
 from typing import Any
 
-from tamplang.compiler.geometry import Geometry
 from tamplang.compiler.ir import (
     Action,
     And,
@@ -38,6 +37,7 @@ from tamplang.compiler.ir import (
     Var,
     Variable,
 )
+from tamplang.compiler.symbolic.geometry import Geometry
 
 State = frozenset[Fact]
 Binding = dict[str, Any]

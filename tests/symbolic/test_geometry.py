@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tamplang.compiler.geometry import Geometry, Placed, _coal_distance, path_length, shape_distance
 from tamplang.compiler.ir import Body, Chain, Pose, Shape
-from tamplang.compiler.symmetry import is_reversible
+from tamplang.compiler.symbolic.geometry import Geometry, Placed, _coal_distance, path_length, shape_distance
+from tamplang.compiler.symbolic.symmetry import is_reversible
 
 from .problems import CRAWLER, box, climb, lit, module, problem
 

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from tamplang.compiler.ir import Problem
-from tamplang.compiler.pddl import to_pddl
+from tamplang.compiler.symbolic.pddl import to_pddl
 
 from . import variants
 from .problems import climb, pick_and_place

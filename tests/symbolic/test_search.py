@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tamplang.compiler.ir import And, Chain, Formula, Not, Object, Problem
-from tamplang.compiler.successors import Successors
+from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.search import Candidate, SkeletonSearch
-from tamplang.runtime.skeletons import build_skeleton
+from tamplang.runtime.search.best_first import Candidate, SkeletonSearch
+from tamplang.runtime.search.skeletons import build_skeleton
 
 from . import variants
 from .problems import climb, lit, pick_and_place

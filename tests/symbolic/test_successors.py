@@ -8,7 +8,7 @@ from collections.abc import Callable
 import pytest
 
 from tamplang.compiler.ir import Problem
-from tamplang.compiler.successors import Successors
+from tamplang.compiler.symbolic.successors import Successors
 
 from . import variants
 from .interpreter import Interpreter

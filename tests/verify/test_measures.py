@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from tamplang.compiler import ir
 from tamplang.runtime.assemble import module_record
-from tamplang.runtime.chain import compose, effector_poses, inverse
 from tamplang.runtime.plan import Plan
+from tamplang.runtime.resampling import compose, effector_poses, inverse
 from tamplang.runtime.verify import geometry, shapes, verify
 from tamplang.runtime.verify.guards import joint_frames
 from tamplang.runtime.verify.kinematics import Kinematics, motion_of

@@ -9,7 +9,7 @@ import pytest
 
 from tamplang.compiler.ir import Action, Problem
 from tamplang.compiler.pipeline import compile_problem
-from tamplang.compiler.successors import Successors
+from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.verify.formulas import ReplayError
 from tamplang.runtime.verify.replay import Inapplicable, Interpreter
 

@@ -1,0 +1,1 @@
+"""Names, types and meanings of declarations: syntax in, IR or diagnostics out."""

@@ -1,0 +1,122 @@
+"""Declarations of the logic: predicates, derived predicates, rules and placements. Syntax in, IR out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from ...langs import syntax
+from ...langs.source import Span
+from .. import ir
+from .binders import bind
+from .context import Context
+from .effects import check_effects
+from .formulas import TRUE, check_formula
+from .kinds import NUMBER
+from .names import Scope
+from .terms import check_scalar
+
+
+@dataclass(frozen=True, slots=True)
+class Placement:
+    """What holds at the start for every `subject` that stands or lies on a `support`."""
+
+    subject: ir.Variable
+    support: ir.Variable
+    literals: tuple[ir.Literal, ...]
+    span: Span
+
+
+def lower_predicates(context: Context) -> dict[str, ir.Predicate]:
+    """All logic predicates that are not derived."""
+    lowered = {}
+    for declaration in context.library.predicates.values():
+        signature = context.logic[declaration.name]
+        names = [v.name for v in signature.variables]
+        key = declaration.functional_in
+        lowered[declaration.name] = ir.Predicate(
+            declaration.name,
+            signature.variables,
+            declaration.static,
+            declaration.symmetric,
+            names.index(key) if key in names else None,
+            signature.span,
+        )
+    return lowered
+
+
+def check_derived(context: Context) -> dict[str, ir.Derived]:
+    """All derived predicates; reports those that use themselves."""
+    lowered = {}
+    for declaration in context.library.derived.values():
+        scope, variables = bind(context, Scope("rule"), _unique(declaration.parameters))
+        body = check_formula(context, scope, declaration.body)
+        lowered[declaration.name] = ir.Derived(declaration.name, variables, body, context.logic[declaration.name].span)
+    _check_circles(context, lowered)
+    return lowered
+
+
+def _unique(parameters: tuple[syntax.Parameter, ...]) -> list[syntax.Parameter]:
+    return list({p.name: p for p in parameters}.values())
+
+
+def _check_circles(context: Context, derived: Mapping[str, ir.Derived]) -> None:
+    uses = {name: {p for p in predicates_in(d.body) if p in derived} for name, d in derived.items()}
+    for name in derived:
+        reached, frontier = set[str](), sorted(uses[name])
+        while frontier:
+            current = frontier.pop()
+            if current not in reached:
+                reached.add(current)
+                frontier.extend(sorted(uses[current]))
+        if name in reached:
+            context.findings.report("E0307", derived[name].span, f"`{name}` is derived from itself")
+
+
+def check_rules(context: Context) -> dict[str, ir.Rule]:
+    """All decision rules."""
+    return {name: _check_rule(context, rule) for name, rule in context.library.rules.items()}
+
+
+def _check_rule(context: Context, rule: syntax.RuleDecl) -> ir.Rule:
+    scope, variables = bind(context, Scope("rule"), rule.parameters)
+    conditions = tuple(check_formula(context, scope, f) for f in (*rule.pre, *rule.where))
+    effects = check_effects(context, scope, rule.post)
+    cost: ir.Term = ir.Number(1)
+    if rule.cost is not None:
+        cost = check_scalar(context, scope, rule.cost, NUMBER, "the cost of a rule").term
+        if isinstance(cost, ir.Number) and cost.value < 0:
+            context.findings.report("E0205", rule.cost.span, "the cost of a rule cannot be negative")
+    condition = ir.And(tuple(c for c in conditions if c != TRUE))
+    return ir.Rule(rule.name, variables, condition, effects, cost, context.findings.word(rule.span, rule.name))
+
+
+def check_placements(context: Context) -> tuple[Placement, ...]:
+    """All placements; they list literals without conditions."""
+    return tuple(_check_placement(context, p) for p in context.library.placements)
+
+
+def _check_placement(context: Context, placement: syntax.PlacementDecl) -> Placement:
+    scope, variables = bind(context, Scope("rule"), (placement.subject, placement.support))
+    for item in placement.post:
+        if not isinstance(item, syntax.Effect) or item.negated:
+            context.findings.report("E0311", item.span, "a placement only lists literals that hold at the start")
+    plain = [i for i in placement.post if isinstance(i, syntax.Effect) and not i.negated]
+    literals = tuple(e.literal for e in check_effects(context, scope, plain) if isinstance(e, ir.Effect))
+    if len(variables) < 2:
+        variables = (variables[0], variables[0])
+    return Placement(variables[0], variables[1], literals, placement.span)
+
+
+def predicates_in(formula: ir.Formula) -> Iterator[str]:
+    """The logic predicates that a formula reads, those of its chains included."""
+    if isinstance(formula, ir.Literal):
+        yield formula.predicate
+    elif isinstance(formula, ir.Not):
+        yield from predicates_in(formula.operand)
+    elif isinstance(formula, ir.And | ir.Or):
+        for operand in formula.operands:
+            yield from predicates_in(operand)
+    elif isinstance(formula, ir.Exists | ir.Forall):
+        yield from (v.type.predicate for v in formula.variables if isinstance(v.type, ir.ChainType))
+        yield from predicates_in(formula.body)

@@ -1,0 +1,142 @@
+"""Motion predicates: rows with their shapes checked and counted, loops over numbers written out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...langs import syntax
+from .. import ir
+from .binders import bind, unrolled
+from .context import Context
+from .kinds import Kind, added, size_of
+from .names import Scope, Typed
+from .terms import check_term
+
+
+def check_motions(context: Context) -> dict[str, ir.MotionPredicate]:
+    """All motion predicates, lowered."""
+    return {name: _check_motion(context, motion) for name, motion in context.library.motions.items()}
+
+
+def _check_motion(context: Context, motion: syntax.MotionDecl) -> ir.MotionPredicate:
+    unique = list({p.name: p for p in motion.parameters}.values())
+    scope, variables = bind(context, Scope("motion", values_known=True), unique)
+    rows = _check_rows(context, scope, motion.items)
+    return ir.MotionPredicate(
+        motion.name, variables, motion.symmetric, tuple(rows), context.findings.word(motion.span, motion.name)
+    )
+
+
+def _check_rows(context: Context, scope: Scope, items: Sequence[syntax.MotionItem]) -> list[ir.Row]:
+    rows: list[ir.Row] = []
+    for item in items:
+        if isinstance(item, syntax.MotionFor):
+            rounds = unrolled(context, scope, item.binders)
+            if rounds is None:
+                context.findings.report(
+                    "E0311", item.span, "loops of a motion predicate run over fixed ranges of numbers"
+                )
+            for inner in rounds or ():
+                rows.extend(_check_rows(context, inner, item.rows))
+        else:
+            row = _check_keep(context, scope, item) if item.when == "keep" else _check_row(context, scope, item)
+            if row is not None:
+                rows.append(row)
+    return rows
+
+
+def _check_keep(context: Context, scope: Scope, item: syntax.MotionRow) -> ir.Row | None:
+    if item.right is not None:
+        context.findings.report(
+            "E0404", item.span, "`keep` holds one value constant and compares nothing", help="leave out the comparison"
+        )
+        return None
+    value = check_term(context, scope, item.left)
+    if not value.kind.known or not _check_measures(context, item.left, value):
+        return None
+    if not _depends(value.term):
+        context.findings.report("E0405", item.left.span, "this value never changes")
+        return None
+    return ir.Row("keep", value.term, "", None, size_of(value.kind), item.span)
+
+
+def _check_row(context: Context, scope: Scope, item: syntax.MotionRow) -> ir.Row | None:
+    findings = context.findings
+    if item.right is None:
+        findings.report("E0402", item.span, "a row compares two sides by =, <= or >=", help="only `keep` has one side")
+        return None
+    left, right = check_term(context, scope, item.left), check_term(context, scope, item.right)
+    if item.operator not in ("=", "<=", ">="):
+        near = {"<": "<=", ">": ">="}.get(item.operator)
+        findings.report(
+            "E0402",
+            item.span,
+            f"rows of motion predicates compare by =, <= or >=, not by {item.operator}",
+            help=f"use `{near}`" if near else None,
+        )
+        return None
+    if not (left.kind.known and right.kind.known):
+        return None
+    if any("pose" in _pose_inside(t) for t in (left, right)):
+        findings.report("E0404", item.span, "`pose` stands only after `keep`", help="write `keep pose(…)`")
+        return None
+    measured = [_check_measures(context, t, v) for t, v in ((item.left, left), (item.right, right))]
+    if not all(measured) or not _check_sizes(context, item, left, right):
+        return None
+    if not (_depends(left.term) or _depends(right.term)):
+        findings.report("E0405", item.span, "this row depends on no parameter of the predicate")
+        return None
+    rows = max(size_of(left.kind), size_of(right.kind))
+    return ir.Row(item.when, left.term, item.operator, right.term, rows, item.span)
+
+
+def _pose_inside(typed: Typed) -> str:
+    return typed.kind.name
+
+
+def _check_measures(context: Context, term: syntax.Term, typed: Typed) -> bool:
+    if typed.kind.name in ("object", "chain", "letter"):
+        context.findings.report("E0208", term.span, f"a number or vector is needed here, not {typed.kind}")
+        return False
+    if isinstance(typed.term, ir.Vector) and len(typed.term.items) != 3:
+        context.findings.report("E0401", term.span, f"a vector has 3 components, not {len(typed.term.items)}")
+        return False
+    return True
+
+
+def _check_sizes(context: Context, item: syntax.MotionRow, left: Typed, right: Typed) -> bool:
+    assert item.right is not None
+    if left.is_zero or right.is_zero:
+        return True
+    one, other = left.kind, right.kind
+    names = {one.name, other.name}
+    if size_of(one) != size_of(other) and not ("rows" in names and (names & {"length", "number"})):
+        context.findings.report(
+            "E0401",
+            item.span,
+            f"{_sized(one)} cannot be compared with {_sized(other)}",
+            help="compare with a plain 0, or with a vector `(x, y, z)`" if "vector" in names else None,
+            labels=[(item.left.span, _sized(one)), (item.right.span, _sized(other))],
+        )
+        return False
+    if added(one, other, left.literal, right.literal) is None:
+        context.findings.report("E0203", item.span, f"{one} cannot be compared with {other}")
+        return False
+    return True
+
+
+def _sized(kind: Kind) -> str:
+    size = size_of(kind)
+    return f"{kind} ({size} row{'s' * (size != 1)})"
+
+
+def _depends(term: ir.Term) -> bool:
+    if isinstance(term, ir.Var):
+        return True
+    if isinstance(term, ir.Function):
+        return any(_depends(a) for a in term.args)
+    if isinstance(term, ir.Arith):
+        return any(_depends(a) for a in term.operands)
+    if isinstance(term, ir.Vector):
+        return any(_depends(a) for a in term.items)
+    return isinstance(term, ir.Conditional) and (_depends(term.then) or _depends(term.otherwise))

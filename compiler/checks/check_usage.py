@@ -1,0 +1,246 @@
+"""Warnings about the logic as a whole: deletions that nothing feeds, fluents never read, rules that never fire."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from ...langs import syntax
+from ...langs.source import Span
+from .. import ir
+from ..library import Library
+from .check_logic import Placement, predicates_in
+from .context import Context
+from .effects import flatten
+from .relaxation import conjuncts
+
+
+def check_usage(
+    context: Context,
+    rules: Mapping[str, ir.Rule],
+    derived: Mapping[str, ir.Derived],
+    placements: Sequence[Placement],
+) -> None:
+    """All warnings of this file."""
+    stated = list(_stated(context))
+    added = [e.literal for r in rules.values() for e in flatten(r.effects) if not e.negated]
+    added += [literal for p in placements for literal in p.literals]
+    sources = [
+        _pattern(context, e.literal, _types(r.variables))
+        for r in rules.values()
+        for e in flatten(r.effects)
+        if not e.negated
+    ]
+    sources += [_pattern(context, x, _types((p.subject, p.support))) for p in placements for x in p.literals]
+    for rule in rules.values():
+        _check_deletions(context, rule, sources, stated)
+        _check_fires(context, rule, added, stated)
+    _check_read(context, rules, derived, added)
+    _check_parameters(context)
+
+
+Pattern = tuple[bool, str, tuple[str | None, ...]]
+
+
+def _stated(context: Context) -> Iterator[syntax.Literal]:
+    """The literals of all `fact` items in modules, scenes and tasks."""
+    library = context.library
+    for module in library.modules.values():
+        yield from (i.literal for i in module.items if isinstance(i, syntax.FactItem))
+    for items in _scene_items(library):
+        yield from _facts(items)
+
+
+def _scene_items(library: Library) -> Iterator[tuple[syntax.SceneItem, ...]]:
+    yield from (s.items for s in library.scenes.values())
+    yield from (t.items for t in library.tasks.values())
+
+
+def _facts(items: Sequence[syntax.SceneItem]) -> Iterator[syntax.Literal]:
+    for item in items:
+        if isinstance(item, syntax.FactItem):
+            yield item.literal
+        elif isinstance(item, syntax.ForItem | syntax.IfItem):
+            yield from _facts(item.items)
+
+
+def _types(variables: Sequence[ir.Variable]) -> dict[str, str]:
+    return {v.name: v.type.name for v in variables if isinstance(v.type, ir.ObjectType)}
+
+
+def _pattern(context: Context, literal: ir.Literal, types: Mapping[str, str]) -> Pattern:
+    """What a literal can be: its predicate and the type at each place."""
+    signature = (context.motion if literal.motion else context.logic)[literal.predicate]
+    places: list[str | None] = []
+    for arg, variable in zip(literal.args, signature.variables, strict=True):
+        declared = variable.type.name if isinstance(variable.type, ir.ObjectType) else None
+        if isinstance(arg, ir.ChainEnd) or (isinstance(arg, ir.ChainModule) and arg.side):
+            places.append("effector")
+        elif isinstance(arg, ir.Var):
+            places.append(types.get(arg.name) or declared)
+        else:
+            places.append(declared)
+    return literal.motion, literal.predicate, tuple(places)
+
+
+def _check_deletions(
+    context: Context, rule: ir.Rule, sources: Sequence[Pattern], stated: Sequence[syntax.Literal]
+) -> None:
+    for effect in flatten(rule.effects):
+        literal = effect.literal
+        if not effect.negated or any(s.predicate == literal.predicate and s.motion == literal.motion for s in stated):
+            continue
+        pattern = _pattern(context, literal, _types(rule.variables))
+        if not any(_overlap(context, pattern, source) for source in sources):
+            left, right = "[]" if literal.motion else "()"
+            context.findings.report(
+                "W0001",
+                literal.span,
+                f"`{rule.name}` deletes `{left}{literal.predicate} …{right}`, and nothing ever adds such a literal",
+            )
+
+
+def _overlap(context: Context, one: Pattern, other: Pattern) -> bool:
+    if one[:2] != other[:2]:
+        return False
+    if _places_overlap(context, one[2], other[2]):
+        return True
+    return _symmetric(context, one) and _places_overlap(context, one[2], other[2][::-1])
+
+
+def _places_overlap(context: Context, one: Sequence[str | None], other: Sequence[str | None]) -> bool:
+    return all(a is None or b is None or context.library.overlap(a, b) for a, b in zip(one, other, strict=True))
+
+
+def _symmetric(context: Context, pattern: Pattern) -> bool:
+    motion, name, _ = pattern
+    if motion:
+        return context.library.motions[name].symmetric
+    return name in context.library.predicates and context.library.predicates[name].symmetric
+
+
+def _check_fires(
+    context: Context, rule: ir.Rule, added: Sequence[ir.Literal], stated: Sequence[syntax.Literal]
+) -> None:
+    own = rule.span is not None and rule.span.file == context.library.path
+    given = {x.predicate for x in added if not x.motion} | {s.predicate for s in stated if not s.motion}
+    positive = conjuncts(rule.condition)[0]
+    negative = set(_negated(rule.condition))
+    for literal in positive:
+        if literal in negative:
+            context.findings.report(
+                "W0003", literal.span, f"`{rule.name}` can never fire: it needs this literal both true and false"
+            )
+            return
+        signature = context.logic[literal.predicate]
+        if signature.derived or literal.predicate in given:
+            continue
+        if not signature.static or (own and context.library.tasks):
+            what = "fact" if signature.static else "rule, placement or fact"
+            context.findings.report(
+                "W0003",
+                literal.span,
+                f"`{rule.name}` can never fire: no {what} gives `{literal.predicate}`",
+                labels=[(signature.span, "declared here")],
+            )
+            return
+
+
+def _negated(formula: ir.Formula) -> Iterator[ir.Literal]:
+    if isinstance(formula, ir.And):
+        for operand in formula.operands:
+            yield from _negated(operand)
+    elif isinstance(formula, ir.Not) and isinstance(formula.operand, ir.Literal):
+        yield formula.operand
+
+
+def _check_read(
+    context: Context, rules: Mapping[str, ir.Rule], derived: Mapping[str, ir.Derived], added: Sequence[ir.Literal]
+) -> None:
+    read: set[str] = set()
+    for rule in rules.values():
+        read |= set(predicates_in(rule.condition))
+        read |= {v.type.predicate for v in rule.variables if isinstance(v.type, ir.ChainType)}
+        read |= set(_read_in_effects(rule.effects))
+    for definition in derived.values():
+        read |= set(predicates_in(definition.body))
+    read |= set(_read_in_syntax(context))
+    for literal in added:
+        name = literal.predicate
+        if not literal.motion and name not in read:
+            signature = context.logic[name]
+            context.findings.report(
+                "W0002", signature.span, f"rules change `{name}`, but no condition, goal or derived predicate reads it"
+            )
+
+
+def _read_in_effects(items: Sequence[ir.EffectItem]) -> Iterator[str]:
+    for item in items:
+        if isinstance(item, ir.EffectIf):
+            yield from predicates_in(item.condition)
+        if not isinstance(item, ir.Effect):
+            yield from _read_in_effects(item.effects)
+
+
+def _read_in_syntax(context: Context) -> Iterator[str]:
+    """Predicates in goals and heuristics, found in the tree."""
+    library = context.library
+    for items in _scene_items(library):
+        yield from _read_in_items(items)
+    for heuristic in library.heuristics.values():
+        for term in [heuristic.start, *(c.value for c in heuristic.cases)]:
+            yield from _literals(term)
+
+
+def _read_in_items(items: Sequence[syntax.SceneItem]) -> Iterator[str]:
+    for item in items:
+        if isinstance(item, syntax.GoalItem):
+            for formula in item.formulas:
+                yield from _literals(formula)
+        elif isinstance(item, syntax.ForItem | syntax.IfItem):
+            yield from _read_in_items(item.items)
+
+
+def _check_parameters(context: Context) -> None:
+    """Parameters that the body of their declaration never names."""
+    library = context.library
+    declarations: list[tuple[str, Span, tuple[syntax.Parameter, ...], tuple[object, ...]]] = [
+        *((d.name, d.span, d.parameters, (d.body,)) for d in library.derived.values()),
+        *((d.name, d.span, d.parameters, (d.pre, d.where, d.post, d.cost)) for d in library.rules.values()),
+        *((d.name, d.span, d.parameters, d.items) for d in library.motions.values()),
+        *((d.name, d.span, d.parameters, (d.start, d.cases)) for d in library.heuristics.values()),
+        *((d.name, d.span, d.parameters, d.items) for d in library.modules.values()),
+        *((d.name, d.span, d.parameters, d.items) for d in library.scenes.values()),
+        *((d.name, d.span, d.parameters, d.items) for d in library.tasks.values()),
+    ]
+    for owner, span, parameters, body in declarations:
+        if context.findings.errors_within([span]):
+            continue
+        named = set(_names(body)) | set(_names(tuple((p.type, p.default) for p in parameters)))
+        for parameter in parameters:
+            if parameter.name not in named:
+                where = context.findings.word(parameter.span, parameter.name)
+                context.findings.report("W0005", where, f"`{owner}` never uses its parameter `{parameter.name}`")
+
+
+def _names(node: object) -> Iterator[str]:
+    if isinstance(node, syntax.Name):
+        yield node.name
+    elif isinstance(node, tuple):
+        for part in node:
+            yield from _names(part)
+    elif isinstance(node, syntax.Node):
+        for field in node.__dataclass_fields__:
+            if field != "span":
+                yield from _names(getattr(node, field))
+
+
+def _literals(node: object) -> Iterator[str]:
+    if isinstance(node, syntax.Literal | syntax.ChainType):
+        yield node.predicate
+    elif isinstance(node, tuple):
+        for part in node:
+            yield from _literals(part)
+    elif isinstance(node, syntax.Node):
+        for name in node.__dataclass_fields__:
+            if name != "span":
+                yield from _literals(getattr(node, name))

@@ -1,0 +1,64 @@
+"""What can be said of a library of which some text could not be read: findings that do not follow from the gaps."""
+
+from __future__ import annotations
+
+import re
+
+from ...langs import syntax
+from ..library import Library
+from .findings import Findings
+
+DECLARED = re.compile(
+    r"^(?:(?:type|module|rule|heuristic|scene|task)\s+(\w+)"
+    r"|(?:predicate|derived)\s*\(\s*(\w+)|motion\s*\[\s*(\w+))",
+    re.MULTILINE,
+)
+IMPORTS = re.compile(r"^import\b", re.MULTILINE)
+UNKNOWN_NAMES = ("E0101", "E0102", "E0103", "E0104", "E0105", "E0106", "E0107", "E0108", "E0117")
+WHOLE_FILE = ("E0506", "E0101", "E0209")
+
+
+def keep_certain(library: Library, found: Findings, certain: Findings) -> None:
+    """Move findings from `found` to `certain`, without those that a lost declaration or import may cause."""
+    lost = lost_names(library)
+    imports = lost_imports(library, certain)
+    broken = {
+        (d.span.file, line) for d in certain if d.span is not None for line in range(d.span.line, d.span.end_line + 1)
+    }
+    for diagnostic in found:
+        at_gap = diagnostic.span is not None and (diagnostic.span.file, diagnostic.span.line) in broken
+        misspelt = diagnostic.code in (*UNKNOWN_NAMES, "E0301") and diagnostic.help is not None
+        if at_gap and not misspelt:
+            continue
+        follows = diagnostic.code in UNKNOWN_NAMES and (imports or any(f"`{n}`" in diagnostic.message for n in lost))
+        incomplete = diagnostic.code in WHOLE_FILE and (lost or imports)
+        if diagnostic.is_error and not follows and not incomplete:
+            certain.add(diagnostic)
+
+
+def lost_names(library: Library) -> set[str]:
+    """Names that the texts declare, at the start of a line, and the trees lack."""
+    written = {n for s in library.sources for m in DECLARED.finditer(s.text) for n in m.groups() if n}
+    known: set[str] = set()
+    for table in (
+        library.types,
+        library.predicates,
+        library.derived,
+        library.motions,
+        library.rules,
+        library.heuristics,
+        library.modules,
+        library.scenes,
+        library.tasks,
+    ):
+        known |= set(table)
+    return written - known
+
+
+def lost_imports(library: Library, certain: Findings) -> bool:
+    """Whether an import failed, or could not even be read."""
+    if any(d.code in ("E0111", "E0112") or d.code.startswith("E001") for d in certain):
+        return True
+    written = sum(len(IMPORTS.findall(s.text)) for s in library.sources)
+    read = sum(isinstance(d, syntax.Import) for f in library.files for d in f.declarations)
+    return written > read

@@ -1,0 +1,189 @@
+"""The delete relaxation, by projections: which objects can ever stand at each place of each predicate.
+
+Deletions, negations and numeric guards are ignored and every argument is taken by itself, so the sets are too large but
+never too small: what they exclude can never happen. The work grows with the number of objects, not of actions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from .. import ir
+from .effects import flatten
+
+Columns = list[set[str]]
+Domains = dict[str, set[str]]
+
+
+@dataclass(slots=True)
+class World:
+    """What the relaxation needs to know of a task. `types` and `objects` as in `ir.Problem`."""
+
+    types: Mapping[str, str | None]
+    objects: Mapping[str, str]
+    derived: Mapping[str, ir.Derived]
+    predicates: Mapping[str, ir.Predicate]
+    rules: Mapping[str, ir.Rule]
+    init: frozenset[ir.Fact]
+    by_type: dict[str, frozenset[str]] = field(default_factory=dict)
+
+    def of_type(self, name: str) -> frozenset[str]:
+        """All objects of type `name` or below it."""
+        if name not in self.by_type:
+            self.by_type[name] = frozenset(o for o, t in self.objects.items() if self.is_a(t, name))
+        return self.by_type[name]
+
+    def is_a(self, name: str, ancestor: str) -> bool:
+        current: str | None = name
+        while current is not None:
+            if current == ancestor:
+                return True
+            current = self.types[current]
+        return False
+
+
+class Relaxation:
+    """The fixed point. `columns` maps a predicate that can hold to its possible objects by place; `domains` maps a rule
+    that can fire to the possible objects of its variables (of object types)."""
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.columns: dict[str, Columns] = {}
+        self.domains: dict[str, Domains] = {}
+        for fact in world.init:
+            self.grow(fact[0], [{name} for name in fact[1:]])
+        changed = True
+        while changed:
+            self.derive()
+            changed = False
+            for rule in world.rules.values():
+                changed = self.fire(rule) or changed
+
+    def grow(self, predicate: str, more: Sequence[set[str] | frozenset[str]]) -> bool:
+        """Add objects to the places of a predicate; whether anything was new."""
+        columns = self.columns.get(predicate)
+        if columns is None:
+            self.columns[predicate] = [set(m) for m in more]
+            return True
+        changed = False
+        for column, new in zip(columns, more, strict=True):
+            if not new <= column:
+                column |= new
+                changed = True
+        return changed
+
+    def derive(self) -> None:
+        """Derived predicates, as often as they can build on each other."""
+        for _ in self.world.derived:
+            changed = False
+            for derived in self.world.derived.values():
+                domains = self.solve(derived.variables, derived.body)
+                if domains is not None:
+                    changed = self.grow(derived.name, [domains[v.name] for v in derived.variables]) or changed
+            if not changed:
+                return
+
+    def fire(self, rule: ir.Rule) -> bool:
+        domains = self.solve(rule.variables, rule.condition)
+        if domains is None:
+            return False
+        self.domains[rule.name] = domains
+        changed = False
+        for effect, loops in effects_with_loops(rule.effects):
+            if effect.negated or effect.literal.motion:
+                continue
+            inner = {**domains, **{v.name: set(self.of(v)) for v in loops if isinstance(v.type, ir.ObjectType)}}
+            columns = [self.values(arg, inner) for arg in effect.literal.args]
+            predicate = self.world.predicates[effect.literal.predicate]
+            changed = self.grow(effect.literal.predicate, columns) or changed
+            if predicate.symmetric:
+                changed = self.grow(effect.literal.predicate, columns[::-1]) or changed
+        return changed
+
+    def of(self, variable: ir.Variable) -> frozenset[str]:
+        return self.world.of_type(variable.type.name) if isinstance(variable.type, ir.ObjectType) else frozenset()
+
+    def solve(self, variables: Sequence[ir.Variable], condition: ir.Formula) -> Domains | None:
+        """The objects that each variable can be, or None when the condition can never hold."""
+        domains = {v.name: set(self.of(v)) for v in variables if isinstance(v.type, ir.ObjectType)}
+        literals, bound = conjuncts(condition)
+        domains.update({v.name: set(self.of(v)) for v in bound if isinstance(v.type, ir.ObjectType)})
+        if not all(domains.values()) and variables:
+            return None
+        return domains if all(self.restrict(literal, domains) for literal in literals) else None
+
+    def restrict(self, literal: ir.Literal, domains: Domains) -> bool:
+        """Narrow the domains by one literal that must hold; whether it can."""
+        columns = self.columns.get(literal.predicate)
+        if columns is None:
+            return False
+        for arg, column in zip(literal.args, columns, strict=True):
+            if isinstance(arg, ir.Var) and arg.name in domains:
+                domains[arg.name] &= column
+                if not domains[arg.name]:
+                    return False
+            elif isinstance(arg, ir.Object) and arg.name not in column:
+                return False
+        return True
+
+    def values(self, arg: ir.Term, domains: Domains) -> set[str] | frozenset[str]:
+        """The objects that an argument of an effect can be."""
+        if isinstance(arg, ir.Object):
+            return {arg.name}
+        if isinstance(arg, ir.Var) and arg.name in domains:
+            return domains[arg.name]
+        if isinstance(arg, ir.ChainModule) and not arg.side:
+            return self.world.of_type("module")
+        return self.world.of_type("effector")
+
+
+def conjuncts(formula: ir.Formula) -> tuple[list[ir.Literal], list[ir.Variable]]:
+    """The positive literals that must hold, and the variables of the `exists` around them."""
+    if isinstance(formula, ir.Literal):
+        return [formula], []
+    if isinstance(formula, ir.And):
+        parts = [conjuncts(f) for f in formula.operands]
+        return [x for p in parts for x in p[0]], [v for p in parts for v in p[1]]
+    if isinstance(formula, ir.Exists):
+        literals, bound = conjuncts(formula.body)
+        return literals, [*formula.variables, *bound]
+    return [], []
+
+
+def effects_with_loops(
+    items: Sequence[ir.EffectItem], loops: tuple[ir.Variable, ...] = ()
+) -> Iterator[tuple[ir.Effect, tuple[ir.Variable, ...]]]:
+    """All effects with the variables of the loops around them."""
+    for item in items:
+        if isinstance(item, ir.Effect):
+            yield item, loops
+        elif isinstance(item, ir.EffectFor):
+            yield from effects_with_loops(item.effects, (*loops, *item.variables))
+        else:
+            yield from effects_with_loops(item.effects, loops)
+
+
+def movable(relaxation: Relaxation, motions: Mapping[str, ir.MotionPredicate]) -> set[str]:
+    """The objects that some rule can make follow another: they stand where an added motion literal keeps their pose."""
+    followers = {name: set(_followers(motion)) for name, motion in motions.items()}
+    found: set[str] = set()
+    for name, domains in relaxation.domains.items():
+        for effect in flatten(relaxation.world.rules[name].effects):
+            if effect.literal.motion and not effect.negated:
+                for place in followers[effect.literal.predicate]:
+                    found |= relaxation.values(effect.literal.args[place], domains)
+    return found
+
+
+def _followers(motion: ir.MotionPredicate) -> Iterator[int]:
+    names = [v.name for v in motion.variables]
+    for row in motion.rows:
+        kept = row.left
+        if (
+            row.when == "keep"
+            and isinstance(kept, ir.Function)
+            and kept.name == "pose"
+            and isinstance(kept.args[0], ir.Var)
+        ):
+            yield names.index(kept.args[0].name)

@@ -1,0 +1,212 @@
+"""Values that the text of modules and scenes gives: numbers with units, vectors, shapes, and arguments of uses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ...langs import syntax
+from ...langs.diagnostics import did_you_mean
+from ...langs.source import Span
+from .. import ir
+from .context import Context
+from .kinds import LENGTH, UNKNOWN, VALUE_TYPES, Kind
+from .names import BROKEN, Entry, Scope, Typed
+from .terms import check_scalar, check_term, expect_kind
+
+SHAPES: Mapping[str, tuple[str, ...]] = {
+    "box": ("x", "y", "z"),
+    "sphere": ("radius",),
+    "capsule": ("radius", "length"),
+    "cylinder": ("radius", "length"),
+}
+LINK_SHAPES: Mapping[str, tuple[str, ...]] = {
+    "box": ("x", "y"),
+    "sphere": ("radius",),
+    "capsule": ("radius",),
+    "cylinder": ("radius",),
+}
+
+
+def number(
+    context: Context, scope: Scope, term: syntax.Term | None, kind: Kind, what: str, lenient: bool = False
+) -> float | None:
+    """The value in SI, or None where it is not known yet or wrong."""
+    if term is None:
+        return None
+    typed = check_term(context, scope, term)
+    return typed.value if expect_kind(context, typed, kind, term, what, lenient) and typed.kind.known else None
+
+
+def vector(
+    context: Context, scope: Scope, term: syntax.Term, count: int, kind: Kind, what: str
+) -> tuple[float, ...] | None:
+    """`count` numbers of one kind; a plain number passes for a length."""
+    if not isinstance(term, syntax.Vector):
+        typed = check_term(context, scope, term)
+        if typed.kind.known:
+            context.findings.report("E0208", term.span, f"{what} is a vector of {count} components, not {typed.kind}")
+        return None
+    if len(term.items) != count:
+        form = ", ".join("xyz"[:count])
+        context.findings.report(
+            "E0208", term.span, f"{what} has {count} components, not {len(term.items)}", help=f"write `({form})`"
+        )
+        return None
+    values = [number(context, scope, item, kind, f"a component of {what}", lenient=True) for item in term.items]
+    return None if None in values else tuple(v for v in values if v is not None)
+
+
+def shape(
+    context: Context, scope: Scope, call: syntax.Call, shapes: Mapping[str, tuple[str, ...]] = SHAPES
+) -> ir.Shape | None:
+    """The shape with its sizes in metres, or None where they are not known yet or wrong."""
+    findings = context.findings
+    where = findings.word(call.span, call.function)
+    form = shapes.get(call.function)
+    forms = ", ".join(f"{name}({', '.join(sizes)})" for name, sizes in shapes.items())
+    if form is None:
+        help = did_you_mean(call.function, shapes) or f"shapes are {forms}"
+        findings.report("E0509", where, f"unknown shape `{call.function}`", help=help)
+        return None
+    if len(call.args) != len(form):
+        wanted = f"{len(form)} size{'s' * (len(form) != 1)}"
+        help = f"write `{call.function}({', '.join(form)})`"
+        findings.report("E0509", call.span, f"`{call.function}` has {wanted}, not {len(call.args)}", help=help)
+        return None
+    sizes = []
+    for name, arg in zip(form, call.args, strict=True):
+        value = number(context, scope, arg, LENGTH, f"the {name} of `{call.function}`", lenient=True)
+        if value is not None and value <= 0:
+            findings.report("E0509", arg.span, f"the {name} of `{call.function}` must be positive, not {value:g} m")
+            value = None
+        sizes.append(value)
+    return None if None in sizes else ir.Shape(call.function, tuple(s for s in sizes if s is not None))
+
+
+def parameter_entries(
+    context: Context, parameters: Sequence[syntax.Parameter], objects: bool = False
+) -> dict[str, Entry]:
+    """The parameters of a declaration as seen inside it while they have no values; checks types and defaults. With
+    `objects`, parameters may be objects too."""
+    entries: dict[str, Entry] = {}
+    for parameter in parameters:
+        where = context.findings.word(parameter.span, parameter.name)
+        if parameter.name in entries:
+            context.findings.report("E0309", where, f"`{parameter.name}` is bound twice")
+            continue
+        kind = parameter_kind(context, parameter.type, objects)
+        if parameter.default is not None:
+            _value_of(context, Scope("scene", dict(entries)), parameter, parameter.default, kind)
+        entries[parameter.name] = Entry(Typed(ir.Var(parameter.name, where), kind), where)
+    return entries
+
+
+def parameter_kind(context: Context, node: syntax.Type, objects: bool) -> Kind:
+    """The kind of a parameter's values; reports types that a parameter cannot have."""
+    if isinstance(node, syntax.NamedType):
+        if node.name in VALUE_TYPES:
+            return VALUE_TYPES[node.name]
+        if not objects:
+            known = node.name in context.library.types
+            if known:
+                context.findings.report("E0208", node.span, "parameters here are int, real, length or angle")
+            else:
+                context.findings.unknown("E0102", "type", node.name, node.span, VALUE_TYPES)
+            return UNKNOWN
+        name = context.object_type(node) if node.name in context.library.types else None
+        if name is None:
+            context.findings.unknown("E0102", "type", node.name, node.span, [*context.library.types, *VALUE_TYPES])
+            return UNKNOWN
+        return Kind("object", name)
+    context.findings.report(
+        "E0208", node.span, "parameters here are int, real, length, angle" + " or objects" * objects
+    )
+    return UNKNOWN
+
+
+def _value_of(context: Context, scope: Scope, parameter: syntax.Parameter, term: syntax.Term, kind: Kind) -> Typed:
+    what = f"parameter `{parameter.name}`"
+    if kind.name == "object":
+        typed = check_term(context, scope, term)
+        fits = typed.kind.name == "object" and context.library.is_a(typed.kind.type, kind.type)
+        if typed.kind.known and not fits:
+            context.findings.report("E0202", term.span, f"{what} must be {kind}, not {typed.kind}")
+            return BROKEN
+        return typed
+    typed = check_scalar(context, scope, term, kind, what)
+    whole = isinstance(parameter.type, syntax.NamedType) and parameter.type.name == "int"
+    if whole and typed.value is not None and typed.value != int(typed.value):
+        context.findings.report("E0205", term.span, f"{what} must be a whole number, not {typed.value:g}")
+        return BROKEN
+    if whole and typed.value is not None:
+        return Typed(ir.Number(int(typed.value), term.span), kind)
+    return Typed(typed.term, kind if typed.kind.known else UNKNOWN)
+
+
+def bind_arguments(
+    context: Context,
+    scope: Scope,
+    parameters: Sequence[syntax.Parameter],
+    arguments: Sequence[syntax.Argument],
+    use: Span,
+    declared: Span,
+) -> dict[str, Entry] | None:
+    """What the parameters of a scene, module type or heuristic stand for in one use, defaults filled in; None after an
+    error. `use` is the place of the use, `declared` that of the declaration."""
+    given = _match(context, parameters, arguments, use, declared)
+    if given is None:
+        return None
+    entries: dict[str, Entry] = {}
+    complete = True
+    for parameter in parameters:
+        kind = parameter_kind(context, parameter.type, objects=True)
+        term = given.get(parameter.name)
+        if term is not None:
+            typed = _value_of(context, scope, parameter, term, kind)
+        elif parameter.default is not None:
+            typed = _value_of(context, Scope("scene", dict(entries)), parameter, parameter.default, kind)
+        else:
+            context.findings.report(
+                "E0206",
+                use,
+                f"parameter `{parameter.name}` is missing",
+                labels=[(context.findings.word(parameter.span, parameter.name), "declared here without default")],
+            )
+            typed = BROKEN
+        complete = complete and typed.kind.known
+        entries[parameter.name] = Entry(typed, parameter.span)
+    return entries if complete else None
+
+
+def _match(
+    context: Context,
+    parameters: Sequence[syntax.Parameter],
+    arguments: Sequence[syntax.Argument],
+    use: Span,
+    declared: Span,
+) -> dict[str, syntax.Term] | None:
+    names = [p.name for p in parameters]
+    given: dict[str, syntax.Term] = {}
+    fine = True
+    for i, argument in enumerate(arguments):
+        name = argument.name
+        if name is None:
+            if i >= len(names):
+                takes = f"{len(names)} argument{'s' * (len(names) != 1)}"
+                context.findings.report(
+                    "E0201",
+                    argument.span,
+                    f"this takes {takes}, not {len(arguments)}",
+                    labels=[(declared, "declared here")],
+                )
+                return None
+            name = names[i]
+        where = context.findings.word(argument.span, name)
+        if name not in names:
+            context.findings.unknown("E0204", "parameter", name, where, names)
+            fine = False
+        elif name in given:
+            context.findings.report("E0309", where, f"parameter `{name}` is given twice")
+            fine = False
+        given[name] = argument.value
+    return given if fine else None

@@ -1,0 +1,331 @@
+"""Collision geometry of a problem: spheres that cover shapes, pairs that can meet, contacts of each phase.
+
+Metres; sphere centres are in the moving frame of their joint (-1: the module frame, or a body's own frame).
+A set of spheres covers a shape *within* `margin`: no point of the shape is farther than `margin` outside the
+spheres. Keeping the spheres `margin` away from an obstacle therefore keeps the shape itself clear of it.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..ir import Body, Fact, Function, Joint, ModuleType, Pose, Problem, Shape, Var, Vec3, World
+
+if TYPE_CHECKING:
+    from ...runtime.skeleton import Skeleton
+
+Array = NDArray[np.float64]
+
+PATH_MARGIN = 0.02
+"""The margin that the spheres used along a path and at switches are made for."""
+CHECK_MARGIN = 0.005
+"""The margin of the denser spheres that accept or refuse a path."""
+ON_AXIS = 1e-9
+
+Pair = tuple[str, str]
+
+
+def pair(a: str, b: str) -> Pair:
+    """The unordered pair of two objects."""
+    return (a, b) if a <= b else (b, a)
+
+
+@dataclass(frozen=True, slots=True)
+class Sphere:
+    """A sphere fixed to the moving frame of `joint`; `effector` names the effector that it belongs to. An `exact`
+    one is a whole shape, no part of a cover."""
+
+    joint: int
+    centre: Vec3
+    radius: float
+    effector: str | None
+    exact: bool = False
+
+
+def pose_matrix(pose: Pose | Array) -> Array:
+    """The homogeneous matrix `(4, 4)` of a pose `(x, y, z, qx, qy, qz, qw)`."""
+    x, y, z, a, b, c, w = (float(v) for v in pose)
+    n = 2.0 / (a * a + b * b + c * c + w * w)
+    return np.array([
+        [1 - n * (b * b + c * c), n * (a * b - c * w), n * (a * c + b * w), x],
+        [n * (a * b + c * w), 1 - n * (a * a + c * c), n * (b * c - a * w), y],
+        [n * (a * c - b * w), n * (b * c + a * w), 1 - n * (a * a + b * b), z],
+        [0.0, 0.0, 0.0, 1.0],
+    ])
+
+
+# --- spheres that cover a shape -------------------------------------------------------------------
+
+
+def _line(half: float, step: float) -> list[float]:
+    """Points from -half to half, at most `step` apart; the middle alone when the line is a point."""
+    if half <= ON_AXIS:
+        return [0.0]
+    count = max(1, math.ceil(2 * half / step - 1e-9))
+    return [half * (2 * k / count - 1) for k in range(count + 1)]
+
+
+def _cover_box(half: Vec3, margin: float) -> Iterator[tuple[Vec3, float]]:
+    radius = min(min(half), margin / (math.sqrt(3) - 1))
+    lines = [_line(h - radius, 2 * radius) for h in half]
+    for index in itertools.product(*(range(len(line)) for line in lines)):
+        if any(k in (0, len(line) - 1) for k, line in zip(index, lines, strict=True)):
+            x, y, z = (line[k] for k, line in zip(index, lines, strict=True))
+            yield (x, y, z), radius
+
+
+def _cover_capsule(radius: float, length: float, margin: float) -> Iterator[tuple[Vec3, float]]:
+    step = 2 * math.sqrt((radius + margin) ** 2 - radius**2)
+    for z in _line(length / 2, step):
+        yield (0.0, 0.0, z), radius
+
+
+def _cover_cylinder(radius: float, length: float, margin: float) -> Iterator[tuple[Vec3, float]]:
+    """Rings of spheres: the outermost at every height, all of them at both flat ends."""
+    ball = min(radius, length / 2, margin / (math.sqrt(3) - 1))
+    heights = _line(length / 2 - ball, 2 * ball)
+    rings = sorted({abs(r) for r in _line(radius - ball, 2 * ball)}, reverse=True)
+    for k, z in enumerate(heights):
+        for ring in rings if k in (0, len(heights) - 1) else rings[:1]:
+            count = 1 if ring <= ON_AXIS else max(4, math.ceil(math.pi * (ring + ball) / ball))
+            for i in range(count):
+                angle = 2 * math.pi * i / count
+                yield (ring * math.cos(angle), ring * math.sin(angle), z), ball
+
+
+def cover(shape: Shape, margin: float) -> tuple[tuple[Vec3, float], ...]:
+    """Spheres `(centre, radius)` in the frame of the shape, within it, that cover it within `margin`."""
+    size = shape.size
+    if shape.kind == "sphere":
+        return (((0.0, 0.0, 0.0), size[0]),)
+    if shape.kind == "box":
+        return tuple(_cover_box((size[0] / 2, size[1] / 2, size[2] / 2), margin))
+    if shape.kind == "capsule":
+        return tuple(_cover_capsule(size[0], size[1], margin))
+    return tuple(_cover_cylinder(size[0], size[1], margin))
+
+
+def bounding_radius(shape: Shape) -> float:
+    """Radius of the sphere around the shape's centre that holds it."""
+    size = shape.size
+    if shape.kind == "sphere":
+        return size[0]
+    if shape.kind == "box":
+        return 0.5 * math.hypot(*size)
+    if shape.kind == "capsule":
+        return size[0] + size[1] / 2
+    return math.hypot(size[0], size[1] / 2)
+
+
+def _on_axis(axis: Vec3, point: Array) -> bool:
+    return bool(np.linalg.norm(np.cross(axis, point)) <= ON_AXIS * math.hypot(*axis))
+
+
+def _hoist(type_: ModuleType, joint: int, centre: Array) -> tuple[int, Array]:
+    """The same point in the frame nearest to the root that carries it: a joint that turns about an axis
+    through a point does not move it."""
+    while joint >= 0 and type_.joints[joint].kind == "revolute":
+        if not _on_axis(type_.joints[joint].axis, centre):
+            break
+        centre = (pose_matrix(type_.joints[joint].placement) @ np.append(centre, 1.0))[:3]
+        joint = type_.joints[joint].parent
+    return joint, centre
+
+
+def _placed(
+    type_: ModuleType, joint: int, placement: Pose, shape: Shape, margin: float
+) -> Iterator[tuple[int, Array, float]]:
+    frame = pose_matrix(placement)
+    for centre, radius in cover(shape, margin):
+        yield *_hoist(type_, joint, (frame @ np.array([*centre, 1.0]))[:3]), radius
+
+
+def _inside(sphere: tuple[int, Array, float], others: list[Sphere]) -> bool:
+    joint, centre, radius = sphere
+    return any(
+        o.joint == joint and np.linalg.norm(centre - np.array(o.centre)) + radius <= o.radius + ON_AXIS
+        for o in others
+    )
+
+
+@lru_cache(maxsize=64)
+def module_spheres(type_: ModuleType, margin: float = PATH_MARGIN) -> tuple[Sphere, ...]:
+    """Spheres that cover the effectors and links of a module within `margin`, effectors first, in declaration
+    order. Link spheres that lie inside another one of the module in every pose are left out."""
+    spheres: list[Sphere] = []
+    for e in type_.effectors:
+        if e.shape is not None:
+            for joint, centre, radius in _placed(type_, e.joint, e.placement, e.shape, margin):
+                x, y, z = centre.tolist()
+                spheres.append(Sphere(joint, (x, y, z), radius, e.name, e.shape.kind == "sphere"))
+    for link in type_.links:
+        for joint, centre, radius in _placed(type_, link.joint, link.placement, link.shape, margin):
+            if not _inside((joint, centre, radius), spheres):
+                x, y, z = centre.tolist()
+                spheres.append(Sphere(joint, (x, y, z), radius, None, link.shape.kind == "sphere"))
+    return tuple(spheres)
+
+
+def body_spheres(body: Body, margin: float = PATH_MARGIN) -> tuple[Sphere, ...]:
+    """Spheres that cover a body within `margin`, in its own frame."""
+    exact = body.shape.kind == "sphere"
+    return tuple(Sphere(-1, centre, radius, None, exact) for centre, radius in cover(body.shape, margin))
+
+
+# --- pairs that can meet --------------------------------------------------------------------------
+
+
+def _lineage(type_: ModuleType, joint: int) -> list[int]:
+    """The joints from `joint` up to the module frame."""
+    found = []
+    while joint >= 0:
+        found.append(joint)
+        joint = type_.joints[joint].parent
+    return found
+
+
+def _slide(joint: Joint) -> float:
+    """How far a joint can carry its frame from where it is placed."""
+    return max(abs(joint.lower), abs(joint.upper)) if joint.kind == "prismatic" else 0.0
+
+
+def _length_between(type_: ModuleType, a: tuple[int, Vec3], b: tuple[int, Vec3]) -> float:
+    """An upper bound of the distance of two points fixed to joint frames, along the joints between them."""
+    ends: list[Vec3] = []
+    length = 0.0
+    for (joint, point), (other, _) in ((a, b), (b, a)):
+        shared = _lineage(type_, other)
+        while joint != -1 and joint not in shared:
+            placement = type_.joints[joint].placement
+            length += math.hypot(*point) + _slide(type_.joints[joint])
+            point, joint = (placement[0], placement[1], placement[2]), type_.joints[joint].parent
+        ends.append(point)
+    return length + math.dist(ends[0], ends[1])
+
+
+def _joints_between(type_: ModuleType, a: Sphere, b: Sphere) -> int:
+    """How many joints can change the distance of two spheres: those between them, less the ones next to a
+    sphere that turn about an axis through it (for the outer sphere `_hoist` has left these out already)."""
+    own, other = _lineage(type_, a.joint), _lineage(type_, b.joint)
+    up, down = [j for j in own if j not in other], [j for j in other if j not in own]
+    if up and down:
+        return len(up) + len(down)
+    point = np.array([*(b if up else a).centre, 1.0])
+    between = (up or down)[::-1]
+    for count, index in enumerate(between):
+        joint = type_.joints[index]
+        point = np.linalg.solve(pose_matrix(joint.placement), point)
+        if joint.kind != "revolute" or not _on_axis(joint.axis, point[:3]):
+            return len(between) - count
+    return 0
+
+
+@lru_cache(maxsize=64)
+def self_pairs(type_: ModuleType, margin: float = PATH_MARGIN) -> tuple[tuple[int, int], ...]:
+    """Pairs of indices into `module_spheres(type_, margin)` that can meet: at least two joints change their
+    distance, and along the joints they are farther apart than twice the distance at which they touch."""
+    spheres = module_spheres(type_, margin)
+    return tuple(
+        (i, k)
+        for (i, a), (k, b) in itertools.combinations(enumerate(spheres), 2)
+        if _joints_between(type_, a, b) >= 2
+        and _length_between(type_, (a.joint, a.centre), (b.joint, b.centre))
+        >= 2 * (a.radius + b.radius + PATH_MARGIN)
+    )
+
+
+# --- contacts -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class PhaseContacts:
+    """Pairs of objects (effectors or bodies) that touch in a phase: all the time, only when it starts, only
+    when it ends. They are exempt from collision there; a pair in `start` and `end` lets go in between."""
+
+    during: frozenset[Pair]
+    start: frozenset[Pair]
+    end: frozenset[Pair]
+
+
+def keeps_pose(problem: Problem, literal: Fact) -> tuple[str, str] | None:
+    """The objects `(fixed to, follows)` whose relative pose a motion literal keeps, or None."""
+    predicate = problem.motions[literal[0]]
+    binding = {v.name: o for v, o in zip(predicate.variables, literal[1:], strict=True)}
+    for row in predicate.rows:
+        left = row.left
+        if row.when == "keep" and isinstance(left, Function) and left.name == "pose":
+            follows, fixed = left.args
+            if isinstance(follows, Var) and isinstance(fixed, Var):
+                return binding[fixed.name], binding[follows.name]
+    return None
+
+
+def _kept(problem: Problem, literals: frozenset[Fact]) -> frozenset[Pair]:
+    return frozenset(pair(*kept) for kept in (keeps_pose(problem, literal) for literal in literals) if kept)
+
+
+def _named(literals: frozenset[Fact]) -> frozenset[Pair]:
+    return frozenset(pair(a, b) for _, *objects in literals for a, b in itertools.combinations(objects, 2))
+
+
+def contacts(skeleton: Skeleton) -> tuple[PhaseContacts, ...]:
+    """The contacts of each phase: kept poses of its mode hold during it; literals that are added end it;
+    whatever touched when the phase before ended and is not kept touches at its start only."""
+    result: list[PhaseContacts] = []
+    touching: frozenset[Pair] = _named(skeleton.problem.init_motion)
+    for phase in skeleton.phases:
+        during = _kept(skeleton.problem, phase.mode)
+        added = _named(phase.added)
+        result.append(PhaseContacts(during, touching - during, added - during))
+        touching = during | added
+    return tuple(result)
+
+
+def taper(contact: PhaseContacts, objects: Pair, times: Array, slices: int, over: int = 3) -> Array | None:
+    """The share of the margin that a pair of objects must keep at `times`, counted in slices from the start
+    of the phase: 1, but falling to 0 over the `over` slices next to a contact that ends or begins; None for a
+    pair that touches all the time."""
+    if objects in contact.during:
+        return None
+    share = np.ones(times.shape)
+    if objects in contact.start:
+        share = np.minimum(share, times / over)
+    if objects in contact.end:
+        share = np.minimum(share, (slices - times) / over)
+    return share
+
+
+# --- what is near ---------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=256)
+def reach(type_: ModuleType, effector: str) -> float:
+    """An upper bound of how far any point of the module can be from the origin of one effector's frame."""
+    e = type_.effector(effector)
+    start = (e.joint, (e.placement[0], e.placement[1], e.placement[2]))
+    spheres = module_spheres(type_)
+    lengths = (_length_between(type_, start, (s.joint, s.centre)) + s.radius for s in spheres)
+    return max(lengths, default=0.0) + PATH_MARGIN
+
+
+def shape_distance(shape: Shape, frame: Array, point: Array) -> float:
+    """Distance from a point `(3,)` to a shape whose frame is `(4, 4)`, both in the world; 0 inside, and a lower
+    bound unless the shape is a box or a sphere."""
+    x, y, z = (abs(v) for v in (frame[:3, :3].T @ (point - frame[:3, 3])).tolist())
+    if shape.kind == "box":
+        return math.hypot(*(max(v - s / 2, 0.0) for v, s in zip((x, y, z), shape.size, strict=True)))
+    return max(0.0, math.hypot(x, y, z) - bounding_radius(shape))
+
+
+def bodies_near(world: World, centre: Array, radius: float) -> tuple[str, ...]:
+    """The bodies that, at their start pose, come within `radius` of a point `(3,)`, in declaration order."""
+    bodies = world.bodies.values()
+    return tuple(b.name for b in bodies if shape_distance(b.shape, pose_matrix(b.pose), centre) <= radius)

@@ -1,0 +1,242 @@
+"""Back end `constraints`: motion predicates to CasADi stage Functions.
+
+Takes the rows of `ir.MotionPredicate` and the kinds of their arguments; gives one `Stage` per row and kinds, cached
+per process. Residual signs: equalities r = 0, inequalities r <= 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+
+import casadi as ca
+
+from .. import ir
+from . import distances
+from .distances import SIZES, Solid
+from .kinematics import (
+    Expression,
+    Frame,
+    axis,
+    compose,
+    conjugate,
+    effector_frame,
+    joint_frames,
+    multiply,
+    pose_frame,
+    rotation_difference,
+    unrotate,
+    vector,
+)
+from .stages import Stage
+
+METRES = frozenset({"position", "gap", "top", "bottom", "inside", "radius"})
+
+
+@dataclass(frozen=True, slots=True)
+class EffectorKind:
+    """An effector of a module whose slot is number `slot` of the row; `effector` "" is the module frame itself."""
+
+    type: ir.ModuleType
+    effector: str
+    slot: int
+
+
+@dataclass(frozen=True, slots=True)
+class BodyKind:
+    """A body that may move: its pose is slot number `slot`, its sizes are parameters."""
+
+    shape: str
+    slot: int
+
+
+@dataclass(frozen=True, slots=True)
+class RestKind:
+    """A body that never moves: pose and sizes are parameters."""
+
+    shape: str
+
+
+Kind = EffectorKind | BodyKind | RestKind
+
+
+def arguments(row: ir.Row, variables: tuple[ir.Variable, ...]) -> tuple[str, ...]:
+    """The variables, by name, and ground objects that a row mentions: variables first, in declaration order."""
+    found: dict[str, None] = {}
+
+    def visit(term: ir.Term | None) -> None:
+        match term:
+            case ir.Var(name) | ir.Object(name):
+                found[name] = None
+            case ir.Function(_, inner) | ir.Arith(_, inner) | ir.Vector(inner):
+                for item in inner:
+                    visit(item)
+
+    visit(row.left)
+    visit(row.right)
+    declared = [v.name for v in variables if v.name in found]
+    return (*declared, *(n for n in found if n not in declared))
+
+
+def units(row: ir.Row) -> tuple[str, ...]:
+    """The unit of each scalar residual: m, rad or, for directions, 1."""
+    if isinstance(row.left, ir.Function) and row.left.name == "pose":
+        return ("m",) * 3 + ("rad",) * 3
+
+    def metric(term: ir.Term | None) -> bool:
+        match term:
+            case ir.Function(name, _) if name in METRES:
+                return True
+            case ir.Function(_, inner) | ir.Arith(_, inner) | ir.Vector(inner):
+                return any(metric(item) for item in inner)
+        return False
+
+    return ("m" if metric(row.left) or metric(row.right) else "1",) * row.rows
+
+
+def slot_sizes(kinds: tuple[Kind, ...]) -> list[int]:
+    """The sizes of the distinct slots of a row, in the order of their numbers."""
+    sizes: dict[int, int] = {}
+    for kind in kinds:
+        match kind:
+            case EffectorKind(type=module, slot=slot):
+                sizes[slot] = 7 + len(module.joints)
+            case BodyKind(slot=slot):
+                sizes[slot] = 7
+    return [sizes[i] for i in range(len(sizes))]
+
+
+def parameter_sizes(kinds: tuple[Kind, ...]) -> list[int]:
+    """How many parameters each argument takes: sizes of a body, and before them its pose when it never moves."""
+    count = []
+    for kind in kinds:
+        match kind:
+            case EffectorKind():
+                count.append(0)
+            case BodyKind(shape=shape):
+                count.append(SIZES[shape])
+            case RestKind(shape=shape):
+                count.append(7 + SIZES[shape])
+    return count
+
+
+def _solid(kind: Kind, slots: list[Expression], constants: Expression) -> Solid:
+    match kind:
+        case EffectorKind(type=module, effector="", slot=slot):
+            return Solid(pose_frame(slots[slot]), "sphere", (0.0,))
+        case EffectorKind(type=module, effector=name, slot=slot):
+            shape = module.effector(name).shape or ir.Shape("sphere", (0.0,))
+            return Solid(effector_frame(module, name, slots[slot]), shape.kind, shape.size)
+        case BodyKind(shape=shape, slot=slot):
+            return Solid(pose_frame(slots[slot]), shape, [constants[i] for i in range(SIZES[shape])])
+        case RestKind(shape=shape):
+            sizes = [constants[7 + i] for i in range(SIZES[shape])]
+            return Solid(Frame(constants[:3], constants[3:7]), shape, sizes)
+
+
+def _function(name: str, args: tuple[ir.Term, ...], scope: Mapping[str, Solid]) -> Expression:
+    if name in distances.PAIRS:
+        return distances.PAIRS[name](_object(args[0], scope), _object(args[1], scope))
+    if name in distances.SINGLES:
+        return distances.SINGLES[name](_object(args[0], scope))
+    if name == "position":
+        return _object(args[0], scope).frame.position
+    if name == "axis" and isinstance(args[1], ir.Letter):
+        return axis(_object(args[0], scope).frame.quaternion, args[1].letter)
+    plain: dict[str, Callable[..., Expression]] = {
+        "dot": ca.dot, "cross": ca.cross, "norm": lambda v: ca.sqrt(ca.dot(v, v) + distances.SMOOTH),
+        "sqrt": ca.sqrt, "abs": ca.fabs, "sin": ca.sin, "cos": ca.cos,
+    }  # fmt: skip
+    if name not in plain:
+        raise ValueError(f"`{name}` has no meaning in a motion predicate")
+    return plain[name](*[_value(a, scope) for a in args])
+
+
+def _object(term: ir.Term, scope: Mapping[str, Solid]) -> Solid:
+    if isinstance(term, ir.Var | ir.Object):
+        return scope[term.name]
+    raise ValueError(f"{term} is not an object")
+
+
+def _value(term: ir.Term, scope: Mapping[str, Solid]) -> Expression:
+    match term:
+        case ir.Number(value):
+            return ca.SX(value)
+        case ir.Function(name, args):
+            return _function(name, args, scope)
+        case ir.Vector(items):
+            return vector([_value(i, scope) for i in items])
+        case ir.Arith(operator, operands):
+            values = [_value(o, scope) for o in operands]
+            if operator == "neg":
+                return -values[0]
+            left, right = values
+            return {"+": left + right, "-": left - right, "*": left * right, "/": left / right}[operator]
+    raise ValueError(f"{term} has no value in a motion predicate")
+
+
+def _relative(frame: Frame, base: Frame) -> tuple[Expression, Expression]:
+    return (
+        unrotate(base.quaternion, frame.position - base.position),
+        multiply(conjugate(base.quaternion), frame.quaternion),
+    )
+
+
+def _kept(term: ir.Term, scopes: list[dict[str, Solid]], kinds: Mapping[str, Kind]) -> Expression:
+    """The change of a kept term from one slice to the next. Relative to something that never moves, the pose in
+    the world says the same with a smaller expression."""
+    if not (isinstance(term, ir.Function) and term.name == "pose"):
+        return _value(term, scopes[1]) - _value(term, scopes[0])
+    target, base = term.args
+    anchored = isinstance(base, ir.Var | ir.Object) and isinstance(kinds[base.name], RestKind)
+    poses = []
+    for scope in scopes:
+        frame = _object(target, scope).frame
+        poses.append((frame.position, frame.quaternion) if anchored else _relative(frame, _object(base, scope).frame))
+    (p0, q0), (p1, q1) = poses
+    return ca.vertcat(p1 - p0, rotation_difference(q0, q1))
+
+
+@cache
+def stage(row: ir.Row, names: tuple[str, ...], kinds: tuple[Kind, ...]) -> Stage:
+    """The stage Function of one row whose arguments `names` have `kinds`.
+
+    Its variables are the distinct slots in order of their numbers (for a keep row those of the earlier slice, then
+    those of the later), its parameters those of each argument in turn. Raises ValueError for terms without meaning
+    in a motion predicate.
+    """
+    sizes = slot_sizes(kinds)
+    counts = parameter_sizes(kinds)
+    slices = 2 if row.when == "keep" else 1
+    variables = ca.SX.sym("x", slices * sum(sizes))
+    constants = ca.SX.sym("p", sum(counts))
+    scopes = []
+    for i in range(slices):
+        slots, start = [], i * sum(sizes)
+        for size in sizes:
+            slots.append(variables[start : start + size])
+            start += size
+        scope, used = {}, 0
+        for name, kind, count in zip(names, kinds, counts, strict=True):
+            scope[name] = _solid(kind, slots, constants[used : used + count])
+            used += count
+        scopes.append(scope)
+    if row.when == "keep":
+        residual = _kept(row.left, scopes, dict(zip(names, kinds, strict=True)))
+    else:
+        left, right = _value(row.left, scopes[0]), _value(row.right or ir.Number(0.0), scopes[0])
+        residual = right - left if row.operator == ">=" else left - right
+        if residual.numel() < row.rows:
+            residual = ca.repmat(residual, row.rows, 1)
+    return Stage(row.when, variables, constants, residual)
+
+
+@cache
+def sphere_stage(kind: ir.ModuleType | None, spheres: tuple[tuple[int, ir.Vec3], ...]) -> Stage:
+    """Centres (3 S,) in the world of S spheres at `(joint, offset in its moving frame)` of a module; with `kind` None
+    of a body, whose frame is number -1. Variables are the one slot, there are no parameters."""
+    slot = ca.SX.sym("x", 7 if kind is None else 7 + len(kind.joints))
+    frames = [pose_frame(slot)] if kind is None else joint_frames(kind, slot)
+    centres = [compose(frames[joint + 1], (*offset, 0.0, 0.0, 0.0, 1.0)).position for joint, offset in spheres]
+    return Stage("spheres", slot, ca.SX.sym("p", 0), ca.vertcat(*centres))

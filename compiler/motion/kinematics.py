@@ -1,0 +1,118 @@
+"""Symbolic kinematics of modules, as CasADi expressions.
+
+Quaternions are x, y, z, w. A module's slot is `(7 + n,)`: pose of its module frame in the world, whose quaternion is
+normalised here, then its n joint values; a body's slot is its pose `(7,)`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import casadi as ca
+
+from ..ir import Joint, ModuleType, Pose
+
+Expression: TypeAlias = Any
+"""A `casadi.SX` column, or for scalars also a float: CasADi carries no types."""
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A symbolic frame: `position` (3,) in the world, unit `quaternion` (4,)."""
+
+    position: Expression
+    quaternion: Expression
+
+
+def vector(items: Sequence[Expression]) -> Expression:
+    """A column of the given scalars."""
+    return ca.vertcat(*[ca.SX(i) for i in items])
+
+
+def multiply(a: Expression, b: Expression) -> Expression:
+    """The quaternion product a ⊗ b."""
+    return ca.vertcat(
+        a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1],
+        a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
+        a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3],
+        a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2],
+    )
+
+
+def conjugate(q: Expression) -> Expression:
+    """The inverse of a unit quaternion."""
+    return ca.vertcat(-q[0], -q[1], -q[2], q[3])
+
+
+def axis(q: Expression, letter: str) -> Expression:
+    """The image (3,) of unit axis x, y or z under unit quaternion q."""
+    x, y, z, w = q[0], q[1], q[2], q[3]
+    if letter == "x":
+        return ca.vertcat(1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w))
+    if letter == "y":
+        return ca.vertcat(2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w))
+    return ca.vertcat(2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y))
+
+
+def rotate(q: Expression, v: Expression) -> Expression:
+    """Vector v (3,) turned by unit quaternion q."""
+    return v[0] * axis(q, "x") + v[1] * axis(q, "y") + v[2] * axis(q, "z")
+
+
+def unrotate(q: Expression, v: Expression) -> Expression:
+    """Vector v (3,) of the world in the axes of unit quaternion q."""
+    return ca.vertcat(*[ca.dot(axis(q, letter), v) for letter in "xyz"])
+
+
+def rotation_difference(a: Expression, b: Expression) -> Expression:
+    """2·vec(a* ⊗ b) with the sign of the shorter way (3,): the rotation from a to b in radians, to first order."""
+    difference = multiply(conjugate(a), b)
+    return 2 * ca.if_else(difference[3] < 0, -1, 1) * difference[:3]
+
+
+def compose(parent: Frame, placement: Pose) -> Frame:
+    """The frame at a constant `placement` in `parent`."""
+    offset, turn = placement[:3], placement[3:]
+    position = parent.position + rotate(parent.quaternion, ca.SX(ca.DM(offset))) if any(offset) else parent.position
+    quaternion = parent.quaternion if turn == (0, 0, 0, 1) else multiply(parent.quaternion, ca.SX(ca.DM(turn)))
+    return Frame(position, quaternion)
+
+
+def pose_frame(pose: Expression) -> Frame:
+    """The frame of a pose (7,), its quaternion normalised."""
+    return Frame(pose[:3], pose[3:7] / ca.norm_2(pose[3:7]))
+
+
+def joint_frame(parent: Frame, joint: Joint, value: Expression) -> Frame:
+    """The moving frame of `joint` at joint value `value` (rad or m)."""
+    base = compose(parent, joint.placement)
+    length = sum(a * a for a in joint.axis) ** 0.5
+    direction = [a / length for a in joint.axis]
+    if joint.kind == "prismatic":
+        return Frame(base.position + value * rotate(base.quaternion, ca.SX(ca.DM(direction))), base.quaternion)
+    turn = vector([a * ca.sin(value / 2) if a else 0 for a in direction] + [ca.cos(value / 2)])
+    return Frame(base.position, multiply(base.quaternion, turn))
+
+
+def joint_frames(kind: ModuleType, slot: Expression) -> list[Frame]:
+    """The module frame, then the moving frame of each joint: index `joint + 1`."""
+    frames = [pose_frame(slot)]
+    for i, joint in enumerate(kind.joints):
+        frames.append(joint_frame(frames[joint.parent + 1], joint, slot[7 + i]))
+    return frames
+
+
+def effector_frame(kind: ModuleType, name: str, slot: Expression) -> Frame:
+    """The frame of effector `name`; only the joints that carry it enter the expression."""
+    effector = kind.effector(name)
+    carriers = []
+    joint = effector.joint
+    while joint >= 0:
+        carriers.append(joint)
+        joint = kind.joints[joint].parent
+    frame = pose_frame(slot)
+    for i in reversed(carriers):
+        frame = joint_frame(frame, kind.joints[i], slot[7 + i])
+    return compose(frame, effector.placement)

@@ -1,0 +1,135 @@
+"""Overlaps at the start: pairs of bodies and modules whose shapes occupy the same space before anything moves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from ...langs.source import Span
+from .. import ir
+from ..checks.findings import Findings
+from ..poses import compose, joint_frames, orientation, position, rotate
+
+TOLERANCE = 1e-3
+"""Depth in metres up to which things that rest in contact may overlap."""
+
+Box = tuple[float, float, float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Volume:
+    """One shape in the world: `owner` is the body or module, `name` the body or effector, `bounds` the axis-aligned box
+    around it (lowest corner, highest corner)."""
+
+    owner: str
+    name: str
+    shape: ir.Shape
+    pose: ir.Pose
+    bounds: Box
+    span: Span | None
+
+
+def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str, str]]) -> None:
+    """Report every pair that overlaps by more than `TOLERANCE`, the deepest first where one item makes several.
+
+    `carried` holds pairs (thing, support) that may touch: what stands on something.
+    """
+    exempt = {frozenset(pair) for pair in carried}
+    found: dict[frozenset[str], tuple[float, Volume, Volume]] = {}
+    for one, other in candidates(list(volumes(world))):
+        if one.owner == other.owner or frozenset((one.name, other.name)) in exempt:
+            continue
+        depth = penetration(one, other)
+        key = frozenset((one.owner, other.owner))
+        if depth > TOLERANCE and (key not in found or depth > found[key][0]):
+            found[key] = (depth, one, other)
+    pairs = sorted(found.values(), key=lambda f: (-f[0], f[1].owner, f[2].owner))
+    order = {name: i for i, name in enumerate([*world.bodies, *world.modules])}
+    for depth, one, other in pairs:
+        first, second = sorted((one, other), key=lambda v: order[v.owner])
+        labels = [(first.span, f"`{first.owner}` is declared here")] if first.span != second.span else []
+        findings.report(
+            "E0502",
+            second.span,
+            f"`{first.owner}` and `{second.owner}` overlap by {depth * 1000:.0f} mm at the start",
+            help="move them apart, or put one `on` the other",
+            labels=labels,
+        )
+
+
+def volumes(world: ir.World) -> Iterator[Volume]:
+    """All shapes of the scene at the start."""
+    for body in world.bodies.values():
+        yield Volume(body.name, body.name, body.shape, body.pose, bounds(body.shape, body.pose), body.span)
+    for module in world.modules.values():
+        frames = joint_frames(module.type, module.pose, module.joints)
+        for link in module.type.links:
+            pose = compose(frames[link.joint], link.placement)
+            yield Volume(module.name, module.name, link.shape, pose, bounds(link.shape, pose), module.span)
+        for end in module.type.effectors:
+            if end.shape is not None:
+                pose = compose(frames[end.joint], end.placement)
+                name = f"{module.name}.{end.name}"
+                yield Volume(module.name, name, end.shape, pose, bounds(end.shape, pose), module.span)
+
+
+def bounds(shape: ir.Shape, pose: ir.Pose) -> Box:
+    """The axis-aligned box around a shape, metres in the world."""
+    q = orientation(pose)
+    if shape.kind == "sphere":
+        reach = [shape.size[0]] * 3
+    elif shape.kind == "box":
+        columns = [rotate(q, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
+        reach = [sum(abs(c[i]) * s / 2 for c, s in zip(columns, shape.size, strict=True)) for i in range(3)]
+    else:
+        radius, length = shape.size
+        axis = rotate(q, (0.0, 0.0, 1.0))
+        round_end = shape.kind == "capsule"
+        reach = [abs(a) * length / 2 + radius * (1.0 if round_end else math.sqrt(max(0.0, 1.0 - a * a))) for a in axis]
+    x, y, z = position(pose)
+    return x - reach[0], y - reach[1], z - reach[2], x + reach[0], y + reach[1], z + reach[2]
+
+
+def candidates(found: list[Volume]) -> Iterator[tuple[Volume, Volume]]:
+    """Pairs whose boxes overlap by more than the tolerance, by a sweep along x."""
+    ordered = sorted(found, key=lambda v: v.bounds[0])
+    active: list[Volume] = []
+    for volume in ordered:
+        low = volume.bounds
+        active = [a for a in active if a.bounds[3] - low[0] > TOLERANCE]
+        for other in active:
+            high = other.bounds
+            if (
+                min(high[4], low[4]) - max(high[1], low[1]) > TOLERANCE
+                and min(high[5], low[5]) - max(high[2], low[2]) > TOLERANCE
+            ):
+                yield other, volume
+        active.append(volume)
+
+
+def penetration(one: Volume, other: Volume) -> float:
+    """How deep two shapes overlap, metres; 0 or less when they do not. Loads coal, which is why only candidates come
+    here."""
+    import coal
+    import numpy as np
+
+    request, result = coal.DistanceRequest(), coal.DistanceResult()
+    placed = []
+    for volume in (one, other):
+        transform = coal.Transform3s()
+        transform.setQuatRotation(coal.Quaternion(volume.pose[6], volume.pose[3], volume.pose[4], volume.pose[5]))
+        transform.setTranslation(np.array(position(volume.pose)))
+        placed.append((_geometry(volume.shape), transform))
+    (geometry, transform), (other_geometry, other_transform) = placed
+    return -float(coal.distance(geometry, transform, other_geometry, other_transform, request, result))
+
+
+def _geometry(shape: ir.Shape) -> object:
+    import coal
+
+    if shape.kind == "box":
+        return coal.Box(*shape.size)
+    if shape.kind == "sphere":
+        return coal.Sphere(shape.size[0])
+    return (coal.Capsule if shape.kind == "capsule" else coal.Cylinder)(*shape.size)

@@ -1,0 +1,106 @@
+"""Stages 4 to 6: one task with values for its parameters becomes an `ir.Problem`."""
+
+from __future__ import annotations
+
+import dataclasses
+import random
+from collections.abc import Mapping
+
+from ...langs import syntax
+from .. import ir
+from ..checks.check_heuristics import lower_heuristic
+from ..checks.context import Context
+from ..checks.kinds import VALUE_TYPES
+from ..checks.lifted import Lifted
+from ..checks.names import Entry, Scope, Typed
+from ..checks.relaxation import Relaxation, World, movable
+from ..checks.values import bind_arguments
+from .check_start import check_start
+from .initial import initial_state
+from .reachability import check_goal
+from .scene import BuiltScene, SceneBuilder
+from .scene_names import collect_objects
+
+
+def instantiate(
+    lifted: Lifted, task: syntax.TaskDecl, values: Mapping[str, float | int], seed: int
+) -> ir.Problem | None:
+    """The problem of `task`; None after errors, which are in the findings of `lifted`."""
+    context = dataclasses.replace(lifted.context, random=random.Random(seed))
+    entries = _task_entries(context, task, values)
+    errors = context.findings.errors
+    if entries is None:
+        return None
+    objects = collect_objects(context, task.items)
+    objects.ground = {}
+    built = SceneBuilder(context, objects).build(Scope("scene", entries, objects, values_known=True), task.items)
+    init, init_motion = initial_state(context, built, lifted.placements, lifted.predicates, lifted.motions)
+    if context.findings.errors > errors:
+        return None
+    problem = _problem(lifted, context, task, entries, built, (init, init_motion), seed)
+    check_start(context.findings, problem.world, [(s.subject, s.support) for s in built.standing])
+    return problem
+
+
+def _task_entries(
+    context: Context, task: syntax.TaskDecl, values: Mapping[str, float | int]
+) -> dict[str, Entry] | None:
+    """The parameters of the task: given values, else the defaults."""
+    known: dict[str, Entry] = {}
+    for parameter in task.parameters:
+        if parameter.name in values and isinstance(parameter.type, syntax.NamedType):
+            kind = VALUE_TYPES[parameter.type.name]
+            known[parameter.name] = Entry(Typed(ir.Number(values[parameter.name]), kind), parameter.span)
+        else:
+            one = bind_arguments(context, Scope("scene", known), [parameter], [], task.span, task.span)
+            if one is None:
+                return None
+            known.update(one)
+    return known
+
+
+def _problem(
+    lifted: Lifted,
+    context: Context,
+    task: syntax.TaskDecl,
+    entries: Mapping[str, Entry],
+    built: BuiltScene,
+    init: tuple[frozenset[ir.Fact], frozenset[ir.Fact]],
+    seed: int,
+) -> ir.Problem:
+    library = lifted.library
+    objects = {b.name: b.type for b in built.bodies.values()}
+    objects.update(built.robots)
+    for module in built.modules.values():
+        objects.update({f"{module.name}.{e.name}": e.type for e in module.type.effectors})
+    world = World(library.types, objects, lifted.derived, lifted.predicates, lifted.rules, init[0])
+    relaxation = Relaxation(world)
+    moving = movable(relaxation, lifted.motions)
+    bodies = {n: dataclasses.replace(b, movable=n in moving) for n, b in built.bodies.items()}
+    heuristic = None
+    if built.guide is not None:
+        declaration, arguments, _ = built.guide
+        heuristic = lower_heuristic(context, declaration, arguments)
+    goal = built.goals[0] if len(built.goals) == 1 else ir.And(tuple(built.goals))
+    if lifted.logic_is_sound:
+        check_goal(context.findings, relaxation, goal)
+    parameters = {n: e.typed.value for n, e in entries.items() if e.typed.value is not None}
+    return ir.Problem(
+        task=task.name,
+        file=library.path,
+        seed=seed,
+        parameters=parameters,
+        types=library.types,
+        objects=objects,
+        predicates=lifted.predicates,
+        derived=lifted.derived,
+        motions=lifted.motions,
+        rules=lifted.rules,
+        heuristic=heuristic,
+        init=init[0],
+        init_motion=init[1],
+        goal=goal,
+        world=ir.World(built.modules, bodies),
+        options=built.options,
+        sources=library.sources,
+    )

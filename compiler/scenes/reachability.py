@@ -1,0 +1,185 @@
+"""Goals that can never be reached: literals of the goal that nothing can make true even if nothing is ever deleted.
+
+The relaxation is generous, so a goal that it refuses is impossible; one that it accepts may still be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from .. import ir
+from ..checks.findings import Findings
+from ..checks.relaxation import Relaxation, conjuncts, effects_with_loops
+
+Binding = Mapping[str, str]
+
+
+def check_goal(findings: Findings, relaxation: Relaxation, goal: ir.Formula) -> None:
+    """Report each literal of the goal that has no achiever, and why."""
+    for literal, binding in _unreached(relaxation, goal, {}):
+        shown = _shown(literal, binding)
+        reasons = list(dict.fromkeys(_reasons(relaxation, literal, binding)))
+        reasons = [r for r in reasons if r[1] is not None] or reasons
+        findings.report(
+            "E0503",
+            literal.span,
+            f"the goal `{shown}` can never be reached",
+            help=_repair(reasons),
+            note="; ".join(reason for reason, _ in reasons) or None,
+        )
+
+
+def _repair(reasons: list[tuple[str, str | None]]) -> str | None:
+    facts = list(dict.fromkeys(fact for _, fact in reasons if fact is not None))
+    return f"add `fact {facts[0]}`, if it is so" if facts else None
+
+
+def _unreached(relaxation: Relaxation, formula: ir.Formula, binding: Binding) -> Iterator[tuple[ir.Literal, Binding]]:
+    """The literals that make `formula` impossible; none when it is possible."""
+    if isinstance(formula, ir.Literal):
+        if not possible(relaxation, formula, binding):
+            yield formula, binding
+    elif isinstance(formula, ir.And):
+        for operand in formula.operands:
+            yield from _unreached(relaxation, operand, binding)
+    elif isinstance(formula, ir.Or):
+        failures = [list(_unreached(relaxation, f, binding)) for f in formula.operands]
+        if failures and all(failures):
+            yield failures[0][0]
+    elif isinstance(formula, ir.Exists):
+        yield from list(_unreached(relaxation, formula.body, binding))[:1]
+    elif isinstance(formula, ir.Forall):
+        yield from _unreached_for_all(relaxation, formula, binding)
+
+
+def _unreached_for_all(
+    relaxation: Relaxation, formula: ir.Forall, binding: Binding
+) -> Iterator[tuple[ir.Literal, Binding]]:
+    if not all(isinstance(v.type, ir.ObjectType) for v in formula.variables):
+        return
+    bindings: list[Binding] = [binding]
+    for variable in formula.variables:
+        objects = sorted(relaxation.of(variable))
+        bindings = [{**b, variable.name: o} for b in bindings for o in objects]
+    for inner in bindings:
+        yield from list(_unreached(relaxation, formula.body, inner))[:1]
+
+
+def possible(relaxation: Relaxation, literal: ir.Literal, binding: Binding) -> bool:
+    """Whether a literal can ever hold. Variables that are not bound stand for anything."""
+    wanted = [_name(a, binding) for a in literal.args]
+    world = relaxation.world
+    derived = world.derived.get(literal.predicate)
+    if derived is not None:
+        inner = {v.name: w for v, w in zip(derived.variables, wanted, strict=True) if w is not None}
+        return not list(_unreached(relaxation, derived.body, inner))
+    columns = relaxation.columns.get(literal.predicate)
+    if columns is None or any(w is not None and w not in c for w, c in zip(wanted, columns, strict=True)):
+        return False
+    if _stated(relaxation, literal.predicate, wanted):
+        return True
+    return any(_achieves(relaxation, rule, literal.predicate, wanted) for rule in world.rules.values())
+
+
+def _stated(relaxation: Relaxation, predicate: str, wanted: list[str | None]) -> bool:
+    """Whether a fact at the start matches."""
+    names = [w for w in wanted if w is not None]
+    if len(names) == len(wanted):
+        return (predicate, *names) in relaxation.world.init
+    return any(f[0] == predicate and _matches(f[1:], wanted) for f in relaxation.world.init)
+
+
+def _name(term: ir.Term, binding: Binding) -> str | None:
+    if isinstance(term, ir.Object):
+        return term.name
+    return binding.get(term.name) if isinstance(term, ir.Var) else None
+
+
+def _matches(names: tuple[str, ...], wanted: list[str | None]) -> bool:
+    return all(w is None or w == n for n, w in zip(names, wanted, strict=True))
+
+
+def _achieves(relaxation: Relaxation, rule: ir.Rule, predicate: str, wanted: list[str | None]) -> bool:
+    domains = relaxation.domains.get(rule.name)
+    if domains is None:
+        return False
+    symmetric = relaxation.world.predicates[predicate].symmetric
+    orders = [wanted, wanted[::-1]] if symmetric else [wanted]
+    for effect, loops in effects_with_loops(rule.effects):
+        literal = effect.literal
+        if effect.negated or literal.motion or literal.predicate != predicate:
+            continue
+        inner = {**domains, **{v.name: set(relaxation.of(v)) for v in loops if isinstance(v.type, ir.ObjectType)}}
+        columns = [relaxation.values(a, inner) for a in literal.args]
+        for order in orders:
+            if all(w is None or w in c for w, c in zip(order, columns, strict=True)):
+                return True
+    return False
+
+
+def _reasons(relaxation: Relaxation, literal: ir.Literal, binding: Binding) -> Iterator[tuple[str, str | None]]:
+    """Sentences that say why nothing achieves a literal, each with the static fact that would help."""
+    world = relaxation.world
+    wanted = [_name(a, binding) for a in literal.args]
+    derived = world.derived.get(literal.predicate)
+    if derived is not None:
+        inner = {v.name: w for v, w in zip(derived.variables, wanted, strict=True) if w is not None}
+        for part, bound in _unreached(relaxation, derived.body, inner):
+            yield from _reasons(relaxation, part, bound)
+        return
+    predicate = world.predicates[literal.predicate]
+    if predicate.static:
+        yield f"`{_shown(literal, binding)}` is no fact, and no rule can make it one", _shown(literal, binding)
+        return
+    adders = [r for r in world.rules.values() if _adds(r, literal.predicate)]
+    if not adders:
+        yield f"no rule adds `{literal.predicate}`", None
+    for rule in adders:
+        yield from _obstacle(relaxation, rule, literal.predicate, wanted)
+
+
+def _adds(rule: ir.Rule, predicate: str) -> bool:
+    return any(
+        not e.negated and not e.literal.motion and e.literal.predicate == predicate
+        for e, _ in effects_with_loops(rule.effects)
+    )
+
+
+def _obstacle(
+    relaxation: Relaxation, rule: ir.Rule, predicate: str, wanted: list[str | None]
+) -> Iterator[tuple[str, str | None]]:
+    """The first thing that keeps a rule from adding the literal."""
+    for effect, _ in effects_with_loops(rule.effects):
+        if effect.negated or effect.literal.motion or effect.literal.predicate != predicate:
+            continue
+        binding: dict[str, str] = {}
+        for arg, want in zip(effect.literal.args, wanted, strict=True):
+            if isinstance(arg, ir.Var) and want is not None:
+                binding[arg.name] = want
+        types = {v.name: v.type.name for v in rule.variables if isinstance(v.type, ir.ObjectType)}
+        for name, value in binding.items():
+            kind = types.get(name)
+            if kind is not None and value not in relaxation.world.of_type(kind):
+                yield f"`{rule.name}` takes only things of type `{kind}` for {name}", None
+                return
+        for condition in conjuncts(rule.condition)[0]:
+            if not possible(relaxation, condition, binding):
+                yield _unmet(relaxation, rule, condition, binding)
+                return
+
+
+def _unmet(relaxation: Relaxation, rule: ir.Rule, condition: ir.Literal, binding: Binding) -> tuple[str, str | None]:
+    shown = _shown(condition, binding)
+    predicate = relaxation.world.predicates.get(condition.predicate)
+    if predicate is not None and predicate.static:
+        ground = all(_name(a, binding) is not None for a in condition.args)
+        return f"`{rule.name}` needs `{shown}`, which is no fact", shown if ground else None
+    return f"`{rule.name}` needs `{shown}`, which can never hold", None
+
+
+def _shown(literal: ir.Literal, binding: Binding) -> str:
+    words = [literal.predicate]
+    for arg in literal.args:
+        name = _name(arg, binding)
+        words.append(name if name is not None else arg.name if isinstance(arg, ir.Var) else "…")
+    return f"({' '.join(words)})"

@@ -1,0 +1,69 @@
+"""The `options` block of a task."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+from ...langs import syntax
+from ...langs.diagnostics import did_you_mean
+from .. import ir
+from ..checks.context import Context
+from ..checks.kinds import LENGTH, NUMBER, Kind
+from ..checks.names import Scope
+from ..checks.values import number
+
+WORDS = {
+    "bound": ("seq", "seq-path", "path"),
+    "search": ("astar", "wastar", "bfs", "guide"),
+    "solver": ("algn", "ipopt"),
+}
+NUMBERS = {"time": Kind("time"), "nodes": NUMBER, "slices": NUMBER, "margin": LENGTH}
+
+
+def check_options(context: Context, scope: Scope, item: syntax.OptionsItem, before: ir.Options) -> ir.Options:
+    """`before` with the entries of this block; reports unknown options and values that they do not take."""
+    changes: dict[str, Any] = {}
+    for name, term in item.entries:
+        if name in WORDS:
+            changes[name] = _word(context, name, term)
+        elif name in NUMBERS:
+            changes[name] = _number(context, scope, name, term)
+        else:
+            where = context.findings.word(item.span, name)
+            context.findings.unknown("E0116", "option", name, where, [*WORDS, *NUMBERS])
+    return dataclasses.replace(before, **{k: v for k, v in changes.items() if v is not None})
+
+
+def _word(context: Context, name: str, term: syntax.Term) -> str | None:
+    word = _text(term)
+    if word in WORDS[name]:
+        return word
+    help = did_you_mean(word or "", WORDS[name]) or f"{name} is one of {', '.join(WORDS[name])}"
+    context.findings.report("E0210", term.span, f"option `{name}` does not take this value", help=help)
+    return None
+
+
+def _text(term: syntax.Term) -> str | None:
+    """A word; one with a hyphen reads as a difference of two names."""
+    if isinstance(term, syntax.Name):
+        return term.name.replace("_", "-")
+    if isinstance(term, syntax.Binary) and term.operator == "-":
+        left, right = _text(term.left), _text(term.right)
+        return f"{left}-{right}" if left and right else None
+    return None
+
+
+def _number(context: Context, scope: Scope, name: str, term: syntax.Term) -> float | int | None:
+    value = number(context, scope, term, NUMBERS[name], f"option `{name}`")
+    if value is None:
+        return None
+    if value < 0 or (value == 0 and name != "margin"):
+        context.findings.report("E0210", term.span, f"option `{name}` must be positive")
+        return None
+    if NUMBERS[name] == NUMBER:
+        if value != int(value):
+            context.findings.report("E0210", term.span, f"option `{name}` must be a whole number")
+            return None
+        return int(value)
+    return value

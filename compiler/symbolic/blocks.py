@@ -1,0 +1,358 @@
+"""Blocks of the successor functions: a rule with its small variables bound, lifted over its locations.
+
+A block reads the values of some fields (its keys), and gives for each of them a row: the actions with their effects.
+Rows are built when they are first looked up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..ir import (
+    And,
+    Any_,
+    Effect,
+    EffectIf,
+    EffectItem,
+    Exists,
+    Forall,
+    Formula,
+    Literal,
+    Not,
+    Object,
+    Or,
+    Term,
+    Var,
+    Variable,
+)
+from .algebra import conjunction
+from .chains import Word
+from .domains import FlatRule
+from .expressions import Check, Test, compiled, ground, source, split
+from .guards import Environment, Guards, Undefined
+from .layout import FIELD, STATIC, Field, Layout
+from .normal_form import TRUE, free_names
+
+Change = tuple[Formula, Literal, bool]
+"""A condition, the literal that changes where it holds, and whether it is deleted."""
+Entry = tuple[int, int]
+"""Bits to set, action."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One action of a general row: tests on the state, then bits to clear and set; conditional changes after that."""
+
+    tests: tuple[Test, ...]
+    check: Check | None
+    keep: int
+    clear: int
+    set: int
+    conditional: tuple[tuple[Check, int, int, int], ...]
+    action: int
+
+    def apply(self, s: int, out: list[tuple[int, int]]) -> None:
+        for mask, value, same in self.tests:
+            if (s & mask == value) is not same:
+                return
+        if self.check is not None and not self.check(s):
+            return
+        if not self.conditional:
+            out.append((s & self.keep & self.clear | self.set, self.action))
+            return
+        holding = [(k, c, a) for check, k, c, a in self.conditional if check(s)]
+        t = s & self.keep
+        for keep, _, _ in holding:
+            t &= keep
+        t = t & self.clear | self.set
+        for _, clear, added in holding:
+            t = t & clear | added
+        out.append((t, self.action))
+
+
+@dataclass(slots=True)
+class Block:
+    """`keys` are the fields whose values bind variables; `tests` is Python source that must hold first."""
+
+    flat: FlatRule
+    env: Environment
+    keys: tuple[tuple[str, Field], ...]
+    loops: tuple[Variable, ...]
+    guards: tuple[Formula, ...]
+    changes: tuple[Change, ...]
+    tests: str
+    simple: bool
+    keep: int = -1
+    set: int = 0
+    values: list[tuple[Term, Field]] = field(default_factory=list)
+    rows: dict[Any, Any] = field(default_factory=dict)
+
+
+ActionId = Callable[[FlatRule, Environment], int]
+
+
+class Blocks:
+    """Makes the blocks of a rule for a flag word; equal blocks of different words are one."""
+
+    def __init__(self, guards: Guards, action_id: ActionId) -> None:
+        self.guards = guards
+        self.layout: Layout = guards.layout
+        self.action_id = action_id
+        self._made: dict[Any, Block | None] = {}
+        self._domains: dict[str, dict[str, frozenset[str]]] = {}
+
+    def of(self, flat: FlatRule, word: Word) -> list[Block]:
+        """The blocks of one rule whose conditions on the flags hold."""
+        name = flat.rule.name
+        if name not in self._domains:
+            self._domains[name] = self.layout.domains.variable_domains(flat)
+        domains = self._domains[name]
+        small = [v for v in flat.variables if v.name not in domains or domains[v.name] <= self.layout.small]
+        found: dict[int, Block] = {}
+        for env, rest in self.guards.solutions(small, flat.conjuncts, {}, word, domains):
+            changes = tuple(self._changes(flat.rule.effects, env, word))
+            shown = tuple(env.get(v.name) for v in flat.variables if v in small)
+            key = (name, shown, rest, changes)
+            if key not in self._made:
+                large = [v for v in flat.variables if v not in small]
+                self._made[key] = self._block(flat, env, large, rest, changes)
+            block = self._made[key]
+            if block is not None:
+                found[id(block)] = block
+        return list(found.values())
+
+    def _changes(self, items: Sequence[EffectItem], env: Environment, word: Word) -> list[Change]:
+        """Effects without loops, with what is known of their conditions settled."""
+        found: list[Change] = []
+        for item in items:
+            if isinstance(item, Effect):
+                if not item.literal.motion:
+                    found.extend(self._change(item, env))
+            elif isinstance(item, EffectIf):
+                condition = self.guards.reduce(item.condition, env, word)
+                if condition == Or(()):
+                    continue
+                for inner, literal, negated in self._changes(item.effects, env, word):
+                    found.append((conjunction((condition, inner)), literal, negated))
+            else:
+                for inner_env, _ in self.guards.solutions(item.variables, (), env, word):
+                    found.extend(self._changes(item.effects, inner_env, word))
+        return found
+
+    def _change(self, effect: Effect, env: Environment) -> list[Change]:
+        try:
+            args = tuple(self.guards.resolve(a, env) for a in effect.literal.args)
+        except Undefined:
+            return []
+        return [(TRUE, Literal(effect.literal.predicate, args), effect.negated)]
+
+    def _block(
+        self,
+        flat: FlatRule,
+        env: Environment,
+        large: list[Variable],
+        conjuncts: tuple[Formula, ...],
+        changes: tuple[Change, ...],
+    ) -> Block | None:
+        keys: dict[str, Field] = {}
+        lifted: list[Formula] = []
+        ground_tests: list[Formula] = []
+        for formula in conjuncts:
+            bound = self._key(formula, {v.name for v in large})
+            if bound is not None and bound[0] not in keys:
+                keys[bound[0]] = bound[1]
+            elif free_names(formula) - env.keys():
+                lifted.append(formula)
+            else:
+                ground_tests.append(formula)
+        tests = source(self.layout, conjunction(ground_tests))
+        if tests == "False":
+            return None
+        loops = tuple(v for v in large if v.name not in keys)
+        plain = all(self._static(f) for f in lifted)
+        block = Block(flat, env, tuple(keys.items()), loops, tuple(lifted), changes, tests, plain)
+        block.simple = plain and self._settle(block)
+        if block.keys or not block.simple:
+            block.rows = Rows(self, block)
+        else:
+            block.rows = {(): self.row(block, ())}
+            if not block.rows[()]:
+                return None
+        return block
+
+    def _key(self, formula: Formula, large: set[str]) -> tuple[str, Field] | None:
+        """The variable that a positive functional literal with a known key binds to a field's value."""
+        if not isinstance(formula, Literal) or self.layout.kinds[formula.predicate] != FIELD:
+            return None
+        key_at = self.guards.problem.predicates[formula.predicate].functional_in or 0
+        key, value = formula.args[key_at], formula.args[1 - key_at]
+        if not isinstance(key, Object) or not isinstance(value, Var) or value.name not in large:
+            return None
+        place = self.layout.fields.get((formula.predicate, key.name))
+        return None if place is None else (value.name, place)
+
+    def _static(self, formula: Formula) -> bool:
+        match formula:
+            case Literal():
+                return self.layout.kinds[formula.predicate] == STATIC
+            case Not():
+                return self._static(formula.operand)
+            case And() | Or():
+                return all(map(self._static, formula.operands))
+            case Exists() | Forall():
+                return self._static(formula.body)
+            case _:
+                return True
+
+    def _settle(self, block: Block) -> bool:
+        """Effects that are the same for a whole block; False when some depend on more than added values."""
+        keys = dict(block.keys)
+        for deleting in (True, False):
+            for condition, literal, negated in block.changes:
+                if negated is not deleting:
+                    continue
+                if condition != TRUE or not self._settle_one(block, keys, literal, negated):
+                    return False
+        return True
+
+    def _settle_one(self, block: Block, keys: dict[str, Field], literal: Literal, negated: bool) -> bool:
+        if self.layout.kinds[literal.predicate] != FIELD:
+            if not all(isinstance(a, Object) for a in literal.args):
+                return False
+            bit = self.layout.encode(ground(literal))[0]
+            block.keep &= ~bit
+            if negated:
+                block.set &= ~bit
+            else:
+                block.keep &= ~self.layout.others(ground(literal))
+                block.set = block.set & ~self.layout.others(ground(literal)) | bit
+            return True
+        key_at = self.guards.problem.predicates[literal.predicate].functional_in or 0
+        key, value = literal.args[key_at], literal.args[1 - key_at]
+        if not isinstance(key, Object):
+            return False
+        place = self.layout.fields.get((literal.predicate, key.name))
+        if place is None:
+            return negated
+        if negated and not isinstance(value, Any_) and not (isinstance(value, Var) and keys.get(value.name) is place):
+            return False
+        block.keep &= ~(place.mask << place.shift)
+        if not negated:
+            block.values.append((value, place))
+        return True
+
+    # --- rows ----------------------------------------------------------------------------------------------------
+
+    def row(self, block: Block, numbers: tuple[int, ...]) -> tuple[Any, ...]:
+        """The actions of a block for the numbers that its key fields hold."""
+        env = dict(block.env)
+        for (name, place), number in zip(block.keys, numbers, strict=True):
+            if not 1 <= number <= len(place.values):
+                return ()
+            env[name] = place.values[number - 1]
+        kinds = {v.name: v for v in block.flat.variables}
+        for name, _ in block.keys:
+            if env[name] not in self.guards.values(kinds[name], {}, None):
+                return ()
+        domains = self._domains[block.flat.rule.name]
+        found = self.guards.solutions(block.loops, block.guards, env, None, domains)
+        if block.simple:
+            return tuple(dict.fromkeys(self._entry(block, inner) for inner, _ in found))
+        steps: dict[Any, Step] = {}
+        for inner, rest in found:
+            step = self._step(block, inner, rest)
+            if step is not None:
+                steps.setdefault((step.tests, step.check, step.action), step)
+        return tuple(steps.values())
+
+    def _entry(self, block: Block, env: Environment) -> Entry:
+        bits = 0
+        for value, place in block.values:
+            known = self.guards.resolve(value, env)
+            bits |= place.numbers[known.name] << place.shift if isinstance(known, Object) else 0
+        return bits, self.action_id(block.flat, env)
+
+    def _step(self, block: Block, env: Environment, rest: Sequence[Formula]) -> Step | None:
+        tests, others = split(self.layout, rest)
+        if tests is None:
+            return None
+        check = compiled(self.layout, conjunction(others)) if others else None
+        keep, clear, added = -1, -1, 0
+        conditional: list[tuple[Check, int, int, int]] = []
+        for condition, literal, negated in self._ground_changes(block, env):
+            if negated:
+                k, c, a = self._deletion(literal), -1, 0
+            else:
+                k, (c, a) = -1, self._addition(literal)
+            if condition == TRUE:
+                keep, clear, added = keep & k, clear & c, added & c | a
+            else:
+                conditional.append((compiled(self.layout, condition), k, c, a))
+        action = self.action_id(block.flat, env)
+        return Step(tuple(tests), check, keep, clear, added, tuple(conditional), action)
+
+    def _ground_changes(self, block: Block, env: Environment) -> list[Change]:
+        """The changes of one action; deleting one value of a field becomes a condition unless the value is known."""
+        found = []
+        known = {(place.predicate, place.key): env[name] for name, place in block.keys}
+        for condition, literal, negated in block.changes:
+            settled = self.guards.reduce(condition, env, None)
+            args = tuple(self.guards.resolve(a, env) for a in literal.args)
+            item = Literal(literal.predicate, args)
+            if settled == Or(()):
+                continue
+            if negated and self.layout.kinds[item.predicate] == FIELD:
+                found.extend(self._field_deletions(settled, item, known))
+            else:
+                found.append((settled, item, negated))
+        return found
+
+    def _field_deletions(self, condition: Formula, literal: Literal, known: dict[tuple[str, str], Any]) -> list[Change]:
+        key_at = self.guards.problem.predicates[literal.predicate].functional_in or 0
+        found: list[Change] = []
+        for (predicate, key), place in self.layout.fields.items():
+            key_arg, value = literal.args[key_at], literal.args[1 - key_at]
+            if predicate != literal.predicate or (isinstance(key_arg, Object) and key_arg.name != key):
+                continue
+            whole = self._pair(literal.predicate, key_at, Object(key), Any_())
+            if isinstance(value, Any_):
+                found.append((condition, whole, True))
+            elif isinstance(value, Object) and value.name in place.numbers:
+                held = self._pair(literal.predicate, key_at, Object(key), value)
+                sure = known.get((predicate, key)) == value.name
+                found.append((condition if sure else conjunction((condition, held)), whole, True))
+        return found
+
+    @staticmethod
+    def _pair(predicate: str, key_at: int, key: Object, value: Object | Any_) -> Literal:
+        return Literal(predicate, (key, value) if key_at == 0 else (value, key))
+
+    def _deletion(self, literal: Literal) -> int:
+        """The bits to keep when a literal is deleted; fields are cleared whole."""
+        if self.layout.kinds[literal.predicate] == FIELD:
+            key = next(a.name for a in literal.args if isinstance(a, Object))
+            place = self.layout.fields[literal.predicate, key]
+            return ~(place.mask << place.shift)
+        names = tuple(a.name if isinstance(a, Object) else None for a in literal.args)
+        return ~self.layout.matching_bits(literal.predicate, names)
+
+    def _addition(self, literal: Literal) -> tuple[int, int]:
+        """Bits to keep and bits to set when a literal is added."""
+        mask, value = self.layout.encode(ground(literal))
+        return ~(mask | self.layout.others(ground(literal))), value
+
+
+class Rows(dict[Any, Any]):
+    """The rows of one block by the numbers in its key fields; built at first use."""
+
+    def __init__(self, blocks: Blocks, block: Block) -> None:
+        super().__init__()
+        self.blocks = blocks
+        self.block = block
+
+    def __missing__(self, key: Any) -> tuple[Any, ...]:
+        numbers = key if isinstance(key, tuple) else (key,)
+        row = self[key] = self.blocks.row(self.block, numbers)
+        return row

@@ -1,0 +1,357 @@
+"""The automatic estimate: never more than the cost of the cheapest plan.
+
+Two parts, both derived from the rules. Landmarks: every unmet conjunct of the goal needs an action that achieves it,
+and before it whatever all its achievers need; an action that can serve several landmarks is shared among them. Hops:
+before a landmark can be achieved, something must be where an achiever can fire; `locations` bounds the moves until
+then.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import product
+from typing import Any
+
+from ..ir import And, EffectFor, EffectItem, Fact, Literal, Number, Object, Or, Term, Type, Var
+from .domains import FlatRule, scoped_effects
+from .expressions import Test, literal_test, test_source
+from .layout import STATIC
+from .locations import families
+from .successors import Successors, has_chains
+
+MOST_FACTS = 64
+DEEPEST = 3
+
+
+@dataclass(slots=True)
+class Landmark:
+    """Some fact of `facts` must come to hold, if none does, once a parent is needed (a goal always is)."""
+
+    facts: tuple[Fact, ...]
+    tests: tuple[Test, ...]
+    parents: list[int] = field(default_factory=list)
+    goal: bool = False
+    weight: float = 0.0
+    tables: list[tuple[int, list[float], float]] = field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True)
+class Achiever:
+    flat: FlatRule
+    env: Mapping[str, str]
+
+
+class Estimate:
+    """A lower bound on the cost from a state to the goal; infinite where the goal is out of reach."""
+
+    def __init__(self, successors: Successors) -> None:
+        self.successors = successors
+        self.layout = successors.layout
+        self.costs = {f.rule.name: self._least_cost(f) for f in self.layout.domains.rules}
+        self.landmarks: list[Landmark] = []
+        self._known: dict[frozenset[Fact], int] = {}
+        self._achieved: dict[Fact, list[Achiever]] = {}
+        self._adding: dict[str, list[tuple[FlatRule, Literal, dict[str, Type]]]] = {}
+        for flat in self.layout.domains.rules:
+            for effect, types in scoped_effects(flat.rule.effects, {v.name: v.type for v in flat.variables}):
+                if not effect.negated and not effect.literal.motion:
+                    self._adding.setdefault(effect.literal.predicate, []).append((flat, effect.literal, types))
+        for facts in self._goals():
+            self._add(facts, None, 0)
+        served = {f.rule.name: self._served(f) for f in self.layout.domains.rules}
+        self.families = families(successors.guards, self.costs)
+        self.separate = all(not served[e.rule] for family in self.families for e in family.edges)
+        for landmark in self.landmarks:
+            rules = {a.flat.rule.name for fact in landmark.facts for a in self._achievers(fact)}
+            landmark.weight = min((self.costs[r] / max(served[r], 1) for r in rules), default=math.inf)
+            self._locate(landmark)
+        self.text = self.source()
+        names: dict[str, Any] = {"inf": math.inf}
+        names |= {f"table_{i}": table for i, table in enumerate(self._tables)}
+        names |= {f"holders_{i}": holders for i, holders in enumerate(self._holders)}
+        exec(compile(self.text, "<estimate>", "exec"), names)
+        self.value: Callable[[int], float] = names["value"]
+
+    # --- landmarks -----------------------------------------------------------------------------------------------
+
+    def _goals(self) -> Iterator[tuple[Fact, ...]]:
+        """The conjuncts of the goal that are facts, or alternatives of facts."""
+        goal = self.successors.normal.normal(self.successors.problem.goal, {}, False)
+        parts = goal.operands if isinstance(goal, And) else (goal,)
+        for part in parts:
+            if has_chains(part):
+                continue
+            settled = self.successors.guards.reduce(part, {}, None)
+            for conjunct in settled.operands if isinstance(settled, And) else (settled,):
+                alternatives = conjunct.operands if isinstance(conjunct, Or) else (conjunct,)
+                if all(isinstance(a, Literal) and _is_ground(a) for a in alternatives):
+                    yield tuple(_fact(a) for a in alternatives if isinstance(a, Literal))
+
+    def _add(self, facts: tuple[Fact, ...], parent: int | None, depth: int) -> None:
+        known = self._known.setdefault(frozenset(facts), len(self.landmarks))
+        if known < len(self.landmarks):
+            if parent is None:
+                self.landmarks[known].goal = True
+            elif parent != known and parent not in self.landmarks[known].parents and known > parent:
+                self.landmarks[known].parents.append(parent)
+            return
+        tests = tuple(literal_test(self.layout, _literal(f)) for f in facts)
+        self.landmarks.append(Landmark(facts, tests, [] if parent is None else [parent], parent is None))
+        if depth < DEEPEST:
+            for needed in self._needed(facts):
+                self._add(needed, known, depth + 1)
+
+    def _needed(self, facts: tuple[Fact, ...]) -> Iterator[tuple[Fact, ...]]:
+        """Sets of facts, none true at the start, one of which every achiever of a landmark needs."""
+        achievers = [a for fact in facts for a in self._achievers(fact)]
+        if not achievers:
+            return
+        predicates = dict.fromkeys(
+            f.predicate for f in achievers[0].flat.conjuncts if isinstance(f, Literal) and self._fluent(f)
+        )
+        for predicate in predicates:
+            union: dict[Fact, None] = {}
+            for achiever in achievers:
+                options = [
+                    self._instances(f, achiever)
+                    for f in achiever.flat.conjuncts
+                    if isinstance(f, Literal) and f.predicate == predicate
+                ]
+                smallest = min(options, key=len, default=None)
+                if smallest is None:
+                    break
+                union.update(dict.fromkeys(smallest))
+                if len(union) > MOST_FACTS:
+                    break
+            else:
+                if union and not any(self._holds(f, self.successors.initial) for f in union):
+                    yield tuple(union)
+
+    def _fluent(self, literal: Literal) -> bool:
+        return self.layout.kinds[literal.predicate] != STATIC
+
+    def _instances(self, literal: Literal, achiever: Achiever) -> list[Fact]:
+        """All facts that a condition of an achiever may stand for; more than `MOST_FACTS` are not listed whole."""
+        domains = self.layout.domains.variable_domains(achiever.flat)
+        types = {v.name: v.type for v in achiever.flat.variables}
+        options: list[frozenset[str]] = []
+        for k, arg in enumerate(literal.args):
+            if isinstance(arg, Var) and arg.name in achiever.env:
+                options.append(frozenset((achiever.env[arg.name],)))
+            else:
+                names = self.layout.domains.term(arg, types, domains)
+                options.append(names & self.layout.domains.at(literal.predicate, k))
+        if math.prod(map(len, options)) > MOST_FACTS:
+            return [(literal.predicate, str(i)) for i in range(MOST_FACTS + 1)]
+        facts = ((literal.predicate, *names) for names in product(*map(sorted, options)))
+        return [f for f in facts if self.layout.encode(f)[0]]
+
+    def _holds(self, fact: Fact, state: int) -> bool:
+        mask, value = self.layout.encode(fact)
+        return state & mask == value
+
+    def _achievers(self, fact: Fact) -> list[Achiever]:
+        """Every way in which an effect may add a fact, with the variables that this binds."""
+        if fact not in self._achieved:
+            self._achieved[fact] = list(self._find_achievers(fact))
+        return self._achieved[fact]
+
+    def _find_achievers(self, fact: Fact) -> Iterator[Achiever]:
+        orders = [fact]
+        if self.successors.problem.predicates[fact[0]].symmetric:
+            orders.append((fact[0], fact[2], fact[1]))
+        for flat, literal, types in self._adding.get(fact[0], ()):
+            for order in orders:
+                env = self._unified(literal, order, flat, types)
+                if env is not None:
+                    yield Achiever(flat, env)
+
+    def _unified(
+        self, literal: Literal, fact: Fact, flat: FlatRule, types: dict[str, Type]
+    ) -> dict[str, str] | None:
+        domains = self.layout.domains.variable_domains(flat)
+        own = {v.name for v in flat.rule.variables}
+        env: dict[str, str] = {}
+        for arg, name in zip(literal.args, fact[1:], strict=True):
+            if name not in self.layout.domains.term(arg, types, domains):
+                return None
+            if isinstance(arg, Var) and arg.name in own and env.setdefault(arg.name, name) != name:
+                return None
+        return env
+
+    def _served(self, flat: FlatRule) -> int:
+        """How many landmarks one action of a rule can serve at most."""
+        domains = self.layout.domains.variable_domains(flat)
+        total = 0
+        looped = {id(e) for item in flat.rule.effects for e in _looped(item)}
+        for effect, types in scoped_effects(flat.rule.effects, {v.name: v.type for v in flat.variables}):
+            if effect.negated or effect.literal.motion:
+                continue
+            counts: dict[Fact, int] = {}
+            for landmark in self.landmarks:
+                for fact in landmark.facts:
+                    if fact[0] == effect.literal.predicate and self._may_add(effect.literal, fact, types, domains):
+                        key = self.layout.canonical(fact)
+                        counts[key] = counts.get(key, 0) + 1
+            total += sum(counts.values()) if id(effect) in looped else max(counts.values(), default=0)
+        return total
+
+    def _may_add(
+        self, literal: Literal, fact: Fact, types: dict[str, Type], domains: dict[str, frozenset[str]]
+    ) -> bool:
+        orders = [fact[1:]]
+        if self.successors.problem.predicates[fact[0]].symmetric:
+            orders.append(fact[:0:-1])
+        options = [self.layout.domains.term(a, types, domains) for a in literal.args]
+        return any(all(n in o for n, o in zip(order, options, strict=True)) for order in orders)
+
+    def _least_cost(self, flat: FlatRule) -> float:
+        cost = flat.rule.cost
+        return float(cost.value) if isinstance(cost, Number) else 0.0
+
+    # --- hops ----------------------------------------------------------------------------------------------------
+
+    def _locate(self, landmark: Landmark) -> None:
+        """For each location family the table of moves that come before the landmark."""
+        achievers = [a for fact in landmark.facts for a in self._achievers(fact)]
+        for k, family in enumerate(self.families):
+            starts = None
+            for achiever in _distinct(achievers):
+                places = family.starts(achiever.flat, achiever.env)
+                if places is None:
+                    break
+                starts = places if starts is None else starts | places
+            else:
+                if starts is not None:
+                    distances = family.distances(starts)
+                    if any(distances):
+                        landmark.tables.append((k, distances, family.from_nowhere(distances)))
+
+    # --- code ----------------------------------------------------------------------------------------------------
+
+    def source(self) -> str:
+        """The Python text of the estimate."""
+        self._tables: list[list[float]] = []
+        self._holders: list[dict[int, tuple[int, int]]] = []
+        counted, lines = self._counted_lines()
+        for i, landmark in enumerate(self.landmarks):
+            if i in counted:
+                continue
+            needed = "" if landmark.goal else f"({' or '.join(f'n{p}' for p in landmark.parents)}) and "
+            held = " or ".join(f"({test_source(t)})" for t in landmark.tests) or "False"
+            lines.append(f"    n{i} = {needed}not ({held})")
+            lines.append(f"    if n{i}: total += {_number(landmark.weight)}")
+        lines += self._hop_lines(counted)
+        return "\n".join(["def value(s):", "    total = 0", *lines, "    return total", ""])
+
+    def _counted_lines(self) -> tuple[set[int], list[str]]:
+        """Many goals of one fact each are counted at once: fields that differ from the goal's are added up by one
+        carry per field. What each of them needs first is counted along, less what is held already."""
+        lonely = {
+            i: mark
+            for i, mark in enumerate(self.landmarks)
+            if mark.goal and len(mark.tests) == 1 and mark.tests[0][0] and not mark.parents
+        }
+        children = {i: [j for j, m in enumerate(self.landmarks) if i in m.parents] for i in lonely}
+        groups: dict[tuple[float, tuple[float, ...]], list[int]] = {}
+        masks = 0
+        for i, mark in lonely.items():
+            below = [self.landmarks[j] for j in children[i]]
+            alone = all(m.parents == [i] and not m.goal for m in below)
+            leaves = not any(j in m.parents for j in children[i] for m in self.landmarks)
+            if alone and leaves and len(below) <= 1 and not mark.tests[0][0] & masks and not mark.tables:
+                masks |= mark.tests[0][0]
+                groups.setdefault((mark.weight, tuple(m.weight for m in below)), []).append(i)
+        counted: set[int] = set()
+        lines: list[str] = []
+        for (weight, below_weights), members in groups.items():
+            inner = [j for i in members for j in children[i]]
+            if len(members) < 4 or any(self.landmarks[j].tables for j in inner) or math.isinf(weight):
+                continue
+            counted.update(members, inner)
+            lines += self._count(members, weight, below_weights, children)
+        return counted, lines
+
+    def _count(
+        self, members: list[int], weight: float, below: tuple[float, ...], children: Mapping[int, list[int]]
+    ) -> list[str]:
+        mask = value = high = 0
+        for i in members:
+            m, v, _ = self.landmarks[i].tests[0]
+            mask, value, high = mask | m, value | v, high | 1 << (m.bit_length() - 1)
+        low = mask & ~high
+        lines = [
+            f"    u = (s ^ {value}) & {mask}",
+            f"    u = ((u & {low}) + {low} | u) & {high}",
+            f"    total += {_number(weight + sum(below))} * u.bit_count()",
+        ]
+        if below:
+            held: dict[int, dict[int, tuple[int, int]]] = {}
+            for i in members:
+                for m, v, _ in self.landmarks[children[i][0]].tests:
+                    held.setdefault(m, {})[v] = self.landmarks[i].tests[0][:2]
+            for m, holders in held.items():
+                name = f"holders_{len(self._holders)}"
+                self._holders.append(holders)
+                lines.append(f"    t = {name}.get(s & {m})")
+                lines.append(f"    if t is not None and s & t[0] != t[1]: total -= {_number(below[0])}")
+        return lines
+
+    def _hop_lines(self, counted: set[int]) -> list[str]:
+        lines: list[str] = []
+        groups: dict[tuple[int, tuple[float, ...], float], list[int]] = {}
+        for i, landmark in enumerate(self.landmarks):
+            for k, table, nowhere in landmark.tables:
+                if i not in counted:
+                    groups.setdefault((k, tuple(table), nowhere), []).append(i)
+        if not groups:
+            return lines
+        lines.append("    hops = 0")
+        for (k, values, nowhere), members in groups.items():
+            name = f"table_{len(self._tables)}"
+            self._tables.append([nowhere, *values])
+            reads = [f"{name}[s >> {f.shift} & {f.mask}]" for f in self.families[k].fields]
+            lines.append(f"    if {' or '.join(f'n{i}' for i in members)}:")
+            lines.append(f"        m = {f'min({chr(44).join(reads)})' if len(reads) > 1 else reads[0]}")
+            lines.append("        if m > hops: hops = m")
+        lines.append("    total += hops" if self.separate else "    if hops > total: total = hops")
+        return lines
+
+
+def _looped(item: EffectItem) -> Iterator[object]:
+    if isinstance(item, EffectFor):
+        for inner in item.effects:
+            yield inner
+            yield from _looped(inner)
+    elif hasattr(item, "effects"):
+        for inner in item.effects:
+            yield from _looped(inner)
+
+
+def _distinct(achievers: list[Achiever]) -> list[Achiever]:
+    """Achievers of one rule with the same bindings once."""
+    found = {(a.flat.rule.name, tuple(sorted(a.env.items()))): a for a in achievers}
+    return list(found.values())
+
+
+def _is_ground(literal: Literal) -> bool:
+    return all(isinstance(a, Object) for a in literal.args)
+
+
+def _fact(literal: Literal) -> Fact:
+    return (literal.predicate, *(a.name for a in literal.args if isinstance(a, Object)))
+
+
+def _literal(fact: Fact) -> Literal:
+    args: tuple[Term, ...] = tuple(Object(name) for name in fact[1:])
+    return Literal(fact[0], args)
+
+
+def _number(value: float) -> str:
+    if math.isinf(value):
+        return "inf"
+    return str(int(value)) if value == int(value) else repr(value)
+
+

@@ -1,0 +1,276 @@
+"""Lengths of the scene at the start: distance, stride, reach, radius. Metres.
+
+Shapes that are a box along the world's axes grown by a radius (boxes, spheres, upright or level capsules) are the
+usual case: their distances are plain arithmetic, a whole row of them at a time. Other pairs go through coal, lazily.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..ir import Chain, ModuleType, Pose, Problem, Shape
+from ..poses import compose, joint_frames, make, orientation, position, rotate
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+STRAIGHT = 1e-9
+THIN = 1e-4
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """A shape with its pose in the world."""
+
+    shape: Shape
+    pose: Pose
+
+
+class Geometry:
+    """Static functions on objects, which are named by their index in `names` (an int or an array of them)."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.names = tuple(problem.objects)
+        self.index = {name: i for i, name in enumerate(self.names)}
+        self._shapes: list[tuple[Placed, ...]] = [self._placed(name) for name in self.names]
+        count = len(self.names)
+        self._centre = np.zeros((count, 3))
+        self._half = np.zeros((count, 3))
+        self._round = np.zeros(count)
+        self._top = np.zeros((count, 3))
+        self._face = np.zeros((count, 2))
+        self._radius = np.zeros(count)
+        self._plain = np.zeros(count, dtype=bool)
+        for i, placed in enumerate(self._shapes):
+            self._measure(i, placed)
+        self._all_plain = bool(self._plain.all())
+        self._pairs: dict[tuple[str, int, int, float], float] = {}
+        self._rows: dict[tuple[str, int, float], list[float]] = {}
+        self._reaches: dict[tuple[str, str, str], float] = {}
+
+    def radius(self, i: Any) -> Any:
+        """The radius of a round shape, of the sphere around another one, 0 without shape."""
+        return self._radius[i]
+
+    def distance(self, i: Any, j: Any) -> Any:
+        """Smallest distance between two objects' shapes, 0 when they overlap. Index arrays broadcast."""
+        return self._lookup("distance", i, j, 0.0)
+
+    def stride(self, i: Any, j: Any, inset: float) -> Any:
+        """Smallest distance between two top faces, each shrunk by `inset` on all sides (to nothing at most)."""
+        return self._lookup("stride", i, j, inset)
+
+    def reach(self, start: str, end: str) -> float:
+        """An upper bound on the distance of two effectors of one module: the placements along the path between them."""
+        module, _ = self._effector(start)
+        key = (module.name, start.rpartition(".")[2], end.rpartition(".")[2])
+        if key not in self._reaches:
+            self._reaches[key] = path_length(module, key[1], key[2])
+        return self._reaches[key]
+
+    def chain_reach(self, chain: Chain) -> float:
+        """The modules' reaches from effector to effector, and both radii at every joint between modules."""
+        total = sum(self.reach(enter, leave) for _, enter, leave in chain.modules)
+        for (_, _, leave), (_, enter, _) in zip(chain.modules, chain.modules[1:], strict=False):
+            total += float(self._radius[self.index[leave]] + self._radius[self.index[enter]])
+        return total
+
+    def longest_reach(self) -> float:
+        """No chain of the scene's modules reaches farther."""
+        total = 0.0
+        radii: list[float] = []
+        for name, module in self.problem.world.modules.items():
+            ends = [e.name for e in module.type.effectors]
+            total += max((path_length(module.type, a, b) for a in ends for b in ends), default=0.0)
+            radii += 2 * [max((float(self._radius[self.index[f"{name}.{e}"]]) for e in ends), default=0.0)]
+        return total + sum(sorted(radii)[2:])
+
+    def _effector(self, name: str) -> tuple[ModuleType, str]:
+        found = self.problem.world.effector(name)
+        if found is None:
+            raise ValueError(f"{name} is no effector")
+        return found[0].type, found[1].name
+
+    def _lookup(self, kind: str, i: Any, j: Any, inset: float) -> Any:
+        if isinstance(i, int) and isinstance(j, int):
+            row = self._rows.get((kind, i, inset))
+            if row is None:
+                everything = np.arange(len(self.names))
+                row = self._rows[kind, i, inset] = self._formula(kind, np.array(i), everything, inset).tolist()
+            plain = self._plain[i] and self._plain[j]
+            return row[j] if plain else self._exact(kind, i, j, inset)
+        i, j = np.broadcast_arrays(np.asarray(i), np.asarray(j))
+        values = self._formula(kind, i, j, inset)
+        if not self._all_plain:
+            for at in np.argwhere(~(self._plain[i] & self._plain[j])):
+                cell = tuple(at)
+                values[cell] = self._exact(kind, int(i[cell]), int(j[cell]), inset)
+        return values
+
+    def _formula(self, kind: str, i: Indices, j: Indices, inset: float) -> Array:
+        if kind == "stride":
+            apart = np.abs(self._top[i] - self._top[j])
+            faces = np.maximum(self._face[i] - inset, 0.0) + np.maximum(self._face[j] - inset, 0.0)
+            apart[..., :2] = np.maximum(apart[..., :2] - faces, 0.0)
+            return np.asarray(np.sqrt((apart * apart).sum(-1)))
+        apart = np.maximum(np.abs(self._centre[i] - self._centre[j]) - self._half[i] - self._half[j], 0.0)
+        surface: Array = np.maximum(np.sqrt((apart * apart).sum(-1)) - self._round[i] - self._round[j], 0.0)
+        return surface
+
+    def _exact(self, kind: str, i: int, j: int, inset: float) -> float:
+        key = (kind, i, j, inset) if i <= j else (kind, j, i, inset)
+        if key not in self._pairs:
+            if kind == "stride":
+                firsts: tuple[Placed, ...] = tuple(top_face(p, inset) for p in self._shapes[i])
+                seconds: tuple[Placed, ...] = tuple(top_face(p, inset) for p in self._shapes[j])
+            else:
+                firsts, seconds = self._shapes[i], self._shapes[j]
+            self._pairs[key] = min((shape_distance(a, b) for a in firsts for b in seconds), default=0.0)
+        return self._pairs[key]
+
+    def _placed(self, name: str) -> tuple[Placed, ...]:
+        """The shapes of an object at the start: a body's, an effector's, or all of a module's links and effectors."""
+        world = self.problem.world
+        if name in world.bodies:
+            body = world.bodies[name]
+            return (Placed(body.shape, body.pose),)
+        if name in world.modules:
+            module = world.modules[name]
+            frames = joint_frames(module.type, module.pose, module.joints)
+            links = [Placed(link.shape, compose(frames[link.joint], link.placement)) for link in module.type.links]
+            ends = [e for e in module.type.effectors if e.shape is not None]
+            return (*links, *(Placed(e.shape, compose(frames[e.joint], e.placement)) for e in ends if e.shape))
+        found = world.effector(name)
+        if found is None:
+            return ()
+        module, effector = found
+        frame = joint_frames(module.type, module.pose, module.joints)[effector.joint]
+        return (Placed(effector.shape or Shape("sphere", (0.0,)), compose(frame, effector.placement)),)
+
+    def _measure(self, i: int, placed: tuple[Placed, ...]) -> None:
+        if len(placed) != 1:
+            return
+        shape, pose = placed[0].shape, placed[0].pose
+        self._radius[i] = shape.size[0] if shape.kind != "box" else math.hypot(*shape.size) / 2
+        grown = grown_box(shape, pose)
+        if grown is None:
+            return
+        half, radius = grown
+        self._plain[i] = True
+        self._centre[i] = self._top[i] = position(pose)
+        self._half[i], self._round[i] = half, radius
+        self._top[i, 2] += half[2] + radius
+        self._face[i] = half[:2]
+
+
+def path_length(module: ModuleType, start: str, end: str) -> float:
+    """Upper bound in metres on the distance of two effectors of a module: lengths of the placements on the way between
+    them, with the full travel of prismatic joints."""
+
+    def climb(name: str) -> list[tuple[int, tuple[float, float, float], float]]:
+        effector = module.effector(name)
+        at, point, travel = effector.joint, position(effector.placement), 0.0
+        steps = [(at, point, 0.0)]
+        while at >= 0:
+            joint = module.joints[at]
+            travel += math.hypot(*point)
+            if joint.kind == "prismatic":
+                travel += max(abs(joint.lower), abs(joint.upper))
+            at, point = joint.parent, position(joint.placement)
+            steps.append((at, point, travel))
+        return steps
+
+    first, second = climb(start), {at: (point, travel) for at, point, travel in climb(end)}
+    for at, point, travel in first:
+        if at in second:
+            other, rest = second[at]
+            return travel + rest + math.dist(point, other)
+    return math.inf
+
+
+def grown_box(shape: Shape, pose: Pose) -> tuple[tuple[float, float, float], float] | None:
+    """Half sizes of a box along the world's axes and the radius by which the shape is larger, or None."""
+    if shape.kind == "sphere":
+        return (0.0, 0.0, 0.0), shape.size[0]
+    if shape.kind == "box":
+        local, radius = [s / 2 for s in shape.size], 0.0
+    elif shape.kind == "capsule":
+        local, radius = [0.0, 0.0, shape.size[1] / 2], shape.size[0]
+    else:
+        return None
+    half = [0.0, 0.0, 0.0]
+    for k in range(3):
+        axis = rotate(orientation(pose), (float(k == 0), float(k == 1), float(k == 2)))
+        if local[k] and max(abs(x) for x in axis) < 1 - STRAIGHT:
+            return None
+        half[max(range(3), key=lambda r: abs(axis[r]))] += local[k]
+    return (half[0], half[1], half[2]), radius
+
+
+def top_face(placed: Placed, inset: float) -> Placed:
+    """The upper face of a box, shrunk, as a very thin box; the highest point of any other shape."""
+    shape, pose = placed.shape, placed.pose
+    if shape.kind != "box":
+        up = (0.0, 0.0, shape.size[0] + _rise(shape, pose))
+        return Placed(Shape("sphere", (0.0,)), (pose[0], pose[1], pose[2] + up[2], 0.0, 0.0, 0.0, 1.0))
+    heights = [rotate(orientation(pose), (float(k == 0), float(k == 1), float(k == 2)))[2] for k in range(3)]
+    k = max(range(3), key=lambda axis: abs(heights[axis]))
+    size = [max(s - 2 * inset, 0.0) for s in shape.size]
+    offset = [0.0, 0.0, 0.0]
+    offset[k] = math.copysign(shape.size[k] / 2, heights[k])
+    size[k] = 0.0
+    centre = make((offset[0], offset[1], offset[2]), (0.0, 0.0, 0.0, 1.0))
+    return Placed(Shape("box", tuple(size)), compose(pose, centre))
+
+
+def _rise(shape: Shape, pose: Pose) -> float:
+    if shape.kind != "capsule":
+        return shape.size[1] / 2 if shape.kind == "cylinder" else 0.0
+    return abs(rotate(orientation(pose), (0.0, 0.0, shape.size[1] / 2))[2])
+
+
+def shape_distance(a: Placed, b: Placed) -> float:
+    """Smallest distance in metres, 0 when the shapes overlap."""
+    for first, second in ((a, b), (b, a)):
+        if first.shape.kind == "sphere" and second.shape.kind != "cylinder":
+            return max(_point_distance(position(first.pose), second) - first.shape.size[0], 0.0)
+    return _coal_distance(a, b)
+
+
+def _point_distance(point: tuple[float, float, float], placed: Placed) -> float:
+    """From a point to the surface of a sphere, capsule or box; 0 inside."""
+    x, y, z, w = orientation(placed.pose)
+    offset = (point[0] - placed.pose[0], point[1] - placed.pose[1], point[2] - placed.pose[2])
+    local = rotate((-x, -y, -z, w), offset)
+    size = placed.shape.size
+    if placed.shape.kind == "box":
+        return math.hypot(*(max(abs(c) - s / 2, 0.0) for c, s in zip(local, size, strict=True)))
+    half = size[1] / 2 if placed.shape.kind == "capsule" else 0.0
+    return max(math.hypot(local[0], local[1], max(abs(local[2]) - half, 0.0)) - size[0], 0.0)
+
+
+def _coal_distance(a: Placed, b: Placed) -> float:
+    import coal
+
+    result = coal.distance(*_coal(a), *_coal(b), coal.DistanceRequest(), coal.DistanceResult())
+    return max(float(result), 0.0)
+
+
+def _coal(placed: Placed) -> tuple[Any, Any]:
+    import coal
+
+    size = [max(s, THIN) for s in placed.shape.size]
+    makers = {"box": coal.Box, "sphere": coal.Sphere, "capsule": coal.Capsule, "cylinder": coal.Cylinder}
+    x, y, z, w = orientation(placed.pose)
+    turn = coal.Quaternion(w, x, y, z) if hasattr(coal, "Quaternion") else _matrix(placed.pose)
+    return makers[placed.shape.kind](*size), coal.Transform3s(turn, np.array(position(placed.pose)))
+
+
+def _matrix(pose: Pose) -> Array:
+    columns = [rotate(orientation(pose), (float(k == 0), float(k == 1), float(k == 2))) for k in range(3)]
+    return np.array(columns).T

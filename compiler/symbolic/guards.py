@@ -1,0 +1,395 @@
+"""Partial evaluation of formulas and terms, and joins over them.
+
+What is known: static facts, the scene's geometry, values of some variables and, where a flag word is given, the facts
+between small objects and hence the chains. What remains is a formula over the other facts and variables.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..ir import (
+    Aggregate,
+    And,
+    Any_,
+    Arith,
+    Chain,
+    ChainEnd,
+    ChainModule,
+    ChainType,
+    Compare,
+    Conditional,
+    Exists,
+    Forall,
+    Formula,
+    Function,
+    Literal,
+    Not,
+    Number,
+    Object,
+    ObjectType,
+    Or,
+    Previous,
+    Problem,
+    RangeType,
+    Term,
+    Value,
+    Var,
+    Variable,
+)
+from .algebra import MATHS, arithmetic, conjunction, disjunction, flip, is_plain, negation
+from .chains import Word
+from .geometry import Geometry
+from .layout import FIELD, FLAG, STATIC, Layout
+from .normal_form import FALSE, TRUE, free_names
+
+Environment = Mapping[str, Any]
+"""Values of variables: an object's name, a number, a chain; or an array of object indices for a whole row at once."""
+COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
+    "=": operator.eq,
+    "!=": operator.ne,
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+}
+SLACK = 1e-9
+FEW = 4
+
+
+class Undefined(Exception):
+    """A term without value, such as a module past the end of a chain."""
+
+
+class Guards:
+    def __init__(self, problem: Problem, layout: Layout, geometry: Geometry) -> None:
+        self.problem = problem
+        self.layout = layout
+        self.geometry = geometry
+        self.static = Word(problem, layout.static)
+        self._types: dict[str, tuple[str, ...]] = {}
+        self._order = geometry.index
+
+    # --- terms ---------------------------------------------------------------------------------------------------
+
+    def resolve(self, term: Term, env: Environment) -> Term:
+        """`term` with known variables replaced; references into chains become objects. Raises Undefined."""
+        match term:
+            case Var():
+                value = env.get(term.name)
+                if isinstance(value, str):
+                    return Object(value)
+                return Number(value) if isinstance(value, int) else term
+            case ChainEnd():
+                chain = env.get(term.chain)
+                if isinstance(chain, Chain):
+                    return Object(chain.last if term.last else chain.first)
+                return term
+            case ChainModule():
+                return self._chain_module(term, env)
+            case Function():
+                if free_names(term) <= env.keys():
+                    return Number(self.number(term, env))
+                return Function(term.name, tuple(self.resolve(a, env) for a in term.args))
+            case Arith():
+                if free_names(term) <= env.keys():
+                    return Number(self.number(term, env))
+                return Arith(term.operator, tuple(self.resolve(a, env) for a in term.operands))
+            case _:
+                return term
+
+    def _chain_module(self, term: ChainModule, env: Environment) -> Term:
+        chain = env.get(term.chain)
+        index = self.resolve(term.index, env)
+        if not isinstance(chain, Chain) or not isinstance(index, Number):
+            return ChainModule(term.chain, index, term.side)
+        if not 1 <= index.value <= len(chain.modules):
+            raise Undefined
+        module, enter, leave = chain.modules[int(index.value) - 1]
+        return Object({"": module, "in": enter, "out": leave}[term.side])
+
+    def number(self, term: Term, env: Environment) -> Any:
+        """The value of a static number; an array where a variable stands for many objects. Raises Undefined."""
+        match term:
+            case Number():
+                return term.value
+            case Var():
+                return env[term.name]
+            case Function():
+                return self._function(term, env)
+            case Arith():
+                values = [self.number(t, env) for t in term.operands]
+                return arithmetic(term.operator, values)
+            case Conditional():
+                chosen = self.reduce(term.condition, env, None)
+                return self.number(term.then if chosen == TRUE else term.otherwise, env)
+            case Aggregate():
+                values = [self.number(term.body, inner) for inner in self.assignments(term.variables, env)]
+                return {"min": min, "max": max}[term.operator](values) if term.operator != "sum" else sum(values)
+            case _:
+                raise Undefined
+
+    def _function(self, term: Function, env: Environment) -> Any:
+        name, args = term.name, term.args
+        if name in ("distance", "stride"):
+            first, second = self.thing(args[0], env), self.thing(args[1], env)
+            if name == "distance":
+                return self.geometry.distance(first, second)
+            return self.geometry.stride(first, second, float(self.number(args[2], env)))
+        if name == "radius":
+            return self.geometry.radius(self.thing(args[0], env))
+        if name in ("reach", "length") and len(args) == 1 and isinstance(args[0], Var):
+            chain: Chain = env[args[0].name]
+            return float(len(chain.modules)) if name == "length" else self.geometry.chain_reach(chain)
+        if name == "reach":
+            names = [self.geometry.names[self.thing(a, env)] for a in args]
+            if names[0].rpartition(".")[0] != names[1].rpartition(".")[0]:
+                raise Undefined
+            return self.geometry.reach(names[0], names[1])
+        return MATHS[name](*(self.number(a, env) for a in args))
+
+    def thing(self, term: Term, env: Environment) -> Any:
+        """The index of the object that a term denotes, or an array of indices."""
+        match self.resolve(term, env):
+            case Object(name):
+                return self._order[name]
+            case Var(name):
+                return env[name]
+            case _:
+                raise Undefined
+
+    # --- formulas ------------------------------------------------------------------------------------------------
+
+    def reduce(self, formula: Formula, env: Environment, word: Word | None) -> Formula:
+        """What remains of a normal-form formula: TRUE, FALSE, or a formula over unknown facts and variables. A literal
+        that remains with ANY as value of a functional fact says that there is some value."""
+        match formula:
+            case Literal():
+                return self._literal(formula, env, word)
+            case Not():
+                return negation(self.reduce(formula.operand, env, word))
+            case And():
+                return conjunction(self.reduce(f, env, word) for f in formula.operands)
+            case Or():
+                return disjunction(self.reduce(f, env, word) for f in formula.operands)
+            case Compare():
+                return self._compare(formula, env)
+            case Exists():
+                return self._exists(formula, env, word)
+            case Forall():
+                flipped = Exists(formula.variables, flip(formula.body))
+                return negation(self._exists(flipped, env, word))
+            case Previous():
+                return FALSE
+
+    def _literal(self, literal: Literal, env: Environment, word: Word | None) -> Formula:
+        try:
+            args = tuple(self.resolve(a, env) for a in literal.args)
+        except Undefined:
+            return FALSE
+        if not all(isinstance(a, Object) for a in args):
+            return Literal(literal.predicate, args)
+        fact = (literal.predicate, *(a.name for a in args if isinstance(a, Object)))
+        if self.layout.kinds[literal.predicate] == STATIC:
+            return TRUE if fact in self.static.facts else FALSE
+        if self.layout.encode(fact)[0] == 0:
+            return FALSE
+        if word is not None and self.layout.canonical(fact) in self.layout.flags:
+            return TRUE if fact in word.facts else FALSE
+        return Literal(literal.predicate, args)
+
+    def _compare(self, formula: Compare, env: Environment) -> Formula:
+        try:
+            left, right = self.resolve(formula.left, env), self.resolve(formula.right, env)
+            if isinstance(left, Object) and isinstance(right, Object):
+                return TRUE if COMPARISONS[formula.operator](left.name, right.name) else FALSE
+            if _is_thing(left, env) or _is_thing(right, env):
+                return Compare(formula.operator, left, right)
+            if free_names(left) | free_names(right) <= env.keys():
+                return TRUE if self.holds(formula.operator, self.number(left, env), self.number(right, env)) else FALSE
+        except Undefined:
+            return FALSE
+        return Compare(formula.operator, left, right)
+
+    @staticmethod
+    def holds(comparison: str, left: Any, right: Any) -> Any:
+        """Compare two lengths; bounds are loosened by a rounding error. Works on arrays."""
+        slack = {"<=": SLACK, ">": SLACK, ">=": -SLACK, "<": -SLACK}.get(comparison, 0.0)
+        return COMPARISONS[comparison](left, right + slack)
+
+    def _exists(self, formula: Exists, env: Environment, word: Word | None) -> Formula:
+        kept = [v for v in formula.variables if not self.is_small(v)]
+        unrolled = [v for v in formula.variables if self.is_small(v)]
+        bodies = [
+            (dict(inner), conjunction(rest)) for inner, rest in self.solutions(unrolled, (formula.body,), env, word)
+        ]
+        if not kept:
+            return disjunction(body for _, body in bodies)
+        return disjunction(self._exists_large(kept, body, inner, word) for inner, body in bodies)
+
+    def _exists_large(
+        self, variables: list[Variable], body: Formula, env: Environment, word: Word | None
+    ) -> Formula:
+        if body in (TRUE, FALSE):
+            return body if all(self.values(v, env, word) for v in variables) else FALSE
+        if len(variables) == 1 and isinstance(body, Literal):
+            some = self._some_value(variables[0], body)
+            if some is not None:
+                return some
+        if not free_names(body) - env.keys() <= {v.name for v in variables}:
+            return Exists(tuple(variables), body)
+        found = self.solutions(variables, (body,), env, word)
+        return disjunction(conjunction(rest) for _, rest in found)
+
+    def _some_value(self, variable: Variable, literal: Literal) -> Formula | None:
+        """`exists X { (p X key) }` as one test of the field of `key`, when X may be every value."""
+        if self.layout.kinds[literal.predicate] != FIELD:
+            return None
+        key_at = self.problem.predicates[literal.predicate].functional_in or 0
+        key, value = literal.args[key_at], literal.args[1 - key_at]
+        if value != Var(variable.name) or not isinstance(key, Object):
+            return None
+        place = self.layout.fields.get((literal.predicate, key.name))
+        if place is None:
+            return FALSE
+        if not set(place.values) <= set(self.values(variable, {}, None)):
+            return None
+        args = (key, Any_()) if key_at == 0 else (Any_(), key)
+        return Literal(literal.predicate, args)
+
+    # --- values and joins ----------------------------------------------------------------------------------------
+
+    def is_small(self, variable: Variable) -> bool:
+        """Whether a variable is unrolled: ranges, chains, and objects that are all effectors or modules."""
+        if isinstance(variable.type, ObjectType):
+            return self.layout.domains.of_type(variable.type.name) <= self.layout.small
+        return True
+
+    def values(self, variable: Variable, env: Environment, word: Word | None) -> Sequence[Value]:
+        """All values of a variable, in the order of declaration."""
+        match variable.type:
+            case ObjectType(name):
+                if name not in self._types:
+                    self._types[name] = self.problem.of_type(name)
+                return self._types[name]
+            case ChainType():
+                if word is None:
+                    raise Undefined
+                return word.chains(variable.type)
+            case RangeType(first, last):
+                bounds = (self.number(self.resolve(t, env), env) for t in (first, last))
+                low, high = (round(float(b)) for b in bounds)
+                return range(low, high + 1)
+            case _:
+                raise Undefined
+
+    def assignments(self, variables: Sequence[Variable], env: Environment) -> Iterator[Environment]:
+        """All values of variables that do not depend on the state."""
+        for inner, _ in self.solutions(variables, (), env, None):
+            yield inner
+
+    def solutions(
+        self,
+        variables: Sequence[Variable],
+        conjuncts: Sequence[Formula],
+        env: Environment,
+        word: Word | None,
+        domains: Mapping[str, frozenset[str]] | None = None,
+    ) -> Iterator[tuple[Environment, tuple[Formula, ...]]]:
+        """All values of `variables` under which no conjunct is refuted, each with what remains of the conjuncts; the
+        variable with the fewest candidates first."""
+        live: list[Formula] = []
+        for formula in conjuncts:
+            rest = self.reduce(formula, env, word)
+            if rest == FALSE:
+                return
+            for part in rest.operands if isinstance(rest, And) else (rest,):
+                if part not in live:
+                    live.append(part)
+        if not variables:
+            yield env, tuple(live)
+            return
+        chosen, values = self._most_constrained(variables, live, env, word, domains or {})
+        others = [v for v in variables if v is not chosen]
+        values, live = self._filter(chosen, values, live, env)
+        for value in values:
+            yield from self.solutions(others, live, {**env, chosen.name: value}, word, domains)
+
+    def _most_constrained(
+        self,
+        variables: Sequence[Variable],
+        live: Sequence[Formula],
+        env: Environment,
+        word: Word | None,
+        domains: Mapping[str, frozenset[str]],
+    ) -> tuple[Variable, Sequence[Value]]:
+        best: tuple[Variable, Sequence[Value]] | None = None
+        for variable in variables:
+            if isinstance(variable.type, RangeType) and not free_names(variable.type) <= env.keys():
+                continue
+            values = self._candidates(variable, live, env, word, domains.get(variable.name))
+            if best is None or len(values) < len(best[1]):
+                best = variable, values
+        if best is None:
+            raise Undefined
+        return best
+
+    def _candidates(
+        self,
+        variable: Variable,
+        live: Sequence[Formula],
+        env: Environment,
+        word: Word | None,
+        domain: frozenset[str] | None,
+    ) -> Sequence[Value]:
+        if not isinstance(variable.type, ObjectType):
+            return self.values(variable, env, word)
+        allowed = domain
+        for formula in live:
+            found = self._allowed(variable.name, formula, word)
+            if found is not None:
+                allowed = found if allowed is None else allowed & found
+        everything = self.values(variable, env, word)
+        if allowed is None:
+            return everything
+        members = self.layout.domains.of_type(variable.type.name)
+        return sorted(allowed & members, key=self._order.__getitem__)
+
+    def _allowed(self, name: str, formula: Formula, word: Word | None) -> frozenset[str] | None:
+        """The objects that one conjunct leaves for a variable; None when it says nothing at once."""
+        if isinstance(formula, Compare) and formula.operator == "=":
+            for here, there in ((formula.left, formula.right), (formula.right, formula.left)):
+                if here == Var(name) and isinstance(there, Object):
+                    return frozenset((there.name,))
+        if not isinstance(formula, Literal) or Var(name) not in formula.args:
+            return None
+        kind = self.layout.kinds[formula.predicate]
+        known = self.static if kind == STATIC else word if kind == FLAG else None
+        if known is None:
+            return self.layout.domains.at(formula.predicate, formula.args.index(Var(name)))
+        return known.matching(formula, name)
+
+    def _filter(
+        self, variable: Variable, values: Sequence[Value], live: list[Formula], env: Environment
+    ) -> tuple[Sequence[Value], list[Formula]]:
+        """Settle comparisons of lengths for all candidates at once."""
+        if len(values) <= FEW or not isinstance(variable.type, ObjectType):
+            return values, live
+        usable = [f for f in live if isinstance(f, Compare) and free_names(f) == {variable.name} and is_plain(f)]
+        if not usable:
+            return values, live
+        indices = np.array([self._order[str(v)] for v in values])
+        keep = np.ones(len(indices), dtype=bool)
+        for formula in usable:
+            inner = {**env, variable.name: indices}
+            keep &= self.holds(formula.operator, self.number(formula.left, inner), self.number(formula.right, inner))
+        return [values[int(i)] for i in np.flatnonzero(keep)], [f for f in live if f not in usable]
+
+
+def _is_thing(term: Term, env: Environment) -> bool:
+    """An object, or a chain variable; the other side is then one too, not known yet."""
+    return isinstance(term, Object | ChainEnd | ChainModule) or (isinstance(term, Var) and term.name not in env)

@@ -1,0 +1,248 @@
+"""Hop distances between locations: how many actions, at least, until something can happen at a place.
+
+A location family is a functional predicate whose keys are small objects (such as what an effector stands on). A rule
+that gives a key the value Y while some key has the value X is an edge X → Y, wherever its static guards may hold for
+some choice of everything else: lengths that depend on chains or modules count with their largest value.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..ir import (
+    Arith,
+    ChainEnd,
+    ChainModule,
+    Compare,
+    Function,
+    Literal,
+    Number,
+    Object,
+    Term,
+    Type,
+    Var,
+)
+from .domains import FlatRule, scoped_effects
+from .guards import Guards
+from .layout import FIELD, Field
+
+Matrix = NDArray[np.bool_]
+Interval = tuple[Any, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Edge:
+    """A rule that gives a key of a family a value: `matrix[x, y]` says whether it may go from place x to place y. With
+    no `matrix` the places in `targets` are reached from anywhere."""
+
+    rule: str
+    matrix: Matrix | None
+    targets: NDArray[np.bool_]
+    cost: float
+
+
+class Family:
+    """One location predicate: its places, the fields of its small keys, and the edges between places."""
+
+    def __init__(self, guards: Guards, predicate: str, costs: Mapping[str, float]) -> None:
+        self.guards = guards
+        self.predicate = predicate
+        layout = guards.layout
+        self.fields: list[Field] = [
+            f for (p, key), f in layout.fields.items() if p == predicate and key in layout.small
+        ]
+        self.places: tuple[str, ...] = self.fields[0].values if self.fields else ()
+        self.indices = np.array([guards.geometry.index[name] for name in self.places], dtype=np.int64)
+        self.key_at = guards.problem.predicates[predicate].functional_in or 0
+        self.bounds = Bounds(guards)
+        self.edges = [e for flat in layout.domains.rules for e in self._edges(flat, costs[flat.rule.name])]
+
+    def _edges(self, flat: FlatRule, cost: float) -> list[Edge]:
+        domains = self.guards.layout.domains.variable_domains(flat)
+        found = []
+        for effect, types in scoped_effects(flat.rule.effects, {v.name: v.type for v in flat.variables}):
+            literal = effect.literal
+            if literal.motion or effect.negated or literal.predicate != self.predicate:
+                continue
+            keys = self.guards.layout.domains.term(literal.args[self.key_at], types, domains)
+            if not keys & self.guards.layout.small:
+                continue
+            targets = self._mask(self.guards.layout.domains.term(literal.args[1 - self.key_at], types, domains))
+            source = self.place_variable(flat, types, domains, {})
+            matrix = None
+            if source is not None:
+                matrix = self._relation(flat, source, literal.args[1 - self.key_at], domains) & targets[None, :]
+            found.append(Edge(flat.rule.name, matrix, targets, cost))
+        return found
+
+    def place_variable(
+        self, flat: FlatRule, types: Mapping[str, Type], domains: Mapping[str, frozenset[str]], env: Mapping[str, str]
+    ) -> str | None:
+        """The variable that a condition `(p X key)` with a small key binds to a place."""
+        for formula in flat.conjuncts:
+            if not isinstance(formula, Literal) or formula.predicate != self.predicate:
+                continue
+            key, value = formula.args[self.key_at], formula.args[1 - self.key_at]
+            keys = self.guards.layout.domains.term(key, dict(types), dict(domains))
+            if isinstance(key, Var) and key.name in env:
+                keys = frozenset((env[key.name],))
+            if keys <= self.guards.layout.small and isinstance(value, Var) and value.name not in env:
+                return value.name
+        return None
+
+    def _relation(
+        self, flat: FlatRule, source: str, target: Term, domains: Mapping[str, frozenset[str]]
+    ) -> Matrix:
+        count = len(self.places)
+        env: dict[str, Any] = {source: self.indices[:, None]}
+        possible = np.ones((count, count), dtype=bool) & self._mask(domains[source])[:, None]
+        if isinstance(target, Var) and target.name == source:
+            return possible & np.eye(count, dtype=bool)
+        if isinstance(target, Var):
+            env[target.name] = self.indices[None, :]
+        related: Matrix = possible & self.bounds.possible(flat, env)
+        return related
+
+    def starts(self, flat: FlatRule, env: Mapping[str, str]) -> NDArray[np.bool_] | None:
+        """The places at which a rule with some variables bound may fire; None when it names no place."""
+        types = {v.name: v.type for v in flat.variables}
+        domains = self.guards.layout.domains.variable_domains(flat)
+        source = self.place_variable(flat, types, domains, env)
+        if source is None:
+            return None
+        known = {**env, source: self.indices}
+        found: NDArray[np.bool_] = self._mask(domains[source]) & self.bounds.possible(flat, known)
+        return found
+
+    def distances(self, starts: NDArray[np.bool_]) -> list[float]:
+        """For every place the least cost of moves until some key is at one of `starts`; infinite without a way."""
+        best = np.where(starts, 0.0, math.inf)
+        queue = [(0.0, int(i)) for i in np.flatnonzero(starts)]
+        while queue:
+            cost, y = heapq.heappop(queue)
+            if cost > best[y]:
+                continue
+            for edge in self.edges:
+                if edge.matrix is None:
+                    better = best > cost + edge.cost if edge.targets[y] else np.zeros(len(best), dtype=bool)
+                else:
+                    better = edge.matrix[:, y] & (best > cost + edge.cost)
+                for x in np.flatnonzero(better):
+                    best[x] = cost + edge.cost
+                    heapq.heappush(queue, (float(best[x]), int(x)))
+        return [float(b) for b in best]
+
+    def from_nowhere(self, distances: Sequence[float]) -> float:
+        """The same bound when no key has a place."""
+        found = (
+            edge.cost + min((d for d, t in zip(distances, edge.targets, strict=True) if t), default=math.inf)
+            for edge in self.edges
+            if edge.matrix is None
+        )
+        return min(found, default=math.inf)
+
+    def _mask(self, names: frozenset[str]) -> NDArray[np.bool_]:
+        return np.array([p in names for p in self.places], dtype=bool)
+
+
+class Bounds:
+    """Whether static guards may hold when only some variables are known: interval arithmetic on their terms."""
+
+    def __init__(self, guards: Guards) -> None:
+        self.guards = guards
+        geometry = guards.geometry
+        self.longest = geometry.longest_reach()
+        self.modules = len(guards.problem.world.modules)
+        ends = [geometry.index[name] for name in guards.problem.of_type("effector")]
+        radii = [float(geometry.radius(i)) for i in ends] or [0.0]
+        self.radii = (min(radii), max(radii))
+
+    def possible(self, flat: FlatRule, env: Mapping[str, Any]) -> Any:
+        """True where no comparison among the conjuncts is refuted; arrays in `env` broadcast."""
+        found: Any = np.True_
+        for formula in flat.conjuncts:
+            if isinstance(formula, Compare) and formula.operator in ("<", "<=", ">", ">="):
+                low, high = self.interval(formula.left, env), self.interval(formula.right, env)
+                if formula.operator in (">", ">="):
+                    low, high = high, low
+                comparison = "<=" if formula.operator in ("<=", ">=") else "<"
+                found = found & self.guards.holds("<=" if comparison == "<" else comparison, low[0], high[1])
+        return found
+
+    def interval(self, term: Term, env: Mapping[str, Any]) -> Interval:
+        """Least and largest value of a term over everything that `env` leaves open."""
+        match term:
+            case Number():
+                return term.value, term.value
+            case Arith():
+                return self._arithmetic(term, env)
+            case Function():
+                return self._function(term, env)
+            case _:
+                return -math.inf, math.inf
+
+    def _arithmetic(self, term: Arith, env: Mapping[str, Any]) -> Interval:
+        parts = [self.interval(t, env) for t in term.operands]
+        if term.operator == "neg":
+            return -parts[0][1], -parts[0][0]
+        (a, b), (c, d) = parts
+        if term.operator == "+":
+            return a + c, b + d
+        if term.operator == "-":
+            return a - d, b - c
+        if term.operator == "*" and all(np.all(np.isfinite(x)) for x in (a, b, c, d)):
+            products = [x * y for x, y in itertools.product((a, b), (c, d))]
+            return np.minimum.reduce(products), np.maximum.reduce(products)
+        return -math.inf, math.inf
+
+    def _function(self, term: Function, env: Mapping[str, Any]) -> Interval:
+        if term.name in ("distance", "stride"):
+            places = [self._place(a, env) for a in term.args[:2]]
+            inset = term.args[2] if term.name == "stride" else Number(0.0)
+            if places[0] is None or places[1] is None or not isinstance(inset, Number):
+                return 0.0, math.inf
+            geometry = self.guards.geometry
+            if term.name == "distance":
+                value = geometry.distance(places[0], places[1])
+            else:
+                value = geometry.stride(places[0], places[1], inset.value)
+            return value, value
+        if term.name == "radius":
+            return self._radius(term.args[0], env)
+        if term.name == "reach":
+            return 0.0, self.longest
+        if term.name == "length":
+            return 1.0, float(max(self.modules, 1))
+        return -math.inf, math.inf
+
+    def _radius(self, term: Term, env: Mapping[str, Any]) -> Interval:
+        place = self._place(term, env)
+        if place is not None:
+            value = self.guards.geometry.radius(place)
+            return value, value
+        return self.radii if isinstance(term, ChainEnd | ChainModule) else (0.0, math.inf)
+
+    def _place(self, term: Term, env: Mapping[str, Any]) -> Any:
+        if isinstance(term, Object):
+            return self.guards.geometry.index[term.name]
+        if isinstance(term, Var) and term.name in env:
+            known = env[term.name]
+            return self.guards.geometry.index[known] if isinstance(known, str) else known
+        return None
+
+
+def families(guards: Guards, costs: Mapping[str, float]) -> list[Family]:
+    """The location families of a problem that have more than one place and some key."""
+    layout = guards.layout
+    names = [p for p, kind in layout.kinds.items() if kind == FIELD]
+    keyed = [name for name in names if any(k in layout.small for p, k in layout.fields if p == name)]
+    made = [Family(guards, name, costs) for name in keyed]
+    return [f for f in made if len(f.places) > 1]

@@ -1,0 +1,168 @@
+"""Back end: successor functions on packed states, one generated Python function per flag word.
+
+The input is any problem of the IR; nothing here knows a rule or predicate by name. A state is one int (`layout`). The
+function of a flag word holds only the blocks whose conditions on the flags hold there, with all small variables and
+chains bound; everything that depends on locations is a row looked up by the value of a field (`blocks`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from ..ir import Action, And, ChainType, Exists, Fact, Forall, Formula, Not, Or, Problem, Value
+from .blocks import Block, Blocks, Step
+from .chains import Word
+from .domains import Domains, FlatRule
+from .expressions import source
+from .geometry import Geometry
+from .guards import Environment, Guards
+from .layout import Layout
+from .normal_form import NormalForm
+
+Successor = tuple[int, int]
+Expander = Callable[[int], list[Successor]]
+
+
+class Successors:
+    """Packed states of one problem: `initial`, `expand`, `is_goal`, `facts`; actions by number."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.normal = NormalForm(problem)
+        self.domains = Domains(problem, self.normal)
+        self.layout = Layout(problem, self.domains)
+        self.geometry = Geometry(problem)
+        self.guards = Guards(problem, self.layout, self.geometry)
+        self.initial = self.layout.initial
+        self._actions: list[Action] = []
+        self._costs: list[float] = []
+        self._ids: dict[Action, int] = {}
+        self._blocks = Blocks(self.guards, self._action_id)
+        self._expanders: dict[int, Expander] = {}
+        self._sources: dict[int, str] = {}
+        self._words: dict[int, Word] = {}
+        self._goal = self.normal.normal(problem.goal, {}, False)
+        self._goal_mask = self.layout.flag_mask if has_chains(self._goal) else 0
+        self._goals: dict[int, Callable[[int], bool]] = {}
+
+    def expand(self, state: int) -> list[Successor]:
+        """All (successor, action number) of a state, in a fixed order."""
+        word = state & self.layout.flag_mask
+        expander = self._expanders.get(word)
+        if expander is None:
+            expander = self._expander(word)
+        return expander(state)
+
+    def action(self, number: int) -> Action:
+        return self._actions[number]
+
+    def cost(self, number: int) -> float:
+        return self._costs[number]
+
+    @property
+    def action_count(self) -> int:
+        """How many actions have been met so far."""
+        return len(self._actions)
+
+    def is_goal(self, state: int) -> bool:
+        word = state & self._goal_mask
+        check = self._goals.get(word)
+        if check is None:
+            known = self.word(word) if self._goal_mask else None
+            check = self._goals[word] = self.condition(self.guards.reduce(self._goal, {}, known))
+        return check(state)
+
+    def facts(self, state: int) -> frozenset[Fact]:
+        """The logic facts that hold in a state, static ones included; symmetric ones in both orders."""
+        return self.layout.facts(state)
+
+    def word(self, state: int) -> Word:
+        """The facts between small objects that hold in a state."""
+        flags = state & self.layout.flag_mask
+        if flags not in self._words:
+            self._words[flags] = Word(self.problem, self.layout.true_flags(flags))
+        return self._words[flags]
+
+    def condition(self, formula: Formula) -> Callable[[int], bool]:
+        """A compiled ground condition on states."""
+        check: Callable[[int], bool] = eval(f"lambda s: bool({source(self.layout, formula)})", {})
+        return check
+
+    def source(self) -> str:
+        """The Python text generated so far."""
+        return "\n".join(self._sources.values())
+
+    def _action_id(self, flat: FlatRule, env: Environment) -> int:
+        args: tuple[Value, ...] = tuple(env[v.name] for v in flat.rule.variables)
+        action = Action(flat.rule.name, args)
+        if action not in self._ids:
+            self._ids[action] = len(self._actions)
+            self._actions.append(action)
+            self._costs.append(float(self.guards.number(flat.rule.cost, env)))
+        return self._ids[action]
+
+    def _expander(self, word: int) -> Expander:
+        blocks = [b for flat in self.domains.rules for b in self._blocks.of(flat, self.word(word))]
+        names: dict[str, Any] = {"apply": apply}
+        lines = [f"def expand_{word:x}(s):", "    out = []"]
+        for i, block in enumerate(blocks):
+            names[f"rows_{i}"] = block.rows
+            shown = ", ".join(str(block.env[v.name]) for v in block.flat.rule.variables if v.name in block.env)
+            lines.append(f"    # {block.flat.rule.name}: {shown}")
+            lines += _block_lines(block, i)
+        lines.append("    return list(dict.fromkeys(out))" if _may_repeat(blocks) else "    return out")
+        text = "\n".join(lines) + "\n"
+        exec(compile(text, f"<successors {word:x}>", "exec"), names)
+        self._sources[word] = text
+        expander: Expander = names[f"expand_{word:x}"]
+        self._expanders[word] = expander
+        return expander
+
+
+def apply(s: int, row: tuple[Step, ...], out: list[Successor]) -> None:
+    """Append the successors by the steps of a general row."""
+    for step in row:
+        step.apply(s, out)
+
+
+def _block_lines(block: Block, i: int) -> list[str]:
+    reads = [f"s >> {place.shift} & {place.mask}" for _, place in block.keys]
+    key = reads[0] if len(reads) == 1 else f"({', '.join(reads)})" if reads else "()"
+    lines = [f"r = rows_{i}[{key}]"]
+    if not block.simple:
+        lines.append("apply(s, r, out)")
+    elif not block.loops:
+        lines += ["if r:", f"    out.append((s & {block.keep} | {block.set} | r[0][0], r[0][1]))"]
+    else:
+        lines += ["if r:", f"    b = s & {block.keep} | {block.set}", "    out += [(b | q, a) for q, a in r]"]
+    if block.tests != "True":
+        lines = [f"if {block.tests}:", *(f"    {line}" for line in lines)]
+    return [f"    {line}" for line in lines]
+
+
+def _may_repeat(blocks: list[Block]) -> bool:
+    """Whether two blocks can give the same action, by different witnesses of its condition."""
+    seen = set()
+    for block in blocks:
+        if block.flat.hidden:
+            if not block.simple and any(v in block.flat.hidden for v in block.loops):
+                return True
+            shown = tuple(block.env.get(v.name) for v in block.flat.rule.variables)
+            if (block.flat.rule.name, shown) in seen:
+                return True
+            seen.add((block.flat.rule.name, shown))
+    return False
+
+
+def has_chains(formula: Formula) -> bool:
+    """Whether a formula quantifies over chains."""
+    match formula:
+        case Exists() | Forall():
+            return any(isinstance(v.type, ChainType) for v in formula.variables) or has_chains(formula.body)
+        case And() | Or():
+            return any(map(has_chains, formula.operands))
+        case Not():
+            return has_chains(formula.operand)
+        case _:
+            return False

@@ -1,0 +1,156 @@
+"""Groups of like rows of a motion program, each evaluated for all its instances at once.
+
+A group has N instances of m rows over n places of z. Costs are ½‖r‖², equalities r = 0, inequalities r <= 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ...compiler.ir import Fact
+from ...compiler.motion.stages import Stage
+from ..skeleton import Array
+from .layout import Indices
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """Whom one instance speaks for: the phase, counted from 0, the literal or limit, the unit of each row."""
+
+    phase: int
+    literal: Fact
+    units: tuple[str, ...]
+
+
+class Group(Protocol):
+    """N instances of like rows. `scale` multiplies residuals; violations are reported without it."""
+
+    kind: str
+    scale: float
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(N, m)."""
+        ...
+
+    def label(self, instance: int) -> Label:
+        """Whom the instance speaks for."""
+        ...
+
+    def residuals(self, z: Array) -> Array:
+        """Scaled residuals (N, m)."""
+        ...
+
+    def jacobians(self, z: Array, chosen: Indices) -> tuple[Array, Indices]:
+        """Scaled Jacobians (len(chosen), m, n) of the chosen instances, and their places in z (len(chosen), n)."""
+        ...
+
+    def curvature(self, z: Array, weights: Array) -> list[tuple[Array, Indices]]:
+        """Hessians (N, n, n) of weights · r, for weights (N, m), and their places in z (N, n), in parts that add up."""
+        ...
+
+    def span(self) -> Indices:
+        """The places in z (N, n) of all instances."""
+        ...
+
+
+class StageGroup:
+    """Instances of one stage Function."""
+
+    def __init__(
+        self, kind: str, stage: Stage, places: Indices, constants: Array, labels: list[Label], scale: float = 1.0
+    ) -> None:
+        self.kind = kind
+        self.scale = scale
+        self.stage = stage
+        self.places = places
+        self.constants = constants
+        self.labels = labels
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return len(self.places), self.stage.rows
+
+    def label(self, instance: int) -> Label:
+        return self.labels[instance]
+
+    def residuals(self, z: Array) -> Array:
+        return self.scale * self.stage.values(z[self.places], self.constants)
+
+    def jacobians(self, z: Array, chosen: Indices) -> tuple[Array, Indices]:
+        places = self.places[chosen]
+        return self.scale * self.stage.jacobians(z[places], self.constants[chosen]), places
+
+    def curvature(self, z: Array, weights: Array) -> list[tuple[Array, Indices]]:
+        return [(self.stage.hessians(z[self.places], self.constants, self.scale * weights), self.places)]
+
+    def span(self) -> Indices:
+        return self.places
+
+
+class LinearGroup:
+    """Rows Σ coefficient · z[place] − target, one row per instance: squared differences, homing, joint limits."""
+
+    def __init__(
+        self, kind: str, places: Indices, coefficients: Array, targets: Array, labels: list[Label], scale: float = 1.0
+    ) -> None:
+        self.kind = kind
+        self.scale = scale
+        self.places = places
+        self.coefficients = scale * np.broadcast_to(coefficients, places.shape)
+        self.targets = scale * targets
+        self.labels = labels
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return len(self.places), 1
+
+    def label(self, instance: int) -> Label:
+        return self.labels[instance]
+
+    def residuals(self, z: Array) -> Array:
+        values: Array = (z[self.places] * self.coefficients).sum(1) - self.targets
+        return values[:, None]
+
+    def jacobians(self, z: Array, chosen: Indices) -> tuple[Array, Indices]:
+        return self.coefficients[chosen][:, None, :], self.places[chosen]
+
+    def curvature(self, z: Array, weights: Array) -> list[tuple[Array, Indices]]:
+        return []
+
+    def span(self) -> Indices:
+        return self.places
+
+
+class NormGroup:
+    """Quaternions at `places` (N, 4) have length 1. Only a matter of scale: no literal speaks here."""
+
+    kind = "equality"
+    scale = 1.0
+
+    def __init__(self, places: Indices) -> None:
+        self.places = places
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return len(self.places), 1
+
+    def label(self, instance: int) -> Label:
+        return Label(0, ("quaternion",), ("1",))
+
+    def residuals(self, z: Array) -> Array:
+        values: Array = np.square(z[self.places]).sum(1, keepdims=True) - 1.0
+        return values
+
+    def jacobians(self, z: Array, chosen: Indices) -> tuple[Array, Indices]:
+        places = self.places[chosen]
+        return 2.0 * z[places][:, None, :], places
+
+    def curvature(self, z: Array, weights: Array) -> list[tuple[Array, Indices]]:
+        return [(2.0 * weights[:, :, None] * np.eye(4), self.places)]
+
+    def span(self) -> Indices:
+        return self.places

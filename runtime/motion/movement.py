@@ -1,0 +1,88 @@
+"""What can move in a phase, and which modules form one robot, read off the motion literals that hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from ...compiler.ir import Fact, Problem
+from ...compiler.motion.collision import keeps_pose
+from ..skeleton import Skeleton
+
+
+def carrier(problem: Problem, name: str) -> str:
+    """The module or body whose slot holds object `name`: the module of an effector, else the object itself."""
+    found = problem.world.effector(name)
+    return found[0].name if found else name
+
+
+def _keeps(problem: Problem, literal: Fact) -> bool:
+    return any(row.when == "keep" for row in problem.motions[literal[0]].rows)
+
+
+def followers(problem: Problem, mode: Iterable[Fact]) -> frozenset[str]:
+    """The bodies that move while `mode` holds: those that follow an effector, directly or through other bodies."""
+    world = problem.world
+    movers = {name for name in problem.objects if name in world.modules or world.effector(name)}
+    pairs: list[tuple[str, str]] = []
+    for literal in mode:
+        kept = keeps_pose(problem, literal)
+        if kept:
+            pairs.append(kept)
+        elif _keeps(problem, literal):
+            pairs.extend((a, b) for a in literal[1:] for b in literal[1:] if a != b)
+    found: set[str] = set()
+    grew = True
+    while grew:
+        grew = False
+        for leader, follower in pairs:
+            movable = follower in world.bodies and world.bodies[follower].movable
+            if movable and follower not in found and (leader in movers or leader in found):
+                found.add(follower)
+                grew = True
+    return frozenset(found)
+
+
+def robots(problem: Problem, mode: Iterable[Fact]) -> dict[str, str]:
+    """Module name to the first module, by name, of the robot that it is part of while `mode` holds: modules are one
+    robot when a relation that is kept links them, directly or through a body that follows them."""
+    facts = sorted(mode)
+    carried = followers(problem, facts)
+    parent = {name: name for name in problem.world.modules} | {name: name for name in carried}
+
+    def root(name: str) -> str:
+        while parent[name] != name:
+            name = parent[name]
+        return name
+
+    for literal in facts:
+        if not _keeps(problem, literal):
+            continue
+        members = sorted({carrier(problem, a) for a in literal[1:]} & parent.keys())
+        for other in members[1:]:
+            a, b = sorted((root(members[0]), root(other)))
+            parent[b] = a
+    groups: dict[str, str] = {}
+    for name in sorted(problem.world.modules):
+        groups.setdefault(root(name), name)
+    return {name: groups[root(name)] for name in problem.world.modules}
+
+
+def next_mode(skeleton: Skeleton, phase: int) -> frozenset[Fact]:
+    """The motion literals that hold after the switch of `phase`."""
+    return skeleton.phases[phase + 1].mode if phase + 1 < len(skeleton) else skeleton.final_mode
+
+
+def involved(skeleton: Skeleton, phase: int) -> frozenset[str]:
+    """The modules of the robots that the switch of `phase` concerns: some literal that it adds names them, or what
+    they are part of."""
+    problem = skeleton.problem
+    mode = skeleton.phases[phase].mode
+    carried = followers(problem, mode)
+    robot = robots(problem, mode)
+    touched = {carrier(problem, a) for literal in skeleton.phases[phase].added for a in literal[1:]}
+    for literal in mode:
+        names = {carrier(problem, a) for a in literal[1:]}
+        if touched & names & carried:
+            touched |= names & problem.world.modules.keys()
+    active = {robot[name] for name in touched if name in robot}
+    return frozenset(name for name, first in robot.items() if first in active)

@@ -1,0 +1,256 @@
+"""P_path: the whole motion of a skeleton in one program, and P_seqPath with its switches pinned (thesis section
+3.2). The general way, for closed chains and `during` rows; open chains go faster phase by phase."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...compiler.ir import Problem
+from ...compiler.motion.collision import Pair, PhaseContacts, contacts, taper
+from ..budget import Budget
+from ..skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton
+from .clearance import ClearanceGroup
+from .collisions import Collisions, Margins, refresh
+from .features import Features, differences, homing, limits, norms
+from .groups import Group
+from .interpolation import interpolate
+from .layout import Layout
+from .movement import followers, involved, next_mode
+from .program import Program
+from .settings import MotionSettings
+from .solver import PATH, Options, project
+from .switches import run
+
+ACCELERATION = 0.1
+HOMING = 0.2
+STIFF = 10.0
+"""Scale of kept and switch rows: without it a path slips by up to 2 cm."""
+BUMPS = 6
+BUMP = 0.5
+REFRESHES = 3
+RESUME = replace(PATH, damping=1e-3, iterations=60)
+ACCURATE = 1e-6
+STILL = 1e-9
+
+
+class PathProgram:
+    """Slices 1 … T of every phase after the start; slice (k + 1) T is the switch of phase k."""
+
+    def __init__(
+        self, skeleton: Skeleton, settings: MotionSettings, switches: Sequence[Configuration], pinned: bool
+    ) -> None:
+        self.skeleton = skeleton
+        self.problem: Problem = skeleton.problem
+        self.settings = settings
+        self.pinned = pinned
+        self.count = settings.slices
+        given = {k * self.count: c for k, c in enumerate(switches) if k} if pinned else None
+        self.layout = Layout(self.problem.world, switches[0], given)
+        self.moving: list[frozenset[str]] = []
+        for k in range(len(skeleton)):
+            carried = followers(self.problem, skeleton.phases[k].mode)
+            active = involved(skeleton, k) | self._displaced(switches[k], switches[k + 1]) | carried
+            self.moving.append(active)
+            for _ in range(self.count):
+                self.layout.add_slice(active)
+        self._features = Features(self.problem, self.layout)
+        self._literals()
+        self._groups = self._all_groups()
+        self._clearance = self._collisions() if settings.collisions else []
+
+    @staticmethod
+    def _displaced(before: Configuration, after: Configuration) -> frozenset[str]:
+        return frozenset(n for n, slot in before.modules.items() if np.abs(slot - after.modules[n]).max() > STILL)
+
+    def _slices(self, phase: int) -> range:
+        """The slices of a phase, the switch before included."""
+        return range(phase * self.count, (phase + 1) * self.count + 1)
+
+    def _literals(self) -> None:
+        for k, phase in enumerate(self.skeleton.phases):
+            slices = self._slices(k)
+            if not self.pinned:
+                for literal in sorted(phase.added):
+                    self._features.add(literal, "switch", (slices[-1],), k, STIFF)
+            for t in slices[1:]:
+                if self.pinned and t == slices[-1]:
+                    continue
+                before = slices[0] if self.pinned else t - 1
+                for literal in sorted(phase.mode):
+                    self._features.add(literal, "keep", (before, t), k, STIFF)
+                    self._features.add(literal, "during", (t,), k)
+            if not self.pinned:
+                for literal in sorted(next_mode(self.skeleton, k)):
+                    self._features.add(literal, "during", (slices[-1],), k)
+
+    def _all_groups(self) -> list[Group]:
+        step = 1.0 / self.count
+        triples: list[tuple[int, ...]] = []
+        phase_of = [0]
+        for k in range(len(self.skeleton)):
+            slices = self._slices(k)
+            inner = [slices[0], *slices, slices[-1]]
+            triples += zip(inner, inner[1:], inner[2:], strict=False)
+            phase_of += [k] * self.count
+        return [
+            *self._features.groups(),
+            norms(self.layout),
+            limits(self.problem, self.layout, self.settings.limit_margin / 3, phase_of),
+            homing(self.problem, self.layout, HOMING * step**0.5),
+            differences(self.layout, self.layout.modules, triples, (1.0, -2.0, 1.0), ACCELERATION * step**-1.5),
+        ]
+
+    def _collisions(self) -> list[ClearanceGroup]:
+        collisions = Collisions(self.problem, self.layout)
+        for k, contact in enumerate(contacts(self.skeleton)):
+            slices = self._slices(k)
+            for u, t in enumerate(slices):
+                if u and not (self.pinned and u == self.count):
+                    collisions.add_slice(t, k, self._margins(contact, u), before=t - 1)
+        return collisions.groups()
+
+    def _margins(self, contact: PhaseContacts, u: int) -> Margins:
+        special: dict[Pair, float | None] = dict.fromkeys(sorted(contact.during))
+        for objects in sorted((contact.start | contact.end) - contact.during):
+            share = taper(contact, objects, np.array([float(u)]), self.count)
+            ahead = share is not None and share[0] > 0.0
+            special[objects] = self.settings.margin * float(share[0]) if ahead and share is not None else None
+        return Margins(self.settings.margin, special)
+
+    def program(self) -> Program:
+        """The program over the pairs that take part at present."""
+        return Program(self.layout.constants, self.layout.unknowns, [*self._groups, *self._clearance])
+
+    def refresh(self, x: Array) -> bool:
+        """Take in the pairs that are near at x; whether one that was left out is violated."""
+        return refresh(self._clearance, np.concatenate([self.layout.constants, x]))
+
+    def start(
+        self, switches: Sequence[Configuration], bumps: Sequence[dict[str, Array] | None]
+    ) -> list[Configuration]:
+        """All slices, interpolated between the switch configurations."""
+        slices = [switches[0]]
+        for k, phase in enumerate(self.skeleton.phases):
+            slices += interpolate(
+                self.problem, phase.mode, self.moving[k], switches[k], switches[k + 1], self.count, bumps[k]
+            )  # fmt: skip
+        return slices
+
+    def pack(self, slices: Sequence[Configuration]) -> Array:
+        return self.layout.pack(dict(enumerate(slices)))
+
+    def unpack(self, x: Array) -> list[Configuration]:
+        return [self.layout.unpack(x, t) for t in range(len(self.layout.slices))]
+
+    def paths(self, slices: Sequence[Configuration]) -> list[PhasePath]:
+        """The motion of each phase."""
+        found = []
+        for k in range(len(self.skeleton)):
+            part = [slices[t] for t in self._slices(k)]
+            modules = {n: _continuous([c.modules[n] for c in part]) for n in self.layout.modules}
+            bodies = {n: _continuous([c.bodies[n] for c in part]) for n in self.layout.bodies if n in self.moving[k]}
+            found.append(PhasePath(modules, bodies, self._duration(modules)))
+        return found
+
+    def _duration(self, modules: dict[str, Array]) -> float:
+        """Seconds in which no joint exceeds its speed."""
+        from scipy.interpolate import CubicSpline
+
+        longest = 0.1
+        for name, track in modules.items():
+            speeds = np.array([j.speed for j in self.problem.world.modules[name].type.joints])
+            if len(speeds):
+                spline = CubicSpline(np.linspace(0, 1, len(track)), track[:, 7:], bc_type="clamped")
+                rates = np.abs(spline(np.linspace(0, 1, 10 * len(track)), 1)).max(0)
+                longest = max(longest, float((rates / speeds).max()))
+        return longest
+
+
+def _continuous(slots: Sequence[Array]) -> Array:
+    """Stacked slots with quaternions of like sign."""
+    track = np.array(slots)
+    for i in range(1, len(track)):
+        if track[i, 3:7] @ track[i - 1, 3:7] < 0:
+            track[i, 3:7] *= -1
+    return track
+
+
+def solve_path(
+    skeleton: Skeleton,
+    settings: MotionSettings,
+    seed: int,
+    budget: Budget,
+    sequence: BoundResult,
+    pinned: bool = False,
+) -> BoundResult:
+    """P_path from the switch configurations of P_seq; with `pinned` they stay as they are (P_seqPath). Phases that
+    stall get their joints bumped, at most six times. Raises OutOfTime."""
+    began = time.monotonic()
+    random = np.random.default_rng(seed)
+    switches = sequence.configurations
+    path = PathProgram(skeleton, settings, switches, pinned)
+    slices = path.start(switches, [None] * len(skeleton))
+    iterations = 0
+    best: BoundResult | None = None
+    for attempt in range(BUMPS + 1):
+        result, x = _attempt(path, path.pack(slices), settings, budget, PATH if attempt == 0 else RESUME)
+        iterations += result.iterations
+        if best is None or _worst(result) < _worst(best):
+            best = result
+        if result.feasible or attempt == BUMPS:
+            break
+        slices = _bumped(path, switches, path.unpack(x), {v.phase for v in result.violations}, random)
+    assert best is not None
+    best.seconds, best.iterations = time.monotonic() - began, iterations
+    return best
+
+
+def _worst(result: BoundResult) -> float:
+    return result.violations[0].amount if result.violations else 0.0
+
+
+def _attempt(
+    path: PathProgram, x: Array, settings: MotionSettings, budget: Budget, options: Options
+) -> tuple[BoundResult, Array]:
+    iterations = 0
+    path.refresh(x)
+    for number in range(REFRESHES):
+        outcome = run(path.program(), x, options if number == 0 else RESUME, settings, budget)
+        iterations += outcome.iterations
+        x = outcome.x
+        if not path.refresh(x) or outcome.status != "feasible":
+            break
+    program = path.program()
+    if program.largest(x) <= settings.tolerance:
+        x = project(program, x, ACCURATE, budget)
+    feasible = program.largest(x) <= settings.tolerance
+    violations = [] if feasible else program.violations(x, settings.tolerance)
+    slices = path.unpack(x)
+    configurations = slices[:: path.count]
+    bound = "seq-path" if path.pinned else "path"
+    paths = path.paths(slices) if feasible else []
+    result = BoundResult(bound, feasible, program.cost(x), 0.0, iterations, configurations, paths, violations)
+    return result, x
+
+
+def _bumped(
+    path: PathProgram,
+    switches: Sequence[Configuration],
+    slices: list[Configuration],
+    stalled: set[int],
+    random: np.random.Generator,
+) -> list[Configuration]:
+    """The slices with the stalled phases interpolated anew, their joints bumped."""
+    bumps: list[dict[str, Array] | None] = [None] * len(path.skeleton)
+    for phase in sorted(stalled):
+        bumps[phase] = {n: random.normal(0.0, BUMP, len(c) - 7) for n, c in switches[0].modules.items()}
+    fresh = path.start(switches, bumps)
+    result = list(slices)
+    for phase in sorted(stalled):
+        for t in range(phase * path.count + 1, (phase + 1) * path.count + 1):
+            result[t] = fresh[t]
+    return result

@@ -1,0 +1,302 @@
+"""The bound P_seqPath: with the switches given, every phase is a point-to-point problem of its own in joint values.
+
+Phases are solved all at once, in batches of equal structure: from a straight start, then from bumped starts, then from
+a sampled polyline. A path is accepted only by the swept check on its spline.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....compiler.ir import World
+from ....compiler.motion.collision import contacts
+from ...budget import Budget
+from ...skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton, Violation
+from ..settings import MotionSettings
+from .batch import Batch, excess_clearance, sweep, worst_clash
+from .geometry import make_parts
+from .kinematics import Indices, mounted_poses
+from .sampling import sampled_starts
+from .smoothing import Schedule, path_cost, smooth_paths
+from .tree import Mount, PhaseTree, arrive, phase_tree, pose_vector
+
+LEVELS = ((1, 0.0), (8, 0.5), (24, 0.8))
+"""Starts per phase and the size of their bumps, radians, one attempt after the other."""
+SAMPLED_STARTS = 6
+NEARLY = 0.02
+"""A path that misses its clearance by less, metres, is pushed away once more."""
+WIDER = Schedule(weight=1e4, widening=1.6)
+TO_THE_END = Schedule(weight=1e5, iterations=100, tolerance=1e-5)
+SPEED_SHARE = 0.95
+SHORTEST = 1.0
+"""Least duration of a phase, seconds."""
+
+
+@dataclass(slots=True)
+class _Group:
+    """A batch with the best path of each phase so far."""
+
+    batch: Batch
+    paths: Array
+    cost: Array
+    solved: NDArray[np.bool_]
+    clearance: Array
+
+
+def _straight(batch: Batch) -> Array:
+    share = np.arange(1, batch.slices) / batch.slices
+    share = (share * share * (3.0 - 2.0 * share))[:, None]
+    return batch.start[:, None] * (1.0 - share) + batch.end[:, None] * share
+
+
+def _bumped(batch: Batch, random: np.random.Generator, size: float) -> Array:
+    """Straight lines plus half and whole sine waves of random height, within the limits."""
+    inner = _straight(batch)
+    share = (np.arange(1, batch.slices) / batch.slices)[:, None]
+    shape = (len(batch), 1, inner.shape[2])
+    inner += np.sin(np.pi * share) * random.normal(0.0, size, shape)
+    inner += np.sin(2.0 * np.pi * share) * random.normal(0.0, size / 2.0, shape)
+    joints = batch.joints
+    return np.clip(inner, (joints.lower + joints.inset)[:, None], (joints.upper - joints.inset)[:, None])
+
+
+def _keep_best(group: _Group, index: Indices, batch: Batch, paths: Array, budget: Budget) -> None:
+    """Take over the cheapest clean path of each phase when it is cheaper than what there is, or while there is none,
+    what is least in the way. `index` gives the phase of the group behind each path. Cheap paths are checked first,
+    as the swept check is dear."""
+    cost = path_cost(batch, paths)
+    waiting: dict[int, list[int]] = {}
+    for row in np.argsort(cost, kind="stable"):
+        phase = int(index[row])
+        if not group.solved[phase] or cost[row] < group.cost[phase]:
+            waiting.setdefault(phase, []).append(int(row))
+    while waiting:
+        budget.check()
+        rows = [candidates.pop(0) for candidates in waiting.values()]
+        checked = sweep(batch.take(np.array(rows)), paths[rows])
+        for k, (phase, row) in enumerate(zip(list(waiting), rows, strict=True)):
+            if checked.clean[k]:
+                group.solved[phase] = True
+                waiting[phase] = []
+            elif group.solved[phase] or checked.clearance[k] <= group.clearance[phase]:
+                continue
+            group.paths[phase], group.cost[phase] = paths[row], cost[row]
+            group.clearance[phase] = checked.clearance[k]
+        waiting = {phase: candidates for phase, candidates in waiting.items() if candidates}
+
+
+def _attempt(group: _Group, index: Indices, inner: Array, schedule: Schedule, budget: Budget) -> int:
+    """Smooth starts of the group's phases `index` (repeats allowed), keep what is clean, and push near misses away
+    once more."""
+    batch = group.batch.take(index)
+    inner, iterations = smooth_paths(batch, inner, schedule, budget)
+    _keep_best(group, index, batch, batch.with_ends(inner), budget)
+    missed = ~group.solved[index] & (group.clearance[index] > -NEARLY)
+    near = np.unique(index[missed])
+    if len(near):
+        batch = group.batch.take(near)
+        inner, more = smooth_paths(batch, group.paths[near, 1:-1], WIDER, budget)
+        _keep_best(group, near, batch, batch.with_ends(inner), budget)
+        iterations += more
+    return iterations
+
+
+def _solve(group: _Group, random: np.random.Generator, budget: Budget) -> int:
+    """Attempt after attempt until every phase is solved; returns the iterations of the longest phases."""
+    iterations = 0
+    for level, (count, size) in enumerate(LEVELS):
+        index = np.repeat(np.flatnonzero(~group.solved), count)
+        if not len(index):
+            return iterations
+        batch = group.batch.take(index)
+        inner = _bumped(batch, random, size) if level else _straight(batch)
+        iterations += _attempt(group, index, inner, Schedule(), budget)
+    for phase in np.flatnonzero(~group.solved):
+        starts = sampled_starts(group.batch, int(phase), random, budget, SAMPLED_STARTS)
+        if starts is not None:
+            index = np.repeat(phase, SAMPLED_STARTS)
+            iterations += _attempt(group, index, starts, Schedule(weight=1e5), budget)
+        if not group.solved[phase]:
+            return iterations
+    return iterations
+
+
+def _blocked(batch: Batch) -> list[Violation]:
+    """Phases whose first or last pose is blocked itself."""
+    found = []
+    for poses, column in ((batch.start, 0), (batch.end, len(batch.times) - 1)):
+        at = slice(column, column + 1)
+        for k in np.flatnonzero(excess_clearance(batch, poses[:, None], at) < 0.0):
+            clash = worst_clash(batch, int(k), poses[k][None], at)
+            found.append(Violation(int(batch.phases[k]), ("collision", *clash.pair), clash.amount, "m"))
+    return found
+
+
+def _failures(group: _Group, world: World) -> list[Violation]:
+    """What is wrong with the best path of every phase that is not solved: the worst pair, or when nothing is in the
+    way, the joint that passes its limit or moves too far between two slices."""
+    from scipy.interpolate import CubicSpline
+
+    found = []
+    batch = group.batch
+    for k in np.flatnonzero(~group.solved):
+        phase = int(batch.phases[k])
+        values = CubicSpline(np.arange(batch.slices + 1), group.paths[k], bc_type="clamped")(batch.times)
+        clash = worst_clash(batch, int(k), values, slice(None))
+        if clash.amount > 0.0:
+            found.append(Violation(phase, ("collision", *clash.pair), clash.amount, "m"))
+            continue
+        joints = batch.joints
+        beyond = np.maximum(values - joints.upper[k], joints.lower[k] - values).max(axis=0)
+        step = np.abs(np.diff(group.paths[k], axis=0)).max(axis=0) - joints.step[k]
+        kind, excess = ("limit", beyond) if beyond.max() > 0.0 else ("step", step)
+        module, joint = batch.variables[k][int(excess.argmax())]
+        record = world.modules[module].type.joints[joint]
+        unit = "rad" if record.kind == "revolute" else "m"
+        found.append(Violation(phase, (kind, module, record.name), float(excess.max()), unit))
+    return found
+
+
+def solve_sequence_path(
+    skeleton: Skeleton, configurations: Sequence[Configuration], settings: MotionSettings, seed: int, budget: Budget
+) -> BoundResult:
+    """P_seqPath (thesis, section 3.2): motions between the given K + 1 switch configurations, whose switch rows hold
+    to 1e-6.
+
+    The result's configurations take their joint values from the given ones and their poses from the kinematics of
+    the phases before, so that what rests does not drift. When a phase fails, `paths` hold the best attempts and
+    `violations` the worst pair of each failed phase; a switch that is blocked itself is reported at once, without
+    paths. Raises UnsupportedPhase for phases that are no open chains, and OutOfTime.
+    """
+    started = time.perf_counter()
+    trees, states, drift = _chain(skeleton, configurations, settings)
+    groups = _groups(skeleton, trees, states, settings)
+    result = BoundResult("seq-path", False, math.inf, 0.0, 0, [states[0][0], *(e for _, e in states)], [], drift)
+    result.violations += [v for group in groups for v in _blocked(group.batch)]
+    if not result.violations:
+        for k, group in enumerate(groups):
+            result.iterations += _solve(group, np.random.default_rng([seed, k]), budget)
+        result.violations += [v for group in groups for v in _failures(group, skeleton.problem.world)]
+        result.cost = float(sum(group.cost.sum() for group in groups))
+        result.paths = _paths(skeleton, groups, trees, states, settings.slices)
+        result.feasible = not result.violations
+    result.violations.sort(key=lambda v: (-v.amount, v.phase))
+    result.seconds = time.perf_counter() - started
+    return result
+
+
+def polish(
+    skeleton: Skeleton, result: BoundResult, settings: MotionSettings, seed: int, budget: Budget, starts: int = 4
+) -> BoundResult:
+    """Cheaper motions between the same switches: each phase of a feasible result is optimised to the end, from its
+    path and from `starts` bumped ones, and replaced where that is cheaper and passes the swept check. Raises
+    UnsupportedPhase and OutOfTime."""
+    started = time.perf_counter()
+    trees, states, _ = _chain(skeleton, result.configurations, settings)
+    groups = _groups(skeleton, trees, states, settings)
+    iterations = result.iterations
+    for k, group in enumerate(groups):
+        for row, phase in enumerate(group.batch.phases):
+            modules = result.paths[phase].modules
+            columns = [modules[module][:, 7 + joint] for module, joint in trees[phase].variables]
+            group.paths[row] = np.stack(columns, axis=1)
+        group.cost, group.solved = path_cost(group.batch, group.paths), np.ones(len(group.batch), bool)
+        every = np.arange(len(group.batch))
+        iterations += _attempt(group, every, group.paths[:, 1:-1], TO_THE_END, budget)
+        again = np.repeat(every, starts)
+        bumped = _bumped(group.batch.take(again), np.random.default_rng([seed, k]), LEVELS[1][1])
+        iterations += _attempt(group, again, bumped, Schedule(), budget)
+    cost = float(sum(group.cost.sum() for group in groups))
+    seconds = result.seconds + time.perf_counter() - started
+    paths = _paths(skeleton, groups, trees, states, settings.slices)
+    return BoundResult(result.bound, True, cost, seconds, iterations, result.configurations, paths, [])
+
+
+def _chain(
+    skeleton: Skeleton, configurations: Sequence[Configuration], settings: MotionSettings
+) -> tuple[list[PhaseTree], list[tuple[Configuration, Configuration]], list[Violation]]:
+    """The forest of each phase, the configurations at its two ends, and where the given poses disagree with them."""
+    trees, states, drift = [], [], []
+    current = configurations[0].copy()
+    for index, phase in enumerate(skeleton.phases):
+        given = configurations[index + 1]
+        tree = phase_tree(skeleton.problem, index, phase, current, given)
+        reached = arrive(tree, current, given)
+        for name, state in reached.modules.items():
+            off = float(np.abs(state[:3] - given.modules[name][:3]).max())
+            if off > settings.tolerance:
+                drift.append(Violation(index, ("drift", name), off, "m"))
+        trees.append(tree)
+        states.append((current, reached))
+        current = reached
+    return trees, states, drift
+
+
+def _groups(
+    skeleton: Skeleton, trees: Sequence[PhaseTree], states: Sequence[tuple[Configuration, Configuration]],
+    settings: MotionSettings,
+) -> list[_Group]:
+    """Phases that move, stacked by structure."""
+    world = skeleton.problem.world
+    touching = contacts(skeleton)
+    stacked: dict[object, list[int]] = {}
+    parts = {t.phase: make_parts(t, world) for t in trees if t.variables}
+    for phase, (coarse, fine) in parts.items():
+        stacked.setdefault((coarse.structure, fine.structure), []).append(phase)
+    groups = []
+    for members in stacked.values():
+        batch = Batch(
+            [parts[p] for p in members], [states[p] for p in members], world, touching,
+            settings.slices, settings.margin, settings.collisions,
+        )
+        count = len(members)
+        paths = batch.with_ends(_straight(batch))
+        groups.append(_Group(batch, paths, path_cost(batch, paths), np.zeros(count, bool), np.full(count, -np.inf)))
+    return groups
+
+
+def _paths(
+    skeleton: Skeleton, groups: Sequence[_Group], trees: Sequence[PhaseTree],
+    states: Sequence[tuple[Configuration, Configuration]], slices: int,
+) -> list[PhasePath]:
+    """Samples of everything in every phase: modules that rest in constant rows, bodies that are carried."""
+    motions = {
+        int(p): (g.paths[k], duration(g.batch, g.paths, k)) for g in groups for k, p in enumerate(g.batch.phases)
+    }
+    paths = []
+    for tree, (start, _) in zip(trees, states, strict=True):
+        values, seconds = motions.get(tree.phase, (np.zeros((slices + 1, 0)), SHORTEST))
+        modules = {m: np.tile(state, (slices + 1, 1)) for m, state in start.modules.items()}
+        for module, links in tree.links.items():
+            modules[module][:, :7] = _poses(tree, links[-1], values, start.modules[module])
+        for column, (module, joint) in enumerate(tree.variables):
+            modules[module][:, 7 + joint] = values[:, column]
+        bodies = {b: _poses(tree, mount, values, start.bodies[b]) for b, mount in tree.bodies.items()}
+        paths.append(PhasePath(modules, bodies, seconds))
+    return paths
+
+
+def _poses(tree: PhaseTree, mount: Mount, values: Array, before: Array) -> Array:
+    """Poses `(times, 7)` of a mounted frame, with quaternions that do not change sign from one to the next."""
+    poses = pose_vector(mounted_poses(tree, mount, values))
+    quaternions = np.concatenate([before[None, 3:7], poses[:, 3:]])
+    flips = np.cumprod(np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0, -1.0, 1.0))
+    return np.concatenate([poses[:, :3], poses[:, 3:] * flips[:, None]], axis=1)
+
+
+def duration(batch: Batch, paths: Array, phase: int) -> float:
+    """The shortest time of at least one second, in tenths, in which no joint exceeds its speed limit's share."""
+    from scipy.interpolate import CubicSpline
+
+    slices = batch.slices
+    a, b, c, _ = CubicSpline(np.arange(slices + 1), paths[phase], bc_type="clamped").c
+    turn = np.clip(np.where(np.abs(a) > 1e-12, -b / np.where(a == 0.0, 1.0, 3.0 * a), 0.0), 0.0, 1.0)
+    peaks = [np.abs((3.0 * a * u + 2.0 * b) * u + c).max(axis=0) for u in (0.0, 1.0, turn)]
+    slowest = float((np.max(peaks, axis=0) * slices / (SPEED_SHARE * batch.joints.speed[phase])).max(initial=0.0))
+    return max(SHORTEST, math.ceil(slowest * 10.0 - 1e-9) / 10.0)

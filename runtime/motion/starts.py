@@ -1,0 +1,134 @@
+"""First guesses for the motion programs: copies of the start with noise, set down on the feet that carry them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...compiler import poses
+from ...compiler.ir import Body, Module, Pose, Problem
+from ...compiler.motion.collision import bounding_radius, keeps_pose
+from ..skeleton import Array, Configuration, Skeleton
+from .movement import followers
+
+LIMIT = 0.1
+"""Radians by which guesses keep away from joint limits."""
+
+
+def to_tuple(pose: Array) -> Pose:
+    x, y, z, a, b, c, w = (float(v) for v in pose)
+    return (x, y, z, a, b, c, w)
+
+
+def inverse(pose: Pose) -> Pose:
+    turn = (-pose[3], -pose[4], -pose[5], pose[6])
+    x, y, z = poses.rotate(turn, (pose[0], pose[1], pose[2]))
+    return (-x, -y, -z, *turn)
+
+
+def effector_pose(module: Module, effector: str, slot: Array) -> Pose:
+    """The effector's frame in the world, from the module's slot `(7 + n,)`."""
+    return poses.compose(to_tuple(slot[:7]), poses.effector_pose(module.type, effector, slot[7:].tolist()))
+
+
+def put_effector(module: Module, effector: str, slot: Array, target: Pose) -> None:
+    """Move the module as a rigid thing, in place, so that its effector comes to `target`."""
+    local = poses.effector_pose(module.type, effector, slot[7:].tolist())
+    slot[:7] = poses.compose(target, inverse(local))
+
+
+def _height(body: Body) -> float:
+    """Half the height of a body that lies in its own axes."""
+    return body.shape.size[2] / 2 if body.shape.kind == "box" else bounding_radius(body.shape)
+
+
+class Guess:
+    """Guesses one slice after the other: feet that are kept stay, feet that are set down go on top of their base."""
+
+    def __init__(self, skeleton: Skeleton, start: Configuration, random: np.random.Generator, noise: float) -> None:
+        self.problem: Problem = skeleton.problem
+        self.skeleton = skeleton
+        self.random = random
+        self.noise = noise
+        self.current = start.copy()
+        self.feet: dict[str, Pose] = {}
+
+    def _relations(self, facts: frozenset[tuple[str, ...]]) -> list[tuple[str, str]]:
+        return [pair for pair in (keeps_pose(self.problem, f) for f in sorted(facts)) if pair]
+
+    def _pose(self, name: str) -> Pose:
+        found = self.problem.world.effector(name)
+        if found:
+            module, effector = found
+            return effector_pose(module, effector.name, self.current.modules[module.name])
+        slot = self.current.bodies.get(name)
+        return to_tuple(self.current.modules[name][:7] if slot is None else slot)
+
+    def _shake(self) -> None:
+        for name, slot in self.current.modules.items():
+            joints = self.problem.world.modules[name].type.joints
+            for i, joint in enumerate(joints):
+                room = min(LIMIT, 0.1 * (joint.upper - joint.lower))
+                value = slot[7 + i] + self.noise * self.random.normal()
+                slot[7 + i] = min(max(value, joint.lower + room), joint.upper - room)
+
+    def _above(self, base: str, lift: float, turn: tuple[float, float, float, float]) -> Pose:
+        body = self.problem.world.bodies[base]
+        x, y, z = self.current.bodies[base][:3]
+        return (float(x), float(y), float(z) + _height(body) + lift, *turn)
+
+    def advance(self, phase: int) -> Configuration:
+        """The guess for the switch of the next phase; call for rising phases."""
+        world = self.problem.world
+        mode, added = self.skeleton.phases[phase].mode, self.skeleton.phases[phase].added
+        carried = followers(self.problem, mode)
+        before = {name: self.feet.get(name) or self._pose(name) for pair in self._relations(mode) for name in pair}
+        self.current = self.current.copy()
+        self._shake()
+        placed: set[str] = set()
+        stance: Pose | None = None
+        for base, follower in self._relations(mode):
+            found = world.effector(follower)
+            if found and base in world.bodies and base not in carried and found[0].name not in placed:
+                stance = before[follower]
+                put_effector(found[0], found[1].name, self.current.modules[found[0].name], stance)
+                placed.add(found[0].name)
+        feet: dict[str, Pose] = {}
+        for base, follower in self._relations(added):
+            found = world.effector(follower)
+            if found and base in world.bodies and base not in carried:
+                lift = bounding_radius(found[1].shape) if found[1].shape else 0.0
+                turn = (stance or before.get(follower) or self._pose(follower))[3:]
+                feet[follower] = self._above(base, lift, turn)
+                if found[0].name not in placed:
+                    put_effector(found[0], found[1].name, self.current.modules[found[0].name], feet[follower])
+                    placed.add(found[0].name)
+            elif follower in world.bodies and base in world.bodies:
+                body = world.bodies[follower]
+                self.current.bodies[follower][:] = self._above(base, _height(body), body.pose[3:])
+        for leader, follower in self._relations(mode):
+            if follower in carried and follower not in {b for _, b in self._relations(added)}:
+                self.current.bodies[follower][:3] = self._pose(leader)[:3]
+        stays = {name: pose for name, pose in self.feet.items() if name in before}
+        self.feet = stays | feet
+        return self.current.copy()
+
+
+def guess(
+    skeleton: Skeleton, phases: Sequence[int], start: Configuration, random: np.random.Generator, noise: float
+) -> list[Configuration]:
+    """Guesses for the switches of `phases`, by the poses of feet and `noise` radians on every joint."""
+    maker = Guess(skeleton, start, random, noise)
+    return [maker.advance(phase) for phase in phases]
+
+
+def shake(
+    problem: Problem, configuration: Configuration, random: np.random.Generator, noise: float
+) -> Configuration:
+    """A copy with noise on every joint, within the limits."""
+    copy = configuration.copy()
+    for name, slot in copy.modules.items():
+        for i, joint in enumerate(problem.world.modules[name].type.joints):
+            slot[7 + i] = min(max(slot[7 + i] + noise * random.normal(), joint.lower), joint.upper)
+    return copy

@@ -1,0 +1,176 @@
+"""The program of P_seq: one slice per phase, which is its switch (thesis section 3.2.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...compiler.ir import Function, Problem, Row
+from ...compiler.motion.collision import Pair, contacts, keeps_pose
+from ..budget import Budget
+from ..skeleton import Array, Configuration, Skeleton
+from .clearance import ClearanceGroup
+from .collisions import Collisions, Margins, refresh
+from .features import Features, differences, homing, limits, norms
+from .groups import Group
+from .layout import Layout
+from .movement import carrier, followers, involved, next_mode
+from .program import Program
+from .settings import MotionSettings
+from .solver import Options, Outcome, project, solve
+
+HOMING = 0.1
+VELOCITY = 0.3
+REFRESHES = 4
+"""How often pairs that came near during a solve are taken in and the solve is resumed."""
+POLISH = Options(mu=1e4, damping=1e-3, iterations=60)
+
+
+class SwitchProgram:
+    """P_seq of phases `first` … `last` of a skeleton, from `start`, the state before `first`.
+
+    With `free` the state before is unknown too, but for what never moved before: it satisfies the relations of its
+    mode. With `frozen`, robots that a switch does not concern stay where they are.
+    """
+
+    def __init__(
+        self, skeleton: Skeleton, first: int, last: int, start: Configuration, settings: MotionSettings,
+        free: bool = False, frozen: bool = True,
+    ) -> None:  # fmt: skip
+        self.skeleton = skeleton
+        self.problem: Problem = skeleton.problem
+        self.phases = range(first, last + 1)
+        self.settings = settings
+        self.layout = Layout(self.problem.world, start)
+        if free:
+            self.layout.free_start(self._moved_before(first))
+        for phase in self.phases:
+            modules = involved(skeleton, phase) if frozen else frozenset(self.problem.world.modules)
+            self.layout.add_slice(modules | followers(self.problem, skeleton.phases[phase].mode))
+        self._features = Features(self.problem, self.layout)
+        if free:
+            self._standing()
+        self._literals()
+        self._groups = self._all_groups()
+        self._clearance = self._collisions(free) if settings.collisions else []
+
+    def _moved_before(self, first: int) -> frozenset[str]:
+        moved = set(self.problem.world.modules)
+        for phase in self.skeleton.phases[:first]:
+            moved |= followers(self.problem, phase.mode)
+        return frozenset(moved)
+
+    def _standing(self) -> None:
+        """At a free start the rows that held when a literal of the mode was added still hold where a kept pose has
+        carried them on: in the world where one of the two rests, else those that compare the two alone."""
+        first = self.phases[0]
+        mode = self.skeleton.phases[first].mode
+        moving = followers(self.problem, mode) | self.problem.world.modules.keys()
+        kept = {frozenset(pair): pair for pair in (keeps_pose(self.problem, f) for f in sorted(mode)) if pair}
+        for literal in sorted(mode):
+            pair = kept.get(frozenset(literal[1:]))
+            if pair is None:
+                continue
+            anchored = carrier(self.problem, pair[0]) not in moving
+            if anchored or not any(_absolute(row) for row in self.problem.motions[literal[0]].rows):
+                self._features.add(literal, "switch", (0,), first)
+
+    def _literals(self) -> None:
+        for slice_, phase in enumerate(self.phases, start=1):
+            mode, added = self.skeleton.phases[phase].mode, self.skeleton.phases[phase].added
+            for literal in sorted(added):
+                self._features.add(literal, "switch", (slice_,), phase)
+            for literal in sorted(mode):
+                self._features.add(literal, "keep", (slice_ - 1, slice_), phase)
+            for literal in sorted(mode | next_mode(self.skeleton, phase)):
+                self._features.add(literal, "during", (slice_,), phase)
+
+    def _all_groups(self) -> list[Group]:
+        steps = [(t - 1, t) for t in range(1, len(self.layout.slices))]
+        phase_of = [self.phases[0], *self.phases]
+        return [
+            *self._features.groups(),
+            norms(self.layout),
+            limits(self.problem, self.layout, self.settings.limit_margin, phase_of),
+            homing(self.problem, self.layout, HOMING),
+            differences(self.layout, self.layout.modules, steps, (-1.0, 1.0), VELOCITY),
+        ]
+
+    def _collisions(self, free: bool) -> list[ClearanceGroup]:
+        collisions = Collisions(self.problem, self.layout)
+        touching = contacts(self.skeleton)
+        if free:
+            contact = touching[self.phases[0]]
+            collisions.add_slice(0, self.phases[0], self._margins(contact.during, contact.start))
+        for slice_, phase in enumerate(self.phases, start=1):
+            margin = self._margins(touching[phase].during, touching[phase].end)
+            collisions.add_slice(slice_, phase, margin, before=slice_ - 1)
+        return collisions.groups()
+
+    def _margins(self, *exempt: frozenset[Pair]) -> Margins:
+        return Margins(self.settings.switch_margin, dict.fromkeys(sorted(frozenset[Pair]().union(*exempt))))
+
+    def program(self) -> Program:
+        """The program over the pairs that take part at present."""
+        return Program(self.layout.constants, self.layout.unknowns, [*self._groups, *self._clearance])
+
+    def pack(self, configurations: Sequence[Configuration]) -> Array:
+        """Unknowns from the configurations of all slices, the state before included."""
+        return self.layout.pack(dict(enumerate(configurations)))
+
+    def unpack(self, unknowns: Array) -> list[Configuration]:
+        """The configurations of all slices, the state before included."""
+        return [self.layout.unpack(unknowns, t) for t in range(len(self.layout.slices))]
+
+    def _refresh(self, x: Array) -> bool:
+        return refresh(self._clearance, np.concatenate([self.layout.constants, x]))
+
+    def prepare(self, x: Array) -> None:
+        """Take in the pairs that are near at x."""
+        self._refresh(x)
+
+    def solve(self, x: Array, options: Options, budget: Budget) -> tuple[Program, Outcome]:
+        """Solve from x; pairs that came near meanwhile are taken in and the solve resumes. Raises OutOfTime."""
+        self._refresh(x)
+        iterations = 0
+        for attempt in range(REFRESHES):
+            program = self.program()
+            outcome = run(program, x, options if attempt == 0 else POLISH, self.settings, budget)
+            iterations += outcome.iterations
+            x = outcome.x
+            if not self._refresh(x) or outcome.status != "feasible":
+                break
+        return self.program(), Outcome(x, iterations, outcome.status)
+
+    def project(self, x: Array, tolerance: float, budget: Budget) -> tuple[Program, Array]:
+        """Project x onto all rows within `tolerance`."""
+        program = self.program()
+        x = project(program, x, tolerance, budget)
+        if self._refresh(x):
+            program = self.program()
+            x = project(program, x, tolerance, budget)
+        return program, x
+
+
+def run(program: Program, x: Array, options: Options, settings: MotionSettings, budget: Budget) -> Outcome:
+    """The solver that the settings name."""
+    if settings.solver == "ipopt":
+        from .ipopt import solve_ipopt
+
+        return solve_ipopt(program, x, options, budget)
+    return solve(program, x, options, budget)
+
+
+def _absolute(row: Row) -> bool:
+    """Whether a switch row refers to the vertical or to the world, not to the two objects alone."""
+    if row.when != "switch":
+        return False
+
+    def names(term: object) -> bool:
+        if isinstance(term, Function):
+            return term.name in ("top", "bottom", "inside") or any(names(a) for a in term.args)
+        return any(names(o) for o in getattr(term, "operands", ()))
+
+    sides = repr(row.left) + repr(row.right)
+    return names(row.left) or names(row.right) or sides.count("Var(") < 2

@@ -1,0 +1,1 @@
+"""From packed states to skeletons: best-first search, no-goods, and the replay of motion effects."""

@@ -1,0 +1,283 @@
+"""Search for skeletons: best-first on packed states with duplicate detection, replanning around refused sequences.
+
+Traps that this avoids: a child that a guard prunes is not marked as seen; a refused skeleton does not close its states,
+since every call searches anew; costs and conflicts that read earlier actions are part of a node's key.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from ...compiler.ir import Action, Problem
+from ...compiler.symbolic.costs import CostToGo
+from ...compiler.symbolic.estimate import Estimate
+from ...compiler.symbolic.renaming import Renaming, renamed_action, renaming
+from ...compiler.symbolic.successors import Successors
+from ..budget import Budget
+from ..plan import SearchNode
+from .conflicts import EMPTY, LEAF, OFF, NoGoods
+
+RECORDED = 2000
+"""How many nodes of the tree are kept for drawing."""
+LOOK_AT_CLOCK = 128
+HURRIED = 1.5
+"""Weight of the estimate once half the budget is spent, and of method wastar."""
+EQUAL = 1e-9
+
+Past = tuple[int, int, int | None]
+"""What no-goods and guide remember of the way here: number of the history, place in the tree of prefixes, previous
+action."""
+NOTHING: Past = (EMPTY, OFF, None)
+Key = Any
+"""A state, up to renaming of modules; with what is remembered, where something is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A plan of the symbolic layer: action numbers and actions, its cost, a lower bound on the cost of any plan that
+    the no-goods leave, and whether it is proved to be cheapest."""
+
+    numbers: tuple[int, ...]
+    actions: tuple[Action, ...]
+    cost: float
+    optimal: bool
+    lower_bound: float
+
+
+class SkeletonSearch:
+    """Candidates in the order of their cost. `next` gives None when there is none, and `status` says why: `infeasible`
+    (proved: every reachable state was seen), `exhausted` (only no-goods made it so) or `budget`.
+
+    Methods: `astar` (cheapest first; hurried by a weight once half the budget is spent), `wastar` (weighted from the
+    start), `bfs` (no estimate), `guide` (best-first by the task's own cost-to-go, as in the thesis).
+    """
+
+    def __init__(
+        self, problem: Problem, successors: Successors, method: str, budget: Budget, node_limit: int | None = None
+    ) -> None:
+        self.problem = problem
+        self.successors = successors
+        self.method = method
+        self.budget = budget
+        self.node_limit = node_limit
+        self.guide = CostToGo(problem, successors)
+        self.estimate = Estimate(successors)
+        self.no_goods = NoGoods(problem, successors)
+        self.renaming = renaming(successors)
+        self._values: dict[int, float] = {}
+        self.tree: list[SearchNode] = []
+        self.tree_nodes = 0
+        self.expanded_nodes = 0
+        self.status = "running"
+
+    def next(self) -> Candidate | None:
+        """The next candidate, or None; see `status`."""
+        weights = {"astar": 1.0, "wastar": HURRIED, "bfs": 0.0, "guide": 0.0}
+        return _Run(self, weights[self.method]).run()
+
+    def forbid_plan(self, candidate: Candidate) -> None:
+        """Do not propose exactly this plan again, nor any that begins with it."""
+        self.no_goods.forbid_prefix(candidate.numbers)
+
+    def forbid_actions(self, candidate: Candidate, first: int, last: int, from_start: bool = False) -> None:
+        """Do not propose actions `first` … `last` of a candidate one after the other again, from where their robots
+        are; with `from_start` only when they open the plan, after the actions before them."""
+        if from_start:
+            self.no_goods.forbid_prefix(candidate.numbers[: last + 1])
+        else:
+            before = self._state_before(candidate, first)
+            self.no_goods.forbid_sequence(candidate.numbers[first : last + 1], before)
+
+    def _state_before(self, candidate: Candidate, index: int) -> int:
+        state = self.successors.initial
+        for number in candidate.numbers[:index]:
+            state = next(following for following, action in self.successors.expand(state) if action == number)
+        return state
+
+    def readmit(self) -> bool:
+        """Give refused sequences a second chance; False when there were none."""
+        return self.no_goods.readmit()
+
+    def value(self, state: int) -> float:
+        """The automatic estimate of the cost that is left; remembered from search to search."""
+        known = self._values.get(state)
+        if known is None:
+            known = self._values[state] = self.estimate.value(state)
+        return known
+
+    def out_of_budget(self) -> bool:
+        """Whether time or nodes are spent; sets `status`."""
+        spent = self.budget.remaining <= 0.0
+        if spent or (self.node_limit is not None and self.expanded_nodes >= self.node_limit):
+            self.status = "budget"
+            return True
+        return False
+
+
+class _Run:
+    """One search from the start. Entries of the queue: priority, estimate, guide, age, key, state, cost, past."""
+
+    def __init__(self, search: SkeletonSearch, weight: float) -> None:
+        self.search = search
+        self.weight = weight
+        self.guided = search.method == "guide"
+        self.queue: list[tuple[float, float, float, int, Key, int, float, Past]] = []
+        self.cheapest: dict[Key, float] = {}
+        self.parents: dict[Key, tuple[Key, int]] = {}
+        self.records: dict[Key, int] = {}
+        self.age = 0
+        self.cut = False
+        self.order = 1 if search.method == "bfs" else -1
+        no_goods = search.no_goods
+        self.remembers = no_goods.watches or no_goods.root >= 0 or (self.guided and search.guide.reads_previous)
+        self.representative = search.renaming is not None and not self.remembers
+        """Whether the search goes through renamed states; the plan gets its names at the end."""
+
+    def run(self) -> Candidate | None:
+        search = self.search
+        start = search.successors.initial
+        if self.representative:
+            start = self._key(start, NOTHING)
+        self._push(start, 0.0, search.guide.start, (EMPTY, search.no_goods.root, None), None, None)
+        search.tree_nodes += 1
+        pops, limit = 0, math.inf if search.node_limit is None else search.node_limit
+        while self.queue:
+            if (pops % LOOK_AT_CLOCK == 0 or search.expanded_nodes >= limit) and self._interrupted():
+                return None
+            pops += 1
+            _, estimate, guide, _, key, state, cost, past = heapq.heappop(self.queue)
+            if cost > self.cheapest[key]:
+                continue
+            if search.successors.is_goal(state):
+                self._record(key, cost + estimate, "goal")
+                return self._candidate(key, cost)
+            self._record(key, cost + estimate, "expanded")
+            search.expanded_nodes += 1
+            self._expand(key, state, cost, guide, past)
+        search.status = "exhausted" if self.cut else "infeasible"
+        return None
+
+    def _expand(self, key: Key, state: int, cost: float, guide: float, past: Past) -> None:
+        search, no_goods = self.search, self.search.no_goods
+        allowed = no_goods.allows if no_goods.active else None
+        children = search.successors.expand(state)
+        search.tree_nodes += len(children)
+        action_cost, cheapest = search.successors.cost, self.cheapest
+        for following, action in children:
+            if allowed is not None and not allowed(state, action):
+                self.cut = True
+                continue
+            then: Past | None = self._advance(past, state, action) if self.remembers else past
+            if then is None:
+                self.cut = True
+                continue
+            child_key = self._key(following, then)
+            child_cost = cost + action_cost(action)
+            known = cheapest.get(child_key)
+            if known is not None and (known <= child_cost or self.guided):
+                continue
+            value = guide + search.guide.change(state, action, self.parents[key][1] if key in self.parents else None)
+            if self.guided and value == math.inf:
+                continue
+            kept = child_key if self.representative else following
+            self._push(kept, child_cost, value, then, child_key, (key, action))
+
+    def _push(
+        self, state: int, cost: float, guide: float, past: Past, key: Key, parent: tuple[Key, int] | None
+    ) -> None:
+        """Queue a state, unless it is known that no way leads from it to the goal."""
+        estimate = self.search.value(state)
+        if estimate == math.inf:
+            return
+        if parent is None:
+            key = self._key(state, past)
+        else:
+            self.parents[key] = parent
+        self.cheapest[key] = cost
+        self.age += self.order
+        priority = guide if self.guided else cost + self.weight * estimate
+        shown = 0.0 if self.weight == 0.0 else estimate
+        tie = 0.0 if self.order > 0 else guide
+        heapq.heappush(self.queue, (priority, shown, tie, self.age, key, state, cost, past))
+
+    def _key(self, state: int, past: Past) -> Key:
+        """States that differ only in names are one, unless names are remembered."""
+        if self.remembers and past != NOTHING:
+            return state, past
+        renaming = self.search.renaming
+        return state if renaming is None else renaming.canonical(state)
+
+    def _advance(self, past: Past, state: int, action: int) -> Past | None:
+        """What must be remembered after one more action; None when a no-good forbids it."""
+        history, place, _ = past
+        no_goods = self.search.no_goods
+        following = no_goods.follow(history, state, action) if no_goods.watches else EMPTY
+        place = no_goods.descend(place, action)
+        if following is None or place == LEAF:
+            return None
+        return following, place, action if self.guided and self.search.guide.reads_previous else None
+
+    def _interrupted(self) -> bool:
+        """Whether the budget ended; half-way through it A* starts to hurry."""
+        search = self.search
+        if search.out_of_budget():
+            return True
+        seconds = search.budget.seconds
+        late = seconds is not None and search.budget.elapsed > seconds / 2
+        if search.method == "astar" and late and self.weight < HURRIED:
+            more, self.weight = HURRIED - self.weight, HURRIED
+            self.queue = [(e[0] + more * e[1], *e[1:]) for e in self.queue]
+            heapq.heapify(self.queue)
+        return False
+
+    def _candidate(self, key: Key, cost: float) -> Candidate:
+        search = self.search
+        path: list[tuple[Key, int]] = []
+        while key in self.parents:
+            above, number = self.parents[key]
+            path.append((key, number))
+            key = above
+        path.reverse()
+        numbers = [number for _, number in path]
+        if self.representative and search.renaming is not None:
+            numbers = self._named_again(path, search.renaming)
+        actions = tuple(search.successors.action(n) for n in numbers)
+        bound = self._lower_bound(cost)
+        search.status = "found"
+        return Candidate(tuple(numbers), actions, cost, bound >= cost - EQUAL and not self.cut, bound)
+
+    def _named_again(self, path: list[tuple[Key, int]], renaming: Renaming) -> list[int]:
+        """The actions of a path through renamed states, with the names that lead there from the start itself."""
+        successors = self.search.successors
+        state = successors.initial
+        representative = renaming.canonical(state)
+        names = {new: old for old, new in renaming.names(state).items()}
+        numbers = []
+        for key, chosen in path:
+            reached = next(t for t, a in successors.expand(representative) if a == chosen)
+            action = renamed_action(successors.action(chosen), names)
+            state, number = next((t, a) for t, a in successors.expand(state) if successors.action(a) == action)
+            numbers.append(number)
+            names = {new: names.get(old, old) for old, new in renaming.names(reached).items()}
+            representative = key
+        return numbers
+
+    def _lower_bound(self, cost: float) -> float:
+        """No plan that the no-goods leave is cheaper than this."""
+        if self.guided:
+            return min(self.search.value(self.search.successors.initial), cost)
+        waiting = (e[6] + e[1] for e in self.queue if e[6] <= self.cheapest[e[4]])
+        return min(cost, min(waiting, default=cost))
+
+    def _record(self, key: Key, estimate: float, status: str) -> None:
+        tree = self.search.tree
+        if len(tree) >= RECORDED:
+            return
+        parent = self.parents.get(key)
+        action = "" if parent is None else str(self.search.successors.action(parent[1]))
+        self.records[key] = len(tree)
+        above = -1 if parent is None else self.records.get(parent[0], -1)
+        tree.append(SearchNode(len(tree), above, action, estimate, status))
