@@ -221,7 +221,16 @@ class TreeBuilder(TermBuilder):
                 between = children[1]
                 drawn = None if between is None else self.call(_tree(between))
                 return s.LinkItem(self.term(children[0]), drawn, span=span)
+            case "branch_item":
+                return s.BranchItem(self._branch_items(tree), span=span)
         return self._fact(tree)
+
+    def _branch_items(self, tree: Branch) -> tuple[s.ModuleItem, ...]:
+        self._enter(tree)
+        try:
+            return tuple(self._module_item(i) for i in branches(tree))
+        finally:
+            self._depth -= 1
 
     def _fact(self, tree: Branch) -> s.FactItem:
         return s.FactItem(self.literal(branches(tree)[0]), span=self.span(tree))

@@ -27,6 +27,7 @@ STATEMENTS = frozenset(
         "joint_item",
         "link_item",
         "fact_item",
+        "branch_item",
         "switch_row",
         "during_row",
         "keep_row",
@@ -57,6 +58,7 @@ BLOCKS = frozenset(
         "scene_decl",
         "task_decl",
         "motion_for",
+        "branch_item",
         "for_item",
         "if_item",
     }

@@ -361,7 +361,8 @@ class EffectorItem(Node):
 
 @dataclass(frozen=True, slots=True)
 class JointItem(Node):
-    """`joint j2: revolute(y) in -120 deg .. 120 deg home 0.6 rad speed 2 rad/s`."""
+    """`joint j2: revolute(y) in -120 deg .. 120 deg home 0.6 rad speed 2 rad/s`, or with vectors of two lengths as
+    limits `joint drive: planar(x, y) in (-5 m, -5 m) .. (5 m, 5 m)`."""
 
     name: str
     kind: str
@@ -387,7 +388,14 @@ class FactItem(Node):
     literal: Literal
 
 
-ModuleItem = EffectorItem | JointItem | LinkItem | FactItem
+@dataclass(frozen=True, slots=True)
+class BranchItem(Node):
+    """`branch { … }`: the items inside go on from here, and those behind it from here again."""
+
+    items: tuple[ModuleItem, ...]
+
+
+ModuleItem = EffectorItem | JointItem | LinkItem | FactItem | BranchItem
 
 
 @dataclass(frozen=True, slots=True)
@@ -397,6 +405,18 @@ class ModuleDecl(Node):
     urdf: Text | None
     items: tuple[ModuleItem, ...]
     doc: str = ""
+
+    def flat(self) -> tuple[ModuleItem, ...]:
+        """The items in the order of the text, those of branches in place of the branches."""
+        return flat_items(self.items)
+
+
+def flat_items(items: tuple[ModuleItem, ...]) -> tuple[ModuleItem, ...]:
+    """`items` with those of branches in place of the branches."""
+    found: list[ModuleItem] = []
+    for item in items:
+        found += flat_items(item.items) if isinstance(item, BranchItem) else (item,)
+    return tuple(found)
 
 
 @dataclass(frozen=True, slots=True)

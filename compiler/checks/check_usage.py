@@ -45,7 +45,7 @@ def _stated(context: Context) -> Iterator[syntax.Literal]:
     """The literals of all `fact` items in modules, scenes and tasks."""
     library = context.library
     for module in library.modules.values():
-        yield from (i.literal for i in module.items if isinstance(i, syntax.FactItem))
+        yield from (i.literal for i in module.flat() if isinstance(i, syntax.FactItem))
     for items in _scene_items(library):
         yield from _facts(items)
 

@@ -1,13 +1,14 @@
-"""Module types: the elements of a declaration, in order, become a serial chain of joints, links and effectors.
+"""Module types: the elements of a declaration, in order, become a tree of joints, links and effectors.
 
 `link L: shape` goes on by L metres along z, or by a vector; a joint turns or slides about an axis of the current frame
-and carries all that follows; an effector stands at the current frame.
+and carries all that follows; an effector stands at the current frame; behind a branch the line goes on from where the
+branch began.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ...langs import syntax
@@ -15,16 +16,13 @@ from ...langs.source import Span
 from .. import ir
 from ..checks.context import Context
 from ..checks.formulas import check_literal
-from ..checks.kinds import ANGLE, LENGTH, NUMBER, SCALARS, Kind
+from ..checks.kinds import LENGTH, NUMBER
 from ..checks.names import Entry, Family, Objects, Scope
-from ..checks.terms import check_term
 from ..checks.values import LINK_SHAPES, number, parameter_entries, shape, vector
 from ..poses import between, make, unit
+from .joints import lower_joint
 
-AXES: Mapping[str, ir.Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-DEFAULT_SPEED = {"revolute": 2.0, "prismatic": 0.5}
 UP: ir.Vec3 = (0.0, 0.0, 1.0)
-STRAIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,23 +35,21 @@ class BuiltModule:
 
 
 @dataclass(slots=True)
-class _Chain:
-    """What is built so far; `offset` is the current frame in the moving frame of the last joint."""
+class _Line:
+    """What is built so far. `parent` is the joint that carries the current frame, -1 the module frame; `offset` is the
+    current frame in the moving frame of that joint."""
 
     joints: list[ir.Joint] = field(default_factory=list)
     effectors: list[ir.Effector] = field(default_factory=list)
     links: list[ir.Link] = field(default_factory=list)
+    parent: int = -1
     offset: ir.Vec3 = (0.0, 0.0, 0.0)
     complete: bool = True
-
-    @property
-    def last(self) -> int:
-        return len(self.joints) - 1
 
 
 def effector_types(module: syntax.ModuleDecl) -> dict[str, str]:
     """The effectors of a module type and their types."""
-    return {i.name: i.type or "effector" for i in module.items if isinstance(i, syntax.EffectorItem)}
+    return {i.name: i.type or "effector" for i in module.flat() if isinstance(i, syntax.EffectorItem)}
 
 
 def check_modules(context: Context) -> None:
@@ -69,37 +65,46 @@ def build_module(context: Context, module: syntax.ModuleDecl, scope: Scope, name
     if module.urdf is not None:
         context.findings.report("E0508", module.urdf.span, "modules are described in the language; URDF is not read")
         return None
-    chain = _Chain()
-    ends = {i.name: Family(i.type or "effector", 0, i.span) for i in module.items if isinstance(i, syntax.EffectorItem)}
+    line = _Line()
+    items = module.flat()
+    ends = {i.name: Family(i.type or "effector", 0, i.span) for i in items if isinstance(i, syntax.EffectorItem)}
     inner = Scope("scene", scope.entries, Objects(ends), scope.values_known)
+    facts = _add_items(context, inner, module.items, line)
+    if not line.complete:
+        return None
+    return BuiltModule(ir.ModuleType(name, tuple(line.joints), tuple(line.effectors), tuple(line.links)), tuple(facts))
+
+
+def _add_items(
+    context: Context, scope: Scope, items: Sequence[syntax.ModuleItem], line: _Line
+) -> list[ir.Literal]:
+    """Add the elements to `line`; gives the facts among them."""
     facts: list[ir.Literal] = []
-    for item in module.items:
+    for item in items:
         match item:
             case syntax.EffectorItem():
-                _add_effector(context, inner, item, chain)
+                _add_effector(context, scope, item, line)
             case syntax.JointItem():
-                _add_joint(context, inner, item, chain)
+                _add_joint(context, scope, item, line)
             case syntax.LinkItem():
-                _add_link(context, inner, item, chain)
+                _add_link(context, scope, item, line)
+            case syntax.BranchItem():
+                facts += _add_branch(context, scope, item, line)
             case syntax.FactItem():
-                literal = check_literal(context, inner, item.literal)
+                literal = check_literal(context, scope, item.literal)
                 facts += [literal] if literal is not None else []
-    if not chain.complete:
-        return None
-    return BuiltModule(
-        ir.ModuleType(name, tuple(chain.joints), tuple(chain.effectors), tuple(chain.links)), tuple(facts)
-    )
+    return facts
 
 
 def _check_names(context: Context, module: syntax.ModuleDecl) -> None:
     findings = context.findings
-    if not any(isinstance(i, syntax.EffectorItem) for i in module.items):
+    if not any(isinstance(i, syntax.EffectorItem) for i in module.flat()):
         where = findings.word(module.span, module.name)
         findings.report(
             "E0508", where, f"module type `{module.name}` has no effector", help="add `effector A: sphere(5 cm)`"
         )
     seen: dict[str, Span] = {}
-    for item in module.items:
+    for item in module.flat():
         if isinstance(item, syntax.EffectorItem | syntax.JointItem):
             where = findings.word(item.span, item.name)
             if item.name in seen:
@@ -108,7 +113,7 @@ def _check_names(context: Context, module: syntax.ModuleDecl) -> None:
             seen.setdefault(item.name, where)
 
 
-def _add_effector(context: Context, scope: Scope, item: syntax.EffectorItem, chain: _Chain) -> None:
+def _add_effector(context: Context, scope: Scope, item: syntax.EffectorItem, line: _Line) -> None:
     findings = context.findings
     kind = item.type or "effector"
     if kind not in context.library.types:
@@ -117,7 +122,7 @@ def _add_effector(context: Context, scope: Scope, item: syntax.EffectorItem, cha
         findings.report("E0202", findings.word(item.span, kind), f"`{kind}` is not a type of effectors")
     if isinstance(item.shape, syntax.Text):
         findings.report("E0509", item.shape.span, "an effector has a shape here, such as `sphere(5 cm)`")
-        chain.complete = False
+        line.complete = False
         return
     form = shape(context, scope, item.shape)
     at = (0.0, 0.0, 0.0) if item.at is None else vector(context, scope, item.at, 3, LENGTH, "`at` of an effector")
@@ -126,128 +131,46 @@ def _add_effector(context: Context, scope: Scope, item: syntax.EffectorItem, cha
     if item.normal is not None and normal is not None and direction is None:
         findings.report("E0508", item.normal.span, "a normal cannot be the zero vector")
     if form is None or at is None or direction is None:
-        chain.complete = False
+        line.complete = False
         return
-    place = (chain.offset[0] + at[0], chain.offset[1] + at[1], chain.offset[2] + at[2])
-    chain.effectors.append(ir.Effector(item.name, kind, chain.last, make(place, between(UP, direction)), form))
+    place = (line.offset[0] + at[0], line.offset[1] + at[1], line.offset[2] + at[2])
+    line.effectors.append(ir.Effector(item.name, kind, line.parent, make(place, between(UP, direction)), form))
 
 
-def _add_joint(context: Context, scope: Scope, item: syntax.JointItem, chain: _Chain) -> None:
-    findings = context.findings
-    if item.kind not in DEFAULT_SPEED:
-        where = findings.word(item.span, item.kind)
-        findings.report("E0508", where, f"unknown kind of joint `{item.kind}`", help=_near_joint(item.kind))
-        chain.complete = False
+def _add_joint(context: Context, scope: Scope, item: syntax.JointItem, line: _Line) -> None:
+    joints = lower_joint(context, scope, item, line.parent, len(line.joints), line.offset)
+    if joints is None:
+        line.complete = False
         return
-    axis = _axis(context, item)
-    kind = ANGLE if item.kind == "revolute" else LENGTH
-    limits = _limits(context, scope, item, kind)
-    speed = _speed(context, scope, item, kind)
-    if axis is None or limits is None or speed is None:
-        chain.complete = False
-        return
-    lower, upper, home = limits
-    placement = make(chain.offset, STRAIGHT)
-    chain.joints.append(ir.Joint(item.name, item.kind, chain.last, placement, axis, lower, upper, home, speed))
-    chain.offset = (0.0, 0.0, 0.0)
+    line.joints += joints
+    line.parent, line.offset = len(line.joints) - 1, (0.0, 0.0, 0.0)
 
 
-def _near_joint(kind: str) -> str:
-    from ...langs.diagnostics import did_you_mean
-
-    return did_you_mean(kind, DEFAULT_SPEED) or "joints are revolute or prismatic"
-
-
-def _axis(context: Context, item: syntax.JointItem) -> ir.Vec3 | None:
-    term = item.axes[0] if len(item.axes) == 1 else None
-    sign = 1.0
-    if isinstance(term, syntax.Negate):
-        term, sign = term.operand, -1.0
-    if isinstance(term, syntax.Name) and term.name in AXES:
-        x, y, z = AXES[term.name]
-        return (sign * x, sign * y, sign * z) if sign < 0 else (x, y, z)
-    where = item.axes[0].span if item.axes else item.span
-    context.findings.report("E0508", where, "a joint has one axis: x, y or z", help=f"write `{item.kind}(z)`")
-    return None
+def _add_branch(context: Context, scope: Scope, item: syntax.BranchItem, line: _Line) -> list[ir.Literal]:
+    """The items of a branch; the line then goes on from where it was before."""
+    parent, offset = line.parent, line.offset
+    facts = _add_items(context, scope, item.items, line)
+    line.parent, line.offset = parent, offset
+    return facts
 
 
-def _limits(context: Context, scope: Scope, item: syntax.JointItem, kind: Kind) -> tuple[float, float, float] | None:
-    findings = context.findings
-    if item.lower is None or item.upper is None:
-        if kind == LENGTH:
-            findings.report(
-                "E0508", item.span, f"joint `{item.name}` slides and needs limits", help="add `in 0 m .. 0.5 m`"
-            )
-            return None
-        lower: float | None = -math.pi
-        upper: float | None = math.pi
-    else:
-        lower = number(context, scope, item.lower, kind, "a joint limit")
-        upper = number(context, scope, item.upper, kind, "a joint limit")
-    home = 0.0 if item.home is None else number(context, scope, item.home, kind, "the home value of a joint")
-    if lower is None or upper is None or home is None:
-        return None
-    if lower >= upper and item.lower is not None:
-        findings.report(
-            "E0508", item.lower.span, f"the limits of joint `{item.name}` are empty: {lower:g} .. {upper:g}"
-        )
-        return None
-    if not lower <= home <= upper:
-        where = item.home.span if item.home is not None else item.span
-        help = None if item.home is not None else "the home value is 0 unless `home` gives another"
-        findings.report(
-            "E0508",
-            where,
-            f"the home value {home:g} of joint `{item.name}` is outside {lower:g} .. {upper:g}",
-            help=help,
-        )
-        return None
-    return lower, upper, home
-
-
-def _speed(context: Context, scope: Scope, item: syntax.JointItem, kind: Kind) -> float | None:
-    if item.speed is None:
-        return DEFAULT_SPEED[item.kind]
-    typed = check_term(context, scope, item.speed)
-    if not typed.kind.known:
-        return None
-    unit_text = "rad/s" if kind == ANGLE else "m/s"
-    if typed.kind.name != "speed":
-        code = "E0203" if typed.kind.name in SCALARS else "E0208"
-        context.findings.report(
-            code,
-            item.speed.span,
-            f"the speed of a joint must be a speed, not {typed.kind}",
-            help=f"write `2 {unit_text}`",
-        )
-        return None
-    linear = isinstance(item.speed, syntax.Number) and item.speed.text.rstrip().endswith("m/s")
-    if isinstance(item.speed, syntax.Number) and linear != (kind == LENGTH):
-        context.findings.report("E0203", item.speed.span, f"joint `{item.name}` moves in {unit_text}")
-        return None
-    if typed.value is not None and typed.value <= 0:
-        context.findings.report("E0508", item.speed.span, "the speed of a joint must be positive")
-        return None
-    return typed.value
-
-
-def _add_link(context: Context, scope: Scope, item: syntax.LinkItem, chain: _Chain) -> None:
+def _add_link(context: Context, scope: Scope, item: syntax.LinkItem, line: _Line) -> None:
     step = _step(context, scope, item.length)
     form = None if item.shape is None else shape(context, scope, item.shape, LINK_SHAPES)
     if step is None or (form is None and item.shape is not None):
-        chain.complete = False
+        line.complete = False
         return
     length = math.sqrt(sum(s * s for s in step))
     direction = unit(step)
     if direction is None:
         context.findings.report("E0508", item.length.span, "a link must have a length above 0")
-        chain.complete = False
+        line.complete = False
         return
     if form is not None:
-        middle = (chain.offset[0] + step[0] / 2, chain.offset[1] + step[1] / 2, chain.offset[2] + step[2] / 2)
+        middle = (line.offset[0] + step[0] / 2, line.offset[1] + step[1] / 2, line.offset[2] + step[2] / 2)
         size = form.size if form.kind == "sphere" else (*form.size, length)
-        chain.links.append(ir.Link(chain.last, make(middle, between(UP, direction)), ir.Shape(form.kind, size)))
-    chain.offset = (chain.offset[0] + step[0], chain.offset[1] + step[1], chain.offset[2] + step[2])
+        line.links.append(ir.Link(line.parent, make(middle, between(UP, direction)), ir.Shape(form.kind, size)))
+    line.offset = (line.offset[0] + step[0], line.offset[1] + step[1], line.offset[2] + step[2])
 
 
 def _step(context: Context, scope: Scope, term: syntax.Term) -> ir.Vec3 | None:

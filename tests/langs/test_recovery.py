@@ -41,7 +41,7 @@ def check_form(text: str, found: tuple[Diagnostic, ...]) -> None:
 @settings(max_examples=50, deadline=None, derandomize=True)
 @given(st.data())
 def test_one_mistake_gives_one_to_three_errors(data: st.DataObject) -> None:
-    text = data.draw(st.sampled_from(TEXTS))
+    text = data.draw(st.sampled_from([t for t in TEXTS if "type module" not in t]))
     pieces = [p for p in pieces_of(text) if p.kind != "COMMENT"]
     words = [p.text for p in pieces]
     index = data.draw(st.integers(0, len(words) - 1))

@@ -1,0 +1,179 @@
+"""Joints of a module: kind, axes, limits, value at home and speed, as revolute and prismatic joints of the IR.
+
+A planar joint moves along two axes and then turns about the third: two prismatic joints and a revolute one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from ...langs import syntax
+from ...langs.diagnostics import did_you_mean
+from .. import ir
+from ..checks.context import Context
+from ..checks.kinds import ANGLE, LENGTH, SCALARS, Kind
+from ..checks.names import Scope
+from ..checks.terms import check_term
+from ..checks.values import number, vector
+from ..poses import make
+
+AXES: Mapping[str, ir.Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+DEFAULT_SPEED: Mapping[str, float] = {"revolute": 2.0, "prismatic": 0.5, "planar": 0.5}
+AXIS_COUNT: Mapping[str, int] = {"revolute": 1, "prismatic": 1, "planar": 2}
+FULL_TURN = 2 * math.pi
+STRAIGHT = (0.0, 0.0, 0.0, 1.0)
+
+
+def lower_joint(
+    context: Context, scope: Scope, item: syntax.JointItem, parent: int, first: int, offset: ir.Vec3
+) -> list[ir.Joint] | None:
+    """The joints that `item` stands for: the first is carried by joint `parent` at `offset` (metres) and gets the index
+    `first`, each further one is carried by the one before. None where values are missing or wrong."""
+    if item.kind not in DEFAULT_SPEED:
+        where = context.findings.word(item.span, item.kind)
+        help = did_you_mean(item.kind, DEFAULT_SPEED) or "joints are revolute, prismatic or planar"
+        context.findings.report("E0508", where, f"unknown kind of joint `{item.kind}`", help=help)
+        return None
+    axes = _axes(context, item)
+    kind = ANGLE if item.kind == "revolute" else LENGTH
+    limits = _planar_limits(context, scope, item) if item.kind == "planar" else _limits(context, scope, item, kind)
+    speed = _speed(context, scope, item, kind)
+    if axes is None or limits is None or speed is None:
+        return None
+    if item.kind != "planar":
+        return [ir.Joint(item.name, item.kind, parent, make(offset, STRAIGHT), axes[0], *limits[0], speed)]
+    names = [f"{item.name}.{t.name}" for t in item.axes if isinstance(t, syntax.Name)]
+    here = make((0.0, 0.0, 0.0), STRAIGHT)
+    return [
+        ir.Joint(names[0], "prismatic", parent, make(offset, STRAIGHT), axes[0], *limits[0], speed),
+        ir.Joint(names[1], "prismatic", first, here, axes[1], *limits[1], speed),
+        ir.Joint(
+            f"{item.name}.turn",
+            "revolute",
+            first + 1,
+            here,
+            _cross(axes[0], axes[1]),
+            -FULL_TURN,
+            FULL_TURN,
+            0.0,
+            DEFAULT_SPEED["revolute"],
+        ),
+    ]
+
+
+def _cross(a: ir.Vec3, b: ir.Vec3) -> ir.Vec3:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def _axes(context: Context, item: syntax.JointItem) -> list[ir.Vec3] | None:
+    found = [_axis(t, negative=item.kind != "planar") for t in item.axes]
+    axes = [a for a in found if a is not None]
+    if len(axes) == len(found) == AXIS_COUNT[item.kind] and len(set(axes)) == len(axes):
+        return axes
+    where = item.axes[0].span if item.axes else item.span
+    if item.kind == "planar":
+        context.findings.report(
+            "E0508", where, "a planar joint has two axes of x, y and z", help="write `planar(x, y)`"
+        )
+    else:
+        context.findings.report(
+            "E0508", where, "a joint has one axis: x, y or z", help=f"write `{item.kind}(z)`"
+        )
+    return None
+
+
+def _axis(term: syntax.Term, negative: bool) -> ir.Vec3 | None:
+    sign = 1.0
+    if negative and isinstance(term, syntax.Negate):
+        term, sign = term.operand, -1.0
+    if not isinstance(term, syntax.Name) or term.name not in AXES:
+        return None
+    x, y, z = AXES[term.name]
+    return (sign * x, sign * y, sign * z) if sign < 0 else (x, y, z)
+
+
+Limits = tuple[float, float, float]
+"""Lower and upper limit and the value at home, rad or m."""
+
+
+def _limits(context: Context, scope: Scope, item: syntax.JointItem, kind: Kind) -> list[Limits] | None:
+    if item.lower is None or item.upper is None:
+        if kind == LENGTH:
+            _lacks_limits(context, item, "add `in 0 m .. 0.5 m`")
+            return None
+        lower: float | None = -math.pi
+        upper: float | None = math.pi
+    else:
+        lower = number(context, scope, item.lower, kind, "a joint limit")
+        upper = number(context, scope, item.upper, kind, "a joint limit")
+    home = 0.0 if item.home is None else number(context, scope, item.home, kind, "the home value of a joint")
+    if lower is None or upper is None or home is None:
+        return None
+    return [(lower, upper, home)] if _fit(context, item, lower, upper, home) else None
+
+
+def _lacks_limits(context: Context, item: syntax.JointItem, help: str) -> None:
+    context.findings.report("E0508", item.span, f"joint `{item.name}` slides and needs limits", help=help)
+
+
+def _fit(context: Context, item: syntax.JointItem, lower: float, upper: float, home: float) -> bool:
+    findings = context.findings
+    if lower >= upper and item.lower is not None:
+        findings.report(
+            "E0508", item.lower.span, f"the limits of joint `{item.name}` are empty: {lower:g} .. {upper:g}"
+        )
+        return False
+    if not lower <= home <= upper:
+        where = item.home.span if item.home is not None else item.span
+        help = None if item.home is not None else "the home value is 0 unless `home` gives another"
+        findings.report(
+            "E0508",
+            where,
+            f"the home value {home:g} of joint `{item.name}` is outside {lower:g} .. {upper:g}",
+            help=help,
+        )
+        return False
+    return True
+
+
+def _planar_limits(context: Context, scope: Scope, item: syntax.JointItem) -> list[Limits] | None:
+    """The limits along both axes, from two corners of a rectangle."""
+    if item.lower is None or item.upper is None:
+        _lacks_limits(context, item, "add `in (-2 m, -2 m) .. (2 m, 2 m)`")
+        return None
+    lower = vector(context, scope, item.lower, 2, LENGTH, "a limit of a planar joint")
+    upper = vector(context, scope, item.upper, 2, LENGTH, "a limit of a planar joint")
+    home: tuple[float, ...] | None = (0.0, 0.0)
+    if item.home is not None:
+        home = vector(context, scope, item.home, 2, LENGTH, "the home value of a planar joint")
+    if lower is None or upper is None or home is None:
+        return None
+    both = list(zip(lower, upper, home, strict=True))
+    return both if all(_fit(context, item, *limits) for limits in both) else None
+
+
+def _speed(context: Context, scope: Scope, item: syntax.JointItem, kind: Kind) -> float | None:
+    if item.speed is None:
+        return DEFAULT_SPEED[item.kind]
+    typed = check_term(context, scope, item.speed)
+    if not typed.kind.known:
+        return None
+    unit_text = "rad/s" if kind == ANGLE else "m/s"
+    if typed.kind.name != "speed":
+        code = "E0203" if typed.kind.name in SCALARS else "E0208"
+        context.findings.report(
+            code,
+            item.speed.span,
+            f"the speed of a joint must be a speed, not {typed.kind}",
+            help=f"write `2 {unit_text}`",
+        )
+        return None
+    linear = isinstance(item.speed, syntax.Number) and item.speed.text.rstrip().endswith("m/s")
+    if isinstance(item.speed, syntax.Number) and linear != (kind == LENGTH):
+        context.findings.report("E0203", item.speed.span, f"joint `{item.name}` moves in {unit_text}")
+        return None
+    if typed.value is not None and typed.value <= 0:
+        context.findings.report("E0508", item.speed.span, "the speed of a joint must be positive")
+        return None
+    return typed.value
