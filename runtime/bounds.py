@@ -167,7 +167,7 @@ class Bounds:
         for attempt in range(RESAMPLES + 1):
             if attempt and result is not None:
                 failed = sorted({v.phase for v in result.violations})
-                warm = _resample(sequence.configurations, failed, self.seed + attempt)
+                warm = _resample(sequence.configurations, failed, self.seed + attempt)[1:]
                 again = self._sequence(skeleton, self.seed + attempt, warm)
                 if not again.feasible:
                     continue
