@@ -30,7 +30,7 @@ from ..ir import (
 from .algebra import conjunction
 from .chains import Word
 from .domains import FlatRule
-from .expressions import Check, Test, compiled, ground, source, split
+from .expressions import Check, Test, compiled, ground, literal_test, source, split
 from .guards import Environment, Guards, Undefined
 from .layout import FIELD, STATIC, Field, Layout
 from .normal_form import TRUE, free_names
@@ -43,10 +43,12 @@ Entry = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One action of a general row: tests on the state, then bits to clear and set; conditional changes after that."""
+    """One action of a general row: tests on the state, fields to empty where they hold a value, then bits to clear and
+    set; conditional changes after that."""
 
     tests: tuple[Test, ...]
     check: Check | None
+    drops: tuple[tuple[int, int], ...]
     keep: int
     clear: int
     set: int
@@ -59,11 +61,14 @@ class Step:
                 return
         if self.check is not None and not self.check(s):
             return
+        t = s & self.keep
+        for mask, value in self.drops:
+            if s & mask == value:
+                t &= ~mask
         if not self.conditional:
-            out.append((s & self.keep & self.clear | self.set, self.action))
+            out.append((t & self.clear | self.set, self.action))
             return
         holding = [(k, c, a) for check, k, c, a in self.conditional if check(s)]
-        t = s & self.keep
         for keep, _, _ in holding:
             t &= keep
         t = t & self.clear | self.set
@@ -280,8 +285,13 @@ class Blocks:
             return None
         check = compiled(self.layout, conjunction(others)) if others else None
         keep, clear, added = -1, -1, 0
+        drops: list[tuple[int, int]] = []
         conditional: list[tuple[Check, int, int, int]] = []
         for condition, literal, negated in self._ground_changes(block, env):
+            drop = self._drop(condition, literal) if negated else None
+            if drop is not None:
+                drops.append(drop)
+                continue
             if negated:
                 k, c, a = self._deletion(literal), -1, 0
             else:
@@ -291,7 +301,14 @@ class Blocks:
             else:
                 conditional.append((compiled(self.layout, condition), k, c, a))
         action = self.action_id(block.flat, env)
-        return Step(tuple(tests), check, keep, clear, added, tuple(conditional), action)
+        return Step(tuple(tests), check, tuple(drops), keep, clear, added, tuple(conditional), action)
+
+    def _drop(self, condition: Formula, literal: Literal) -> tuple[int, int] | None:
+        """Mask and value of a field that is emptied where it holds just that value."""
+        if not isinstance(condition, Literal) or self.layout.kinds[literal.predicate] != FIELD:
+            return None
+        mask, value, same = literal_test(self.layout, condition)
+        return (mask, value) if same and self._deletion(literal) == ~mask else None
 
     def _ground_changes(self, block: Block, env: Environment) -> list[Change]:
         """The changes of one action; deleting one value of a field becomes a condition unless the value is known."""
