@@ -6,7 +6,7 @@ Starts from the facts at the start and adds what effects can add, position by po
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..ir import (
     Any_,
@@ -51,7 +51,8 @@ class Domains:
 
     def __init__(self, problem: Problem, normal: NormalForm) -> None:
         self.problem = problem
-        self.flat = [FlatRule(r, *normal.conjuncts(r.condition)) for r in problem.rules.values()]
+        rules = [replace(r, effects=normal.effects(r.effects)) for r in problem.rules.values()]
+        self.flat = [FlatRule(r, *normal.conjuncts(r.condition)) for r in rules]
         self.changed = frozenset(
             e.literal.predicate for r in problem.rules.values() for e in effects_of(r.effects) if not e.literal.motion
         )

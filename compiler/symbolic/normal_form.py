@@ -3,7 +3,7 @@ variables pulled out. All functions are pure and keep meaning."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import count
 
 from ..ir import (
@@ -15,6 +15,9 @@ from ..ir import (
     ChainType,
     Compare,
     Conditional,
+    EffectFor,
+    EffectIf,
+    EffectItem,
     Exists,
     Forall,
     Formula,
@@ -60,6 +63,18 @@ class NormalForm:
             elif item not in found:
                 found.append(item)
         return tuple(hidden), tuple(found)
+
+    def effects(self, items: Sequence[EffectItem]) -> tuple[EffectItem, ...]:
+        """Effects whose conditions are in normal form."""
+        found: list[EffectItem] = []
+        for item in items:
+            if isinstance(item, EffectIf):
+                found.append(EffectIf(self.normal(item.condition, {}, False), self.effects(item.effects)))
+            elif isinstance(item, EffectFor):
+                found.append(EffectFor(item.variables, self.effects(item.effects)))
+            else:
+                found.append(item)
+        return tuple(found)
 
     def normal(self, formula: Formula, renaming: Renaming, negate: bool) -> Formula:
         """`formula`, or its negation, with derived predicates replaced and variables of quantifiers renamed apart."""
