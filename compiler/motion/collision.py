@@ -74,10 +74,22 @@ def _line(half: float, step: float) -> list[float]:
 
 
 def _cover_box(half: Vec3, margin: float) -> Iterator[tuple[Vec3, float]]:
-    radius = min(min(half), margin / (math.sqrt(3) - 1))
-    lines = [_line(h - radius, 2 * radius) for h in half]
+    """Small spheres along the edges; larger ones, farther apart, behind what is left of the faces."""
+    small = min(min(half), margin / (math.sqrt(3) - 1))
+    overhang = 0.5 * (margin + math.sqrt(margin * (3 * margin + 8 * small)))
+    large = min(min(half), 2 * small + overhang)
+    if large < 3 * small:
+        yield from _box_shell(half, small, 2 * small, edges=False)
+        return
+    yield from _box_shell(half, small, 2 * small, edges=True)
+    yield from _box_shell(half, large, 2 * (large - 2 * small), edges=False)
+
+
+def _box_shell(half: Vec3, radius: float, step: float, edges: bool) -> Iterator[tuple[Vec3, float]]:
+    """Spheres at most `step` apart that touch the box's faces, or two of them, from within."""
+    lines = [_line(h - radius, step) for h in half]
     for index in itertools.product(*(range(len(line)) for line in lines)):
-        if any(k in (0, len(line) - 1) for k, line in zip(index, lines, strict=True)):
+        if sum(k in (0, len(line) - 1) for k, line in zip(index, lines, strict=True)) > edges:
             x, y, z = (line[k] for k, line in zip(index, lines, strict=True))
             yield (x, y, z), radius
 
@@ -149,9 +161,11 @@ def _placed(
 
 
 def _inside(sphere: tuple[int, Array, float], others: list[Sphere]) -> bool:
-    joint, centre, radius = sphere
+    joint, (x, y, z), radius = sphere[0], sphere[1].tolist(), sphere[2]
     return any(
-        o.joint == joint and np.linalg.norm(centre - np.array(o.centre)) + radius <= o.radius + ON_AXIS
+        o.joint == joint
+        and o.radius + ON_AXIS >= radius
+        and math.dist((x, y, z), o.centre) + radius <= o.radius + ON_AXIS
         for o in others
     )
 
@@ -314,6 +328,23 @@ def reach(type_: ModuleType, effector: str) -> float:
     spheres = module_spheres(type_)
     lengths = (_length_between(type_, start, (s.joint, s.centre)) + s.radius for s in spheres)
     return max(lengths, default=0.0) + PATH_MARGIN
+
+
+@lru_cache(maxsize=256)
+def standing_clearance(type_: ModuleType, effector: str) -> float:
+    """How far the links that are rigid with an effector stay from what it stands on upright; at least 0."""
+    e = type_.effector(effector)
+    if e.shape is None:
+        return math.inf
+    kind, size = e.shape.kind, e.shape.size
+    sole = {"box": size[-1] / 2, "sphere": size[0], "cylinder": size[-1] / 2, "capsule": size[0] + size[-1] / 2}[kind]
+    frame = np.linalg.inv(pose_matrix(e.placement))
+    heights = (
+        sole - float((frame @ np.array([*s.centre, 1.0]))[2]) - s.radius
+        for s in module_spheres(type_)
+        if s.effector is None and s.joint == e.joint
+    )
+    return max(0.0, min(heights, default=math.inf))
 
 
 def shape_distance(shape: Shape, frame: Array, point: Array) -> float:
