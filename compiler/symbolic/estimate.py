@@ -18,11 +18,16 @@ from ..ir import And, EffectFor, EffectItem, Fact, Literal, Number, Object, Or, 
 from .domains import FlatRule, scoped_effects
 from .expressions import Test, literal_test, test_source
 from .layout import STATIC
-from .locations import families
+from .links import Links
+from .locations import Family, families
 from .successors import Successors, has_chains
 
 MOST_FACTS = 64
 DEEPEST = 3
+
+
+Tables = tuple[tuple[float, ...], ...]
+"""By the most modules that a chain has: the least cost of moves, from nowhere and from every place."""
 
 
 @dataclass(slots=True)
@@ -34,7 +39,7 @@ class Landmark:
     parents: list[int] = field(default_factory=list)
     goal: bool = False
     weight: float = 0.0
-    tables: list[tuple[int, list[float], float]] = field(default_factory=list)
+    tables: list[tuple[int, Tables]] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,13 +67,16 @@ class Estimate:
             self._add(facts, None, 0)
         served = {f.rule.name: self._served(f) for f in self.layout.domains.rules}
         self.families = families(successors.guards, self.costs)
-        self.separate = all(not served[e.rule] for family in self.families for e in family.edges)
+        self.links = Links(successors.guards, self.costs)
+        moving = {rule for family in self.families for rule in family.rules}
+        self.counts_links = self.links.counted and not moving & self.links.rules
+        self.separate = not any(served[rule] for rule in moving | (self.links.rules if self.counts_links else set()))
         for landmark in self.landmarks:
             rules = {a.flat.rule.name for fact in landmark.facts for a in self._achievers(fact)}
             landmark.weight = min((self.costs[r] / max(served[r], 1) for r in rules), default=math.inf)
             self._locate(landmark)
         self.text = self.source()
-        names: dict[str, Any] = {"inf": math.inf}
+        names: dict[str, Any] = {"inf": math.inf, "stages": self.links.stages, "ALL": ((0, 0.0),)}
         names |= {f"table_{i}": table for i, table in enumerate(self._tables)}
         names |= {f"holders_{i}": holders for i, holders in enumerate(self._holders)}
         exec(compile(self.text, "<estimate>", "exec"), names)
@@ -214,26 +222,37 @@ class Estimate:
     # --- hops ----------------------------------------------------------------------------------------------------
 
     def _locate(self, landmark: Landmark) -> None:
-        """For each location family the table of moves that come before the landmark."""
-        achievers = [a for fact in landmark.facts for a in self._achievers(fact)]
+        """For each location family the tables of moves that come before the landmark."""
+        achievers = _distinct([a for fact in landmark.facts for a in self._achievers(fact)])
+        most = self.links.count
         for k, family in enumerate(self.families):
-            starts = None
-            for achiever in _distinct(achievers):
-                places = family.starts(achiever.flat, achiever.env)
-                if places is None:
-                    break
-                starts = places if starts is None else starts | places
-            else:
-                if starts is not None:
-                    distances = family.distances(starts)
-                    if any(distances):
-                        landmark.tables.append((k, distances, family.from_nowhere(distances)))
+            last = self._table(family, achievers, most)
+            if last is None:
+                continue
+            tables = [last]
+            if self.counts_links:
+                tables = [self._table(family, achievers, m) or last for m in range(1, most)] + tables
+            if any(any(table[1:]) for table in tables):
+                landmark.tables.append((k, tuple(tables)))
+
+    def _table(self, family: Family, achievers: list[Achiever], modules: int) -> tuple[float, ...] | None:
+        """The moves until some achiever may fire while no chain has more than so many modules; None when it may fire
+        wherever its robot is."""
+        starts = None
+        for achiever in achievers:
+            places = family.starts(achiever.flat, achiever.env, modules)
+            if places is None:
+                return None
+            starts = places if starts is None else starts | places
+        if starts is None:
+            return None
+        return family.moves(starts, modules)
 
     # --- code ----------------------------------------------------------------------------------------------------
 
     def source(self) -> str:
         """The Python text of the estimate."""
-        self._tables: list[list[float]] = []
+        self._tables: list[Tables] = []
         self._holders: list[dict[int, tuple[int, int]]] = []
         counted, lines = self._counted_lines()
         for i, landmark in enumerate(self.landmarks):
@@ -300,22 +319,25 @@ class Estimate:
         return lines
 
     def _hop_lines(self, counted: set[int]) -> list[str]:
-        lines: list[str] = []
-        groups: dict[tuple[int, tuple[float, ...], float], list[int]] = {}
+        """The moves that are needed, for each number of links that may be made before: the cheapest of all."""
+        groups: dict[tuple[int, Tables], list[int]] = {}
         for i, landmark in enumerate(self.landmarks):
-            for k, table, nowhere in landmark.tables:
+            for k, tables in landmark.tables:
                 if i not in counted:
-                    groups.setdefault((k, tuple(table), nowhere), []).append(i)
+                    groups.setdefault((k, tables), []).append(i)
         if not groups:
-            return lines
-        lines.append("    hops = 0")
-        for (k, values, nowhere), members in groups.items():
+            return []
+        stages = f"stages(s & {self.links.mask})" if self.counts_links else "ALL"
+        lines = ["    hops = inf", f"    for q, c in {stages}:", "        v = 0"]
+        for (k, tables), members in groups.items():
             name = f"table_{len(self._tables)}"
-            self._tables.append([nowhere, *values])
-            reads = [f"{name}[s >> {f.shift} & {f.mask}]" for f in self.families[k].fields]
-            lines.append(f"    if {' or '.join(f'n{i}' for i in members)}:")
-            lines.append(f"        m = {f'min({chr(44).join(reads)})' if len(reads) > 1 else reads[0]}")
-            lines.append("        if m > hops: hops = m")
+            self._tables.append(((), *tables) if self.counts_links else tables)
+            reads = [f"t[s >> {f.shift} & {f.mask}]" for f in self.families[k].fields]
+            lines.append(f"        if {' or '.join(f'n{i}' for i in members)}:")
+            lines.append(f"            t = {name}[q]")
+            lines.append(f"            m = {f'min({chr(44).join(reads)})' if len(reads) > 1 else reads[0]}")
+            lines.append("            if m > v: v = m")
+        lines += ["        if c + v < hops: hops = c + v", "        if not v: break"]
         lines.append("    total += hops" if self.separate else "    if hops > total: total = hops")
         return lines
 

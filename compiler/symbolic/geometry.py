@@ -80,15 +80,16 @@ class Geometry:
             total += float(self._radius[self.index[leave]] + self._radius[self.index[enter]])
         return total
 
-    def longest_reach(self) -> float:
-        """No chain of the scene's modules reaches farther."""
-        total = 0.0
-        radii: list[float] = []
+    def longest_reach(self, modules: int) -> float:
+        """No chain of so many of the scene's modules reaches farther."""
+        lengths = []
         for name, module in self.problem.world.modules.items():
             ends = [e.name for e in module.type.effectors]
-            total += max((path_length(module.type, a, b) for a in ends for b in ends), default=0.0)
-            radii += 2 * [max((float(self._radius[self.index[f"{name}.{e}"]]) for e in ends), default=0.0)]
-        return total + sum(sorted(radii)[2:])
+            radii = [float(self._radius[self.index[f"{name}.{e}"]]) for e in ends] or [0.0]
+            longest = max((path_length(module.type, a, b) for a in ends for b in ends), default=0.0)
+            lengths.append((longest + 2 * max(radii), min(radii)))
+        thinnest = min((thin for _, thin in lengths), default=0.0)
+        return sum(sorted((whole for whole, _ in lengths), reverse=True)[:modules]) - 2 * thinnest
 
     def _effector(self, name: str) -> tuple[ModuleType, str]:
         found = self.problem.world.effector(name)

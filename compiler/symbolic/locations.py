@@ -33,6 +33,7 @@ from ..ir import (
 from .domains import FlatRule, scoped_effects
 from .guards import Guards
 from .layout import FIELD, Field
+from .normal_form import parts
 
 Matrix = NDArray[np.bool_]
 Interval = tuple[Any, Any]
@@ -62,10 +63,34 @@ class Family:
         self.places: tuple[str, ...] = self.fields[0].values if self.fields else ()
         self.indices = np.array([guards.geometry.index[name] for name in self.places], dtype=np.int64)
         self.key_at = guards.problem.predicates[predicate].functional_in or 0
-        self.bounds = Bounds(guards)
-        self.edges = [e for flat in layout.domains.rules for e in self._edges(flat, costs[flat.rule.name])]
+        self.costs = costs
+        self._bounds: dict[int, Bounds] = {}
+        self._reads_chains = {id(flat): reads_chains(flat) for flat in layout.domains.rules}
+        self._edges_of_rules: dict[tuple[int, int], list[Edge]] = {}
+        self._edges_by_modules: dict[int, list[Edge]] = {}
+        self._distances: dict[tuple[bytes, int], tuple[float, ...]] = {}
+        self.rules = {e.rule for e in self.edges(len(guards.problem.world.modules))}
+        """The rules that move something."""
 
-    def _edges(self, flat: FlatRule, cost: float) -> list[Edge]:
+    def bounds(self, modules: int) -> Bounds:
+        """Bounds on guards while no chain has more than so many modules."""
+        if modules not in self._bounds:
+            self._bounds[modules] = Bounds(self.guards, modules)
+        return self._bounds[modules]
+
+    def edges(self, modules: int) -> list[Edge]:
+        """All edges between places while no chain has more than so many modules."""
+        if modules not in self._edges_by_modules:
+            found: list[Edge] = []
+            for flat in self.guards.layout.domains.rules:
+                key = (id(flat), modules if self._reads_chains[id(flat)] else 0)
+                if key not in self._edges_of_rules:
+                    self._edges_of_rules[key] = self._edges(flat, self.costs[flat.rule.name], self.bounds(modules))
+                found += self._edges_of_rules[key]
+            self._edges_by_modules[modules] = found
+        return self._edges_by_modules[modules]
+
+    def _edges(self, flat: FlatRule, cost: float, bounds: Bounds) -> list[Edge]:
         domains = self.guards.layout.domains.variable_domains(flat)
         found = []
         for effect, types in scoped_effects(flat.rule.effects, {v.name: v.type for v in flat.variables}):
@@ -79,7 +104,8 @@ class Family:
             source = self.place_variable(flat, types, domains, {})
             matrix = None
             if source is not None:
-                matrix = self._relation(flat, source, literal.args[1 - self.key_at], domains) & targets[None, :]
+                matrix = self._relation(flat, source, literal.args[1 - self.key_at], domains, bounds)
+                matrix = matrix & targets[None, :]
             found.append(Edge(flat.rule.name, matrix, targets, cost))
         return found
 
@@ -99,7 +125,7 @@ class Family:
         return None
 
     def _relation(
-        self, flat: FlatRule, source: str, target: Term, domains: Mapping[str, frozenset[str]]
+        self, flat: FlatRule, source: str, target: Term, domains: Mapping[str, frozenset[str]], bounds: Bounds
     ) -> Matrix:
         count = len(self.places)
         env: dict[str, Any] = {source: self.indices[:, None]}
@@ -108,29 +134,39 @@ class Family:
             return possible & np.eye(count, dtype=bool)
         if isinstance(target, Var):
             env[target.name] = self.indices[None, :]
-        related: Matrix = possible & self.bounds.possible(flat, env)
+        related: Matrix = possible & bounds.possible(flat, env)
         return related
 
-    def starts(self, flat: FlatRule, env: Mapping[str, str]) -> NDArray[np.bool_] | None:
-        """The places at which a rule with some variables bound may fire; None when it names no place."""
+    def starts(self, flat: FlatRule, env: Mapping[str, str], modules: int) -> NDArray[np.bool_] | None:
+        """The places at which a rule with some variables bound may fire while no chain has more than so many modules;
+        None when it names no place."""
         types = {v.name: v.type for v in flat.variables}
         domains = self.guards.layout.domains.variable_domains(flat)
         source = self.place_variable(flat, types, domains, env)
         if source is None:
             return None
         known = {**env, source: self.indices}
-        found: NDArray[np.bool_] = self._mask(domains[source]) & self.bounds.possible(flat, known)
+        found: NDArray[np.bool_] = self._mask(domains[source]) & self.bounds(modules).possible(flat, known)
         return found
 
-    def distances(self, starts: NDArray[np.bool_]) -> list[float]:
-        """For every place the least cost of moves until some key is at one of `starts`; infinite without a way."""
+    def moves(self, starts: NDArray[np.bool_], modules: int) -> tuple[float, ...]:
+        """The least cost of moves until some key is at one of `starts`: first from nowhere, then from every place;
+        infinite without a way."""
+        key = (starts.tobytes(), modules)
+        if key not in self._distances:
+            distances = self._shortest(starts, modules)
+            self._distances[key] = (self._from_nowhere(distances, modules), *distances)
+        return self._distances[key]
+
+    def _shortest(self, starts: NDArray[np.bool_], modules: int) -> list[float]:
+        edges = self.edges(modules)
         best = np.where(starts, 0.0, math.inf)
         queue = [(0.0, int(i)) for i in np.flatnonzero(starts)]
         while queue:
             cost, y = heapq.heappop(queue)
             if cost > best[y]:
                 continue
-            for edge in self.edges:
+            for edge in edges:
                 if edge.matrix is None:
                     better = best > cost + edge.cost if edge.targets[y] else np.zeros(len(best), dtype=bool)
                 else:
@@ -140,11 +176,10 @@ class Family:
                     heapq.heappush(queue, (float(best[x]), int(x)))
         return [float(b) for b in best]
 
-    def from_nowhere(self, distances: Sequence[float]) -> float:
-        """The same bound when no key has a place."""
+    def _from_nowhere(self, distances: Sequence[float], modules: int) -> float:
         found = (
             edge.cost + min((d for d, t in zip(distances, edge.targets, strict=True) if t), default=math.inf)
-            for edge in self.edges
+            for edge in self.edges(modules)
             if edge.matrix is None
         )
         return min(found, default=math.inf)
@@ -154,13 +189,15 @@ class Family:
 
 
 class Bounds:
-    """Whether static guards may hold when only some variables are known: interval arithmetic on their terms."""
+    """Whether static guards may hold when only some variables are known, and chains have at most so many modules:
+    interval arithmetic on their terms."""
 
-    def __init__(self, guards: Guards) -> None:
+    def __init__(self, guards: Guards, modules: int) -> None:
         self.guards = guards
         geometry = guards.geometry
-        self.longest = geometry.longest_reach()
-        self.modules = len(guards.problem.world.modules)
+        self.longest = geometry.longest_reach(modules)
+        self.single = geometry.longest_reach(1)
+        self.modules = modules
         ends = [geometry.index[name] for name in guards.problem.of_type("effector")]
         radii = [float(geometry.radius(i)) for i in ends] or [0.0]
         self.radii = (min(radii), max(radii))
@@ -218,7 +255,7 @@ class Bounds:
         if term.name == "radius":
             return self._radius(term.args[0], env)
         if term.name == "reach":
-            return 0.0, self.longest
+            return 0.0, self.longest if len(term.args) == 1 else self.single
         if term.name == "length":
             return 1.0, float(max(self.modules, 1))
         return -math.inf, math.inf
@@ -237,6 +274,12 @@ class Bounds:
             known = env[term.name]
             return self.guards.geometry.index[known] if isinstance(known, str) else known
         return None
+
+
+def reads_chains(flat: FlatRule) -> bool:
+    """Whether a condition depends on how long some chain is."""
+    found = (part for formula in flat.conjuncts for part in parts(formula) if isinstance(part, Function))
+    return any(f.name in ("reach", "length") and len(f.args) == 1 for f in found)
 
 
 def families(guards: Guards, costs: Mapping[str, float]) -> list[Family]:

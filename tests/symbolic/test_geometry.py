@@ -66,4 +66,4 @@ def test_reach_is_an_upper_bound() -> None:
     geometry = Geometry(problem([], [module("m[1]", 0, 0, 0), module("m[2]", 1, 0, 0)], (), lit("held", "X")))
     chain = Chain((("m[1]", "m[1].A", "m[1].B"), ("m[2]", "m[2].B", "m[2].A")))
     assert geometry.chain_reach(chain) == pytest.approx(2.1)
-    assert geometry.longest_reach() == pytest.approx(2.1)
+    assert geometry.longest_reach(2) == pytest.approx(2.1)

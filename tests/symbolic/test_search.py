@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tamplang.compiler.ir import And, Chain, Formula, Not, Object, Problem
+from tamplang.compiler.ir import And, Body, Chain, Formula, Not, Object, Problem, Shape
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.search.best_first import Candidate, SkeletonSearch
 from tamplang.runtime.search.skeletons import build_skeleton
 
 from . import variants
-from .problems import climb, lit, pick_and_place
+from .problems import box, climb, lit, module, pick_and_place, problem
 
 METHODS = ("astar", "wastar", "bfs", "guide")
 
@@ -103,6 +103,32 @@ def test_the_estimate_never_exceeds_the_true_cost_on_items(items: int, trays: in
 @pytest.mark.parametrize("name", variants.PROBLEMS)
 def test_the_estimate_never_exceeds_the_true_cost_on_variants(name: str) -> None:
     check_estimate(variants.PROBLEMS[name]())
+
+
+def scattered(modules: int, height: float, apart: float = 0.7) -> Problem:
+    """Plates in a row, a module on every third, and a target that only some modules together reach."""
+    plates = [box(f"plate[{i}]", "base", (0.4, 0.4, 0.05), (apart * i, 0, 0)) for i in range(3 * modules - 2)]
+    target = Body("target", "object", Shape("sphere", (0.04,)), (0, 0, height, 0, 0, 0, 1), True)
+    robots = [module(f"c[{k}]", 3 * apart * k, 0, 0.025) for k in range(modules)]
+    facts = {fact for k in range(modules) for fact in stands(f"c[{k}]", f"plate[{3 * k}]")}
+    return problem([*plates, target], robots, facts | {("grippable", "target")}, lit("held", Object("target")))
+
+
+def stands(name: str, base: str) -> set[tuple[str, ...]]:
+    return {("support", f"{name}.A"), ("on", base, f"{name}.A")}
+
+
+@pytest.mark.parametrize("modules, height", [(2, 0.9), (2, 1.5), (2, 2.1), (2, 4.0), (3, 1.9), (3, 2.8)])
+def test_the_estimate_counts_missing_links(modules: int, height: float) -> None:
+    check_estimate(scattered(modules, height), 4000)
+
+
+def test_links_alone_are_counted_exactly() -> None:
+    for modules in (2, 4, 8):
+        search = started(scattered(modules, 1.1 * modules - 0.3, 0.0))
+        candidate = search.next()
+        assert candidate is not None and candidate.cost == modules == search.value(search.successors.initial)
+        assert search.expanded_nodes == modules
 
 
 @pytest.mark.parametrize("method", METHODS)
