@@ -14,6 +14,8 @@ from .movement import followers
 
 LIMIT = 0.1
 """Radians by which guesses keep away from joint limits."""
+SPREAD = 0.4
+"""The share of a base's top, around its middle, over which guesses spread what is put down there."""
 
 
 def to_tuple(pose: Array) -> Pose:
@@ -41,6 +43,12 @@ def put_effector(module: Module, effector: str, slot: Array, target: Pose) -> No
 def _height(body: Body) -> float:
     """Half the height of a body that lies in its own axes."""
     return body.shape.size[2] / 2 if body.shape.kind == "box" else bounding_radius(body.shape)
+
+
+def _outline(body: Body) -> Array:
+    """Lengths in x and y of the top of a body that lies in its own axes."""
+    width = 2 * body.shape.size[0]
+    return np.array(body.shape.size[:2] if body.shape.kind == "box" else (width, width))
 
 
 class Guess:
@@ -78,6 +86,10 @@ class Guess:
         x, y, z = self.current.bodies[base][:3]
         return (float(x), float(y), float(z) + _height(body) + lift, *turn)
 
+    def _aside(self, base: str) -> Array:
+        """A shift on the middle of a base: two things that lie in the very same place do not push each other away."""
+        return SPREAD * self.random.uniform(-0.5, 0.5, 2) * _outline(self.problem.world.bodies[base])
+
     def advance(self, phase: int) -> Configuration:
         """The guess for the switch of the next phase; call for rising phases."""
         world = self.problem.world
@@ -107,6 +119,7 @@ class Guess:
             elif follower in world.bodies and base in world.bodies:
                 body = world.bodies[follower]
                 self.current.bodies[follower][:] = self._above(base, _height(body), body.pose[3:])
+                self.current.bodies[follower][:2] += self._aside(base)
         for leader, follower in self._relations(mode):
             if follower in carried and follower not in {b for _, b in self._relations(added)}:
                 self.current.bodies[follower][:3] = self._pose(leader)[:3]

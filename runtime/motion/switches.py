@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...compiler.ir import Function, Problem, Row
-from ...compiler.motion.collision import Pair, contacts, keeps_pose
+from ...compiler.motion.collision import Pair, contacts, keeps_pose, pair, standing_clearance
 from ..budget import Budget
 from ..skeleton import Array, Configuration, Skeleton
 from .clearance import ClearanceGroup
@@ -24,6 +24,8 @@ HOMING = 0.1
 VELOCITY = 0.3
 REFRESHES = 4
 """How often pairs that came near during a solve are taken in and the solve is resumed."""
+NEIGHBOUR = 0.006
+"""Metres kept between a thing that touches another one and the body that this one lies on."""
 POLISH = Options(mu=1e4, damping=1e-3, iterations=60)
 
 
@@ -102,14 +104,29 @@ class SwitchProgram:
         touching = contacts(self.skeleton)
         if free:
             contact = touching[self.phases[0]]
-            collisions.add_slice(0, self.phases[0], self._margins(contact.during, contact.start))
+            collisions.add_slice(0, self.phases[0], self._margins(self.phases[0], contact.during, contact.start))
         for slice_, phase in enumerate(self.phases, start=1):
-            margin = self._margins(touching[phase].during, touching[phase].end)
+            margin = self._margins(phase, touching[phase].during, touching[phase].end)
             collisions.add_slice(slice_, phase, margin, before=slice_ - 1)
         return collisions.groups()
 
-    def _margins(self, *exempt: frozenset[Pair]) -> Margins:
-        return Margins(self.settings.switch_margin, dict.fromkeys(sorted(frozenset[Pair]().union(*exempt))))
+    def _margins(self, phase: int, *exempt: frozenset[Pair]) -> Margins:
+        """Contacts are free. What touches a thing may come near to the body that this thing lies on, as on a thin
+        plate, and a module as near to what it stands on as its own foot brings it."""
+        world, usual = self.problem.world, self.settings.switch_margin
+        touching = sorted(frozenset[Pair]().union(*exempt))
+        kept = (keeps_pose(self.problem, literal) for literal in sorted(self.skeleton.phases[phase].mode))
+        lies_on = {upper: lower for lower, upper in (k for k in kept if k) if {lower, upper} <= world.bodies.keys()}
+        special: dict[Pair, float | None] = {}
+        for one, other in (*touching, *(p[::-1] for p in touching)):
+            if other in lies_on:
+                special[pair(one, lies_on[other])] = min(usual, NEIGHBOUR)
+            foot = world.effector(one)
+            if foot:
+                clearance = standing_clearance(foot[0].type, foot[1].name)
+                if clearance < usual:
+                    special[pair(foot[0].name, other)] = clearance
+        return Margins(usual, special | dict.fromkeys(touching))
 
     def program(self) -> Program:
         """The program over the pairs that take part at present."""
