@@ -14,6 +14,7 @@ from ..langs.reader import read_source
 from ..langs.source import Source
 from .checks.findings import Findings
 from .library import Library, build_library
+from .urdf_files import load_urdf, urdf_path
 
 STANDARD = "std"
 STANDARD_FOLDER = Path(__file__).parent.parent / "stdlib"
@@ -21,13 +22,16 @@ EXTENSION = ".tamp"
 
 
 class _Loader:
-    """Follows imports depth first. `given` holds texts that need no disk, by path."""
+    """Follows imports depth first. `given` holds texts that need no disk, by path; `unfit` is what is wrong with URDF
+    files, which hides no declaration."""
 
     def __init__(self, given: Mapping[str, Source]) -> None:
         self.given = given
         self.sources: dict[str, Source] = {}
         self.files: dict[str, syntax.File] = {}
+        self.urdfs: dict[str, Source] = {}
         self.diagnostics: list[Diagnostic] = []
+        self.unfit: list[Diagnostic] = []
         self.open: list[str] = []
 
     def load(self, source: Source) -> None:
@@ -39,7 +43,16 @@ class _Loader:
         for declaration in file.declarations:
             if isinstance(declaration, syntax.Import):
                 self.follow(source, declaration)
+            elif isinstance(declaration, syntax.ModuleDecl) and declaration.urdf is not None:
+                self.read_urdf(source, declaration)
         self.open.pop()
+
+    def read_urdf(self, importer: Source, module: syntax.ModuleDecl) -> None:
+        path = urdf_path(importer.path, module)
+        if path not in self.urdfs:
+            found, diagnostics = load_urdf(path, module, self.given)
+            self.unfit += diagnostics
+            self.urdfs.update({} if found is None else {path: found})
 
     def follow(self, importer: Source, declaration: syntax.Import) -> None:
         path = resolved(importer.path, declaration)
@@ -121,11 +134,14 @@ def load_sources(sources: Sequence[Source]) -> tuple[Library, Findings, bool]:
     text could be parsed without errors."""
     loader = _Loader({s.path: s for s in sources[1:]})
     loader.load(sources[0])
-    findings = Findings(loader.sources.values())
+    findings = Findings([*loader.sources.values(), *loader.urdfs.values()])
     for diagnostic in loader.diagnostics:
         findings.add(diagnostic)
     parsed = not findings.has_errors
-    library = build_library(tuple(loader.sources.values()), tuple(loader.files.values()), findings)
+    for diagnostic in loader.unfit:
+        findings.add(diagnostic)
+    texts = tuple(loader.sources.values()), tuple(loader.urdfs.values())
+    library = build_library(*texts, tuple(loader.files.values()), findings)
     return library, findings, parsed
 
 

@@ -41,9 +41,10 @@ class Signature:
 
 @dataclass(frozen=True, slots=True)
 class Library:
-    """Parsed files, the main one first, and their declarations."""
+    """Parsed files, the main one first, and their declarations. `urdfs` are the texts that module types come from."""
 
     sources: tuple[Source, ...]
+    urdfs: tuple[Source, ...]
     files: tuple[syntax.File, ...]
     types: Mapping[str, str | None]
     type_spans: Mapping[str, Span]
@@ -99,7 +100,9 @@ class _Tables:
         )
 
 
-def build_library(sources: tuple[Source, ...], files: tuple[syntax.File, ...], findings: Findings) -> Library:
+def build_library(
+    sources: tuple[Source, ...], urdfs: tuple[Source, ...], files: tuple[syntax.File, ...], findings: Findings
+) -> Library:
     """The tables of `files`. Reports names declared twice, built-in names declared again, unknown parents of types and
     types that are below themselves."""
     tables = _Tables(files, findings)
@@ -110,6 +113,7 @@ def build_library(sources: tuple[Source, ...], files: tuple[syntax.File, ...], f
     types, spans = _types(tables.of(syntax.TypeDecl), modules, tables)
     return Library(
         sources,
+        urdfs,
         files,
         types,
         spans,

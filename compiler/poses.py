@@ -62,6 +62,11 @@ def yaw(angle: float) -> Quaternion:
     return about((0.0, 0.0, 1.0), angle)
 
 
+def roll_pitch_yaw(roll: float, pitch: float, turn: float) -> Quaternion:
+    """Turns about the fixed x-, y- and z-axes, in this order, radians: the `rpy` of URDF."""
+    return product(yaw(turn), product(about((0.0, 1.0, 0.0), pitch), about((1.0, 0.0, 0.0), roll)))
+
+
 def between(a: Vec3, b: Vec3) -> Quaternion:
     """The smallest turn that takes the unit vector `a` to the unit vector `b`; a half turn is made about x, or about y
     where `a` lies along x."""

@@ -198,10 +198,15 @@ class TreeBuilder(TermBuilder):
         span, children = self.span(tree), tree.children
         match str(tree.data):
             case "effector_item":
-                name, kind, shape, at, normal = children
-                made = self.text(shape) if isinstance(shape, Token) else self.call(_tree(shape))
+                name, kind, *link, shape, at, normal = children
                 return s.EffectorItem(
-                    str(name), _word(kind), made, self.maybe_term(at), self.maybe_term(normal), span=span
+                    str(name),
+                    _word(kind),
+                    self.text(link[0]) if link and isinstance(link[0], Token) else None,
+                    None if shape is None else self.call(_tree(shape)),
+                    self.maybe_term(at),
+                    self.maybe_term(normal),
+                    span=span,
                 )
             case "joint_item":
                 name, call, limits, home, speed = children

@@ -204,18 +204,33 @@ CODES: dict[str, CodeInfo] = {
     "E0510": CodeInfo("too many objects", "scene", "The loops of the scene make more things than can be planned for."),
     "E0511": CodeInfo("more than one", "scene", "A task has at most one guide."),
     "E0512": CodeInfo("scene uses itself", "scene", "A scene cannot contain itself, directly or through others."),
+    "E0513": CodeInfo("unreadable URDF", "scene",
+        "The file of a module from a URDF is missing, or is not XML with one `robot`.",
+        'module arm from urdf "amr.urdf" { … }', 'module arm from urdf "arm.urdf" { … }'),
+    "E0514": CodeInfo("unfit URDF", "scene",
+        "The links of a URDF form one tree, its joints are revolute, continuous, prismatic or fixed, with limits, and "
+        "its collision shapes are box, sphere, cylinder, capsule or mesh."),
+    "E0515": CodeInfo("mesh not found", "scene",
+        "A collision shape of a URDF is a mesh whose file is missing or cannot be read."),
     "S0001": CodeInfo("infeasible", "outcome", "It is proved that no sequence of actions reaches the goal."),
     "S0002": CodeInfo("exhausted", "outcome",
         "Every candidate sequence was refused by the motion solver; this is no proof."),
     "S0003": CodeInfo("budget spent", "outcome", "Time or nodes were spent before a plan was found."),
     "S0004": CodeInfo("plan refused", "outcome", "The verifier measured a violation in the plan."),
     "S0005": CodeInfo("interrupted", "outcome", "The user ended the run."),
+    "S0006": CodeInfo("no cluster", "outcome",
+        "No cluster answers at the address, or its workers are not fit for the work: each runs one thread, and has the "
+        "same version of tamplang."),
+    "S0007": CodeInfo("work lost", "outcome",
+        "The process that had the work ended before it was done, and so did the one that took over; the system may "
+        "have run out of memory."),
     "W0001": CodeInfo("deletes what nothing adds", "warning",
         "No rule, fact or placement ever adds a literal that fits."),
     "W0002": CodeInfo("never read", "warning", "No condition, goal or derived predicate reads this predicate."),
     "W0003": CodeInfo("rule can never fire", "warning", "Its conditions cannot hold, even if nothing is ever deleted."),
     "W0004": CodeInfo("negative cycle", "warning", "Actions that cancel each other make the heuristic ever smaller."),
     "W0005": CodeInfo("unused parameter", "warning", "The declaration never uses this parameter."),
+    "W0006": CodeInfo("mesh as a box", "warning", "Collisions of a mesh are checked with its bounding box."),
 }
 
 

@@ -350,11 +350,13 @@ class HeuristicDecl(Node):
 
 @dataclass(frozen=True, slots=True)
 class EffectorItem(Node):
-    """`effector A: port sphere(0.05 m) at (0, 0, 0) normal (0, 0, -1)`; `shape` may be Text in a URDF module."""
+    """`effector A: port sphere(0.05 m) at (0, 0, 0) normal (0, 0, -1)`, or in a module from a URDF, with the name of a
+    link, `effector A: port "tool0" sphere(4 cm)`. Without `shape` it is the shape of the link."""
 
     name: str
     type: str | None
-    shape: Call | Text
+    link: Text | None
+    shape: Call | None
     at: Term | None
     normal: Term | None
 

@@ -102,5 +102,5 @@ def _problem(
         goal=goal,
         world=ir.World(built.modules, bodies),
         options=built.options,
-        sources=library.sources,
+        sources=library.sources + library.urdfs,
     )

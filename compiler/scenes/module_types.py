@@ -19,8 +19,10 @@ from ..checks.formulas import check_literal
 from ..checks.kinds import LENGTH, NUMBER
 from ..checks.names import Entry, Family, Objects, Scope
 from ..checks.values import LINK_SHAPES, number, parameter_entries, shape, vector
-from ..poses import between, make, unit
+from ..poses import between, make, orientation, unit
+from ..urdf_files import urdf_path
 from .joints import lower_joint
+from .urdf import End, build_urdf
 
 UP: ir.Vec3 = (0.0, 0.0, 1.0)
 
@@ -62,17 +64,46 @@ def check_modules(context: Context) -> None:
 
 def build_module(context: Context, module: syntax.ModuleDecl, scope: Scope, name: str) -> BuiltModule | None:
     """The kinematics of `module` with the parameters of `scope`; None where values are missing or wrong."""
-    if module.urdf is not None:
-        context.findings.report("E0508", module.urdf.span, "modules are described in the language; URDF is not read")
-        return None
     line = _Line()
     items = module.flat()
     ends = {i.name: Family(i.type or "effector", 0, i.span) for i in items if isinstance(i, syntax.EffectorItem)}
     inner = Scope("scene", scope.entries, Objects(ends), scope.values_known)
+    if module.urdf is not None:
+        return _from_urdf(context, inner, module, name)
     facts = _add_items(context, inner, module.items, line)
     if not line.complete:
         return None
     return BuiltModule(ir.ModuleType(name, tuple(line.joints), tuple(line.effectors), tuple(line.links)), tuple(facts))
+
+
+def _from_urdf(context: Context, scope: Scope, module: syntax.ModuleDecl, name: str) -> BuiltModule | None:
+    """A module whose joints, links and shapes a URDF gives, with the effectors and facts of the declaration."""
+    facts, ends = [], []
+    for item in module.items:
+        if isinstance(item, syntax.FactItem):
+            literal = check_literal(context, scope, item.literal)
+            facts += [literal] if literal is not None else []
+        elif isinstance(item, syntax.EffectorItem):
+            end = _urdf_end(context, scope, item)
+            ends += [end] if end is not None else []
+        else:
+            context.findings.report("E0508", item.span, "joints and links of this module come from its URDF")
+    path = urdf_path(module.span.file, module)
+    source = next((s for s in context.library.urdfs if s.path == path), None)
+    complete = source is not None and len(ends) == sum(isinstance(i, syntax.EffectorItem) for i in module.items)
+    built = build_urdf(context, module, source, ends, name) if source is not None and complete else None
+    return None if built is None else BuiltModule(built, tuple(facts))
+
+
+def _urdf_end(context: Context, scope: Scope, item: syntax.EffectorItem) -> End | None:
+    kind = effector_kind(context, item)
+    place = effector_place(context, scope, item)
+    form = None if item.shape is None else shape(context, scope, item.shape)
+    if item.link is None:
+        help = f'write `effector {item.name}: "LINK"`'
+        context.findings.report("E0508", item.span, "an effector of this module names a link of its URDF", help=help)
+        return None
+    return None if place is None or (form is None and item.shape is not None) else End(item, kind, place, form)
 
 
 def _add_items(
@@ -114,27 +145,41 @@ def _check_names(context: Context, module: syntax.ModuleDecl) -> None:
 
 
 def _add_effector(context: Context, scope: Scope, item: syntax.EffectorItem, line: _Line) -> None:
-    findings = context.findings
-    kind = item.type or "effector"
+    kind = effector_kind(context, item)
+    place = effector_place(context, scope, item)
+    form = None if item.shape is None else shape(context, scope, item.shape)
+    if item.link is not None:
+        context.findings.report("E0508", item.link.span, "only a module from a URDF has links with names")
+    if form is None or place is None:
+        line.complete = False
+        return
+    line.effectors.append(ir.Effector(item.name, kind, line.parent, _shifted(place, line.offset), form))
+
+
+def effector_kind(context: Context, item: syntax.EffectorItem) -> str:
+    """The type of an effector, checked."""
+    findings, kind = context.findings, item.type or "effector"
     if kind not in context.library.types:
         findings.unknown("E0102", "type", kind, findings.word(item.span, kind), context.library.types)
     elif not context.library.is_a(kind, "effector"):
         findings.report("E0202", findings.word(item.span, kind), f"`{kind}` is not a type of effectors")
-    if isinstance(item.shape, syntax.Text):
-        findings.report("E0509", item.shape.span, "an effector has a shape here, such as `sphere(5 cm)`")
-        line.complete = False
-        return
-    form = shape(context, scope, item.shape)
+    return kind
+
+
+def effector_place(context: Context, scope: Scope, item: syntax.EffectorItem) -> ir.Pose | None:
+    """Where an effector is, from the frame at which it is declared; its z-axis is the normal."""
     at = (0.0, 0.0, 0.0) if item.at is None else vector(context, scope, item.at, 3, LENGTH, "`at` of an effector")
     normal = UP if item.normal is None else vector(context, scope, item.normal, 3, NUMBER, "a normal")
     direction = unit(normal) if normal is not None else None
     if item.normal is not None and normal is not None and direction is None:
-        findings.report("E0508", item.normal.span, "a normal cannot be the zero vector")
-    if form is None or at is None or direction is None:
-        line.complete = False
-        return
-    place = (line.offset[0] + at[0], line.offset[1] + at[1], line.offset[2] + at[2])
-    line.effectors.append(ir.Effector(item.name, kind, line.parent, make(place, between(UP, direction)), form))
+        context.findings.report("E0508", item.normal.span, "a normal cannot be the zero vector")
+    if at is None or direction is None:
+        return None
+    return make((at[0], at[1], at[2]), between(UP, direction))
+
+
+def _shifted(pose: ir.Pose, offset: ir.Vec3) -> ir.Pose:
+    return make((offset[0] + pose[0], offset[1] + pose[1], offset[2] + pose[2]), orientation(pose))
 
 
 def _add_joint(context: Context, scope: Scope, item: syntax.JointItem, line: _Line) -> None:

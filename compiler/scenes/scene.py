@@ -65,6 +65,7 @@ class SceneBuilder:
         self.objects = objects
         self.built = BuiltScene()
         self.spans: dict[str, Span] = {}
+        self.unplaced: set[str] = set()
         self.module_types: dict[tuple[str, tuple[float | None, ...]], BuiltModule | None] = {}
         self.open_scenes: list[str] = []
         self.full = False
@@ -183,12 +184,15 @@ class SceneBuilder:
         name = self.name(scope, item.name)
         form = shape(self.context, scope, item.shape)
         pose = self.body_pose(scope, item, form)
-        if name is None or form is None or pose is None:
+        if name is None:
+            return
+        assert self.objects.ground is not None
+        self.objects.ground[name] = item.type
+        if form is None or pose is None:
+            self.unplaced.add(name)
             return
         place, support = pose
         self.built.bodies[name] = ir.Body(name, item.type, form, place, False, item.span)
-        assert self.objects.ground is not None
-        self.objects.ground[name] = item.type
         if support is not None:
             self.built.standing.append(Standing(name, item.type, support.name, support.type, item.span))
 
@@ -233,6 +237,8 @@ class SceneBuilder:
             return None
         body = self.built.bodies.get(typed.term.name)
         if body is None:
+            if typed.term.name in self.unplaced:
+                return None
             if scope.values_known or not self.context.library.is_a(typed.kind.type, "object"):
                 self.findings.report("E0501", term.span, f"`{typed.term.name}` is not a body that can carry something")
             return None

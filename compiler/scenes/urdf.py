@@ -1,0 +1,264 @@
+"""Module types from URDF texts: Pinocchio reads the tree of joints and links, the collision shapes come from the text.
+
+The module frame is the root link. Fixed joints vanish into the links that they join.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree
+
+from ...langs import syntax
+from ...langs.source import Source
+from .. import ir
+from ..checks.context import Context
+from ..poses import compose, make, roll_pitch_yaw, unit
+from ..urdf_files import three
+
+if TYPE_CHECKING:
+    import pinocchio
+
+KINDS = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic", "fixed": "fixed"}
+SPEEDS = {"revolute": 2.0, "prismatic": 0.5}
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """An effector of the declaration: its type, its place in the frame of the link, and its shape, if given."""
+
+    item: syntax.EffectorItem
+    type: str
+    place: ir.Pose
+    shape: ir.Shape | None
+
+
+class _Unfit(Exception):
+    """The URDF cannot be a module; the message says why."""
+
+    def __init__(self, code: str, message: str, help: str | None = None) -> None:
+        super().__init__(message)
+        self.code, self.help = code, help
+
+
+def build_urdf(
+    context: Context, module: syntax.ModuleDecl, source: Source, ends: Sequence[End], name: str
+) -> ir.ModuleType | None:
+    """The module type of a URDF text with the effectors `ends`; None after reporting what is unfit."""
+    assert module.urdf is not None
+    try:
+        robot = _read(source)
+        model = _model(robot)
+        frames = _link_frames(model)
+        links = [shape for link in robot.iter("link") for shape in _shapes(link, frames)]
+    except _Unfit as mistake:
+        context.findings.report(mistake.code, module.urdf.span, f"{source.path}: {mistake}", help=mistake.help)
+        return None
+    placed = [_effector(context, end, frames, links) for end in ends]
+    taken = [p[1] for p in placed if p is not None]
+    kept = tuple(s.link for s in links if s not in taken)
+    effectors = tuple(p[0] for p in placed if p is not None)
+    return ir.ModuleType(name, _joints(robot, model), effectors, kept) if len(effectors) == len(ends) else None
+
+
+# --- the text ------------------------------------------------------------------------------------------------------
+
+
+def _read(source: Source) -> ElementTree.Element:
+    """The checked text: one tree of links by joints of known kinds, with limits."""
+    try:
+        robot = ElementTree.fromstring(source.text)
+    except ElementTree.ParseError as error:
+        line, column = error.position
+        raise _Unfit("E0513", f"this is not XML from line {line}, column {column + 1} on") from None
+    if robot.tag != "robot":
+        raise _Unfit("E0513", f"a URDF is one `robot`, not `{robot.tag}`")
+    links = [e.get("name", "") for e in robot.findall("link")]
+    joints = robot.findall("joint")
+    names = [*links, *(j.get("name", "") for j in joints)]
+    for kind, listed in (("link", links), ("joint", names[len(links) :])):
+        twice = next((n for n in listed if listed.count(n) > 1), None)
+        if twice is not None:
+            raise _Unfit("E0514", f"two {kind}s are named `{twice}`")
+    children = [_check_joint(j, links) for j in joints]
+    roots = [n for n in links if n not in children]
+    twice = next((n for n in children if children.count(n) > 1), None)
+    if twice is not None:
+        raise _Unfit("E0514", f"link `{twice}` hangs on two joints")
+    if len(roots) != 1:
+        listing = ", ".join(f"`{r}`" for r in roots) or "none"
+        raise _Unfit("E0514", f"a module has one root link, here there are {len(roots)}: {listing}")
+    return robot
+
+
+def _check_joint(joint: ElementTree.Element, links: Sequence[str]) -> str:
+    """The child link of a joint, which must be of a known kind, with fitting limits."""
+    name, kind = joint.get("name", ""), joint.get("type", "")
+    if kind not in KINDS:
+        raise _Unfit("E0514", f"joint `{name}` is of type `{kind}`", "joints are " + ", ".join(KINDS))
+    if joint.find("mimic") is not None:
+        raise _Unfit("E0514", f"joint `{name}` follows another one by `mimic`", "give it the type fixed")
+    for end in ("parent", "child"):
+        element = joint.find(end)
+        link = "" if element is None else element.get("link", "")
+        if link not in links:
+            raise _Unfit("E0514", f"joint `{name}` has no {end} link `{link}`")
+    axis = joint.find("axis")
+    if kind != "fixed" and axis is not None and unit(_three(axis, "xyz")) is None:
+        raise _Unfit("E0514", f"the axis of joint `{name}` is zero")
+    if KINDS[kind] == "prismatic" or kind == "revolute":
+        limit = joint.find("limit")
+        if limit is None or not _number(limit, "lower", "0") < _number(limit, "upper", "0"):
+            raise _Unfit("E0514", f"joint `{name}` lacks limits with lower < upper")
+    return link
+
+
+def _number(element: ElementTree.Element, name: str, default: str | None = None) -> float:
+    text = element.get(name, default)
+    try:
+        value = float(text or "")
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise _Unfit("E0514", f"`{name}` of a `{element.tag}` is not a number: {text}")
+    return value
+
+
+def _three(element: ElementTree.Element | None, name: str) -> ir.Vec3:
+    try:
+        return three(element, name)
+    except ValueError:
+        raise _Unfit("E0514", f"`{name}` of an `origin`, `axis` or `box` is not three numbers") from None
+
+
+# --- kinematics ----------------------------------------------------------------------------------------------------
+
+
+def _model(robot: ElementTree.Element) -> pinocchio.Model:
+    """Pinocchio's model of the tree; what only draws or weighs is left out."""
+    import pinocchio
+
+    bare = ElementTree.Element("robot", name=robot.get("name", "robot"))
+    for element in robot:
+        if element.tag == "link":
+            bare.append(ElementTree.Element("link", name=element.get("name", "")))
+        elif element.tag == "joint":
+            bare.append(deepcopy(element))
+    for joint in bare.iter("joint"):
+        for limit in joint.iter("limit"):
+            limit.attrib = {"effort": "1", "velocity": "0", **limit.attrib}
+    try:
+        return pinocchio.buildModelFromXML(ElementTree.tostring(bare, encoding="unicode"))
+    except (ValueError, RuntimeError) as error:
+        raise _Unfit("E0514", f"Pinocchio refuses it: {error}") from None
+
+
+def _pose(placement: pinocchio.SE3) -> ir.Pose:
+    import pinocchio
+
+    x, y, z, qx, qy, qz, qw = (float(v) for v in pinocchio.SE3ToXYZQUAT(placement))
+    return x, y, z, qx, qy, qz, qw
+
+
+def _link_frames(model: pinocchio.Model) -> dict[str, tuple[int, ir.Pose]]:
+    """The joint that carries each link, -1 for the root, and the link's frame on it."""
+    import pinocchio
+
+    body = pinocchio.FrameType.BODY
+    return {f.name: (int(f.parentJoint) - 1, _pose(f.placement)) for f in model.frames if f.type == body}
+
+
+def _joints(robot: ElementTree.Element, model: pinocchio.Model) -> tuple[ir.Joint, ...]:
+    declared = {j.get("name", ""): j for j in robot.findall("joint")}
+    made = []
+    for index in range(1, model.njoints):
+        element = declared[model.names[index]]
+        kind = KINDS[element.get("type", "")]
+        limit = element.find("limit")
+        lower, upper = -2 * math.pi, 2 * math.pi
+        if element.get("type") != "continuous" and limit is not None:
+            lower, upper = _number(limit, "lower", "0"), _number(limit, "upper", "0")
+        speed = 0.0 if limit is None else _number(limit, "velocity", "0")
+        axis = element.find("axis")
+        made.append(
+            ir.Joint(
+                model.names[index],
+                kind,
+                int(model.parents[index]) - 1,
+                _pose(model.jointPlacements[index]),
+                (1.0, 0.0, 0.0) if axis is None else unit(_three(axis, "xyz")) or (1.0, 0.0, 0.0),
+                lower,
+                upper,
+                0.0 if lower <= 0 <= upper else (lower + upper) / 2,
+                speed if speed > 0 else SPEEDS[kind],
+            )
+        )
+    return tuple(made)
+
+
+# --- shapes --------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _LinkShape:
+    """A collision shape of the link `name`."""
+
+    name: str
+    link: ir.Link
+
+
+def _shapes(link: ElementTree.Element, frames: Mapping[str, tuple[int, ir.Pose]]) -> list[_LinkShape]:
+    name = link.get("name", "")
+    joint, frame = frames[name]
+    found = []
+    for collision in link.findall("collision"):
+        origin = collision.find("origin")
+        place = make(_three(origin, "xyz"), roll_pitch_yaw(*_three(origin, "rpy")))
+        geometry = collision.find("geometry")
+        forms = [] if geometry is None else list(geometry)
+        if len(forms) != 1:
+            raise _Unfit("E0514", f"a collision element of link `{name}` has no shape")
+        found.append(_LinkShape(name, ir.Link(joint, compose(frame, place), _shape(name, forms[0]))))
+    return found
+
+
+def _shape(link: str, form: ElementTree.Element) -> ir.Shape:
+    if form.tag == "box":
+        size: tuple[float, ...] = _three(form, "size")
+    elif form.tag in ("sphere", "capsule", "cylinder"):
+        size = tuple(_number(form, n) for n in ("radius", "length")[: 1 if form.tag == "sphere" else 2])
+    elif form.tag == "mesh":
+        raise _Unfit("E0515", f"the mesh of link `{link}` was not found")
+    else:
+        raise _Unfit("E0514", f"link `{link}` has a collision shape `{form.tag}`")
+    if min(size) <= 0:
+        raise _Unfit("E0514", f"the {form.tag} of link `{link}` has a size of {min(size):g} m")
+    return ir.Shape(form.tag, size)
+
+
+def _effector(
+    context: Context, end: End, frames: Mapping[str, tuple[int, ir.Pose]], shapes: Sequence[_LinkShape]
+) -> tuple[ir.Effector, _LinkShape | None] | None:
+    """The effector, and the shape of its link that it takes over where it has none of its own."""
+    link = end.item.link
+    assert link is not None
+    if link.value not in frames:
+        context.findings.unknown("E0117", "link", link.value, link.span, frames)
+        return None
+    joint, frame = frames[link.value]
+    own = ir.Effector(end.item.name, end.type, joint, compose(frame, end.place), end.shape)
+    if end.shape is not None:
+        return own, None
+    candidates = [s for s in shapes if s.name == link.value]
+    if len(candidates) != 1 or end.item.at is not None or end.item.normal is not None:
+        help = f'write `effector {end.item.name}: "{link.value}" sphere(4 cm)`'
+        message = f"this effector needs a shape: link `{link.value}` has {len(candidates)} collision shapes"
+        if len(candidates) == 1:
+            message = "an effector with a place or normal of its own needs a shape of its own"
+        context.findings.report("E0509", end.item.span, message, help=help)
+        return None
+    only = candidates[0]
+    return replace(own, placement=only.link.placement, shape=only.link.shape), only

@@ -1,0 +1,125 @@
+"""Modules with planar joints, branches and more than two effectors, and modules taken from URDF texts."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tamplang.compiler import ir
+from tamplang.compiler.pipeline import check, compile_problem, compile_sources, compile_text
+from tamplang.compiler.poses import effector_pose, position
+
+PROGRAMS = Path(__file__).parents[1] / "programs"
+
+WAGON = """
+import std.logic
+predicate (lit)
+rule light() { pre not (lit) post (lit) }
+module wagon(side: length = 50 cm) {
+    joint drive: planar(x, y) in (-5 m, -4 m) .. (5 m, 4 m) home (1 m, 0 m) speed 0.8 m/s
+    link 6 cm: box(side, side)
+    effector hook: gripper sphere(2 cm) at (side / 2, 0, -3 cm) normal (1, 0, 0)
+    branch {
+        link (side / 2, side / 2, 0)
+        joint lift: prismatic(z) in 0 m .. 10 cm
+        link 10 cm: cylinder(2 cm)
+        effector left: gripper sphere(4 cm)
+        branch {
+            joint tilt: revolute(y) in -1 rad .. 1 rad
+            link 20 cm
+            effector tip: gripper sphere(4 cm)
+        }
+    }
+    link 20 cm: cylinder(2 cm)
+    effector top: gripper sphere(4 cm)
+}
+task haul() {
+    base floor: box(4 m, 4 m, 5 cm) at (0, 0, 0)
+    wagon w: at (0, 0, 30 cm)
+    goal (lit)
+}
+"""
+
+
+def test_planar_joint_and_branches() -> None:
+    problem, _ = compile_text(WAGON)
+    module = problem.world.modules["w"].type
+    assert [(j.name, j.kind, j.parent) for j in module.joints] == [
+        ("drive.x", "prismatic", -1),
+        ("drive.y", "prismatic", 0),
+        ("drive.turn", "revolute", 1),
+        ("lift", "prismatic", 2),
+        ("tilt", "revolute", 3),
+    ]
+    assert [(j.lower, j.upper, j.home, j.speed) for j in module.joints[:2]] == [(-5, 5, 1, 0.8), (-4, 4, 0, 0.8)]
+    assert [(e.name, e.joint) for e in module.effectors] == [("hook", 2), ("left", 3), ("tip", 4), ("top", 2)]
+    quarter = math.pi / 2
+    values = [1.0, 2.0, quarter, 0.05, quarter / 2]
+    tip = position(effector_pose(module, "tip", values))
+    assert tip == pytest.approx((1 - 0.25, 2 + 0.25 + 0.2 * math.sin(quarter / 2), 0.21 + 0.2 * math.cos(quarter / 2)))
+    assert position(effector_pose(module, "top", values)) == pytest.approx((1, 2, 0.26))
+    assert position(effector_pose(module, "hook", values)) == pytest.approx((1, 2.25, 0.03))
+
+
+def test_module_from_urdf(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(PROGRAMS / "good")
+    problem, warnings = compile_problem("arm_from_urdf.tamp")
+    module = problem.world.modules["a"].type
+    assert warnings == ()
+    assert [(j.name, j.kind, j.parent, j.home) for j in module.joints] == [
+        ("waist", "revolute", -1, 0.0),
+        ("elbow", "revolute", 0, 0.0),
+        ("reach", "prismatic", 1, 0.15),
+    ]
+    assert [link.shape.kind for link in module.links] == ["cylinder", "capsule", "box"]
+    assert module.effector("tool").shape == ir.Shape("sphere", (0.03,))
+    turn, reach = 0.5 + 0.4, 0.3 + 0.2 + 0.1
+    tool = position(effector_pose(module, "tool", [0.0, 0.4, 0.2]))
+    assert tool == pytest.approx((reach * math.sin(turn), 0, 0.52 + reach * math.cos(turn)))
+
+
+def test_problem_from_urdf_compiles_again_without_the_disk(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(PROGRAMS / "good")
+    problem, _ = compile_problem("arm_from_urdf.tamp")
+    monkeypatch.chdir(tmp_path)
+    again, _ = compile_sources(problem.sources)
+    assert again == problem
+
+
+def _write_stl(path: Path, corners: np.ndarray) -> None:
+    lines = ["solid wedge"]
+    for a, b, c in ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3)):
+        lines += ["facet normal 0 0 1", "outer loop"]
+        lines += ["vertex " + " ".join(map(str, corners[i])) for i in (a, b, c)]
+        lines += ["endloop", "endfacet"]
+    path.write_text("\n".join([*lines, "endsolid wedge"]))
+
+
+def test_mesh_becomes_its_bounding_box(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "meshes").mkdir()
+    _write_stl(tmp_path / "meshes" / "wedge.stl", np.array([[0, 0, 0], [2, 0, 0], [0, 4, 0], [0, 0, 6.0]]))
+    Path("arm.urdf").write_text("""<robot name="arm"><link name="base"><collision>
+        <origin xyz="1 0 0" rpy="0 0 1.5707963267948966"/>
+        <geometry><mesh filename="package://arm/meshes/wedge.stl" scale="0.1 0.1 0.1"/></geometry>
+        </collision></link></robot>""")
+    Path("task.tamp").write_text("""module arm from urdf "arm.urdf" { effector A: "base" sphere(1 cm) }
+        predicate (lit)
+        rule light() { pre not (lit) post (lit) }
+        task t() { arm a: at (0, 0, 0) goal (lit) }""")
+    problem, warnings = compile_problem("task.tamp")
+    assert [(w.code, w.message) for w in warnings] == [
+        ("W0006", 'the mesh "package://arm/meshes/wedge.stl" is approximated by its bounding box')
+    ]
+    (link,) = problem.world.modules["a"].type.links
+    assert link.shape.size == pytest.approx((0.2, 0.4, 0.6))
+    assert position(link.placement) == pytest.approx((1 - 0.2, 0.1, 0.3))
+    assert check("task.tamp") == warnings
+    Path("arm.urdf").unlink()
+    (tmp_path / "meshes" / "wedge.stl").unlink()
+    assert compile_sources(problem.sources) == (problem, ())
