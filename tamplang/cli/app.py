@@ -11,6 +11,7 @@ from .develop import bench, explain, lsp
 from .new import new
 from .plans import report, verify
 from .solve import solve
+from .sweep import sweep
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -19,5 +20,5 @@ def application() -> None:
     """A language and toolchain for task and motion planning of modular, self-reconfiguring robots."""
 
 
-for _command in (new, check, solve, verify, report, compile_command, explain, fmt, lsp, bench):
+for _command in (new, check, solve, sweep, verify, report, compile_command, explain, fmt, lsp, bench):
     application.add_command(_command)

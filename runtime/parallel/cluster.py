@@ -1,0 +1,117 @@
+"""The processes of a `distributed` cluster, an optional extra."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future
+from importlib import import_module
+from typing import Any, ParamSpec, TypeVar
+
+from ... import __version__
+from .side import Side, WorkerLost, WorkFailed, attempt, settle
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+ANSWER_SECONDS = 5.0
+"""How long a cluster has to answer, at each step of the connection."""
+
+
+class ClusterUnavailable(Exception):
+    """There is no cluster to work on; `hint` says what to do."""
+
+    def __init__(self, message: str, hint: str) -> None:
+        super().__init__(message, hint)
+        self.message, self.hint = message, hint
+
+    def __str__(self) -> str:
+        return self.message
+
+
+class Cluster(Side):
+    """Computes on the processes of a `distributed` cluster. Its scheduler gives the work of a lost process to others,
+    and gives up after some losses (its setting `allowed-failures`)."""
+
+    def __init__(self, address: str) -> None:
+        self._client = _connected(address)
+        self._executor = self._client.get_executor(pure=False)
+        self._address = address
+
+    @property
+    def width(self) -> int:
+        return 2 * max(1, len(self._client.nthreads()))
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        future: Future[T] = Future()
+
+        def finish(inner: Future[Any]) -> None:
+            if inner.cancelled():
+                future.set_exception(WorkerLost(f"the cluster at {self._address} dropped the work"))
+            elif (error := inner.exception()) is not None:
+                future.set_exception(WorkerLost(f"the cluster gave the work up: {error}"))
+            else:
+                settle(future, inner.result())
+
+        self._executor.submit(_attempt_alone, fn, *args, **kwargs).add_done_callback(finish)
+        return future
+
+    def kill(self) -> None:
+        self._executor.shutdown(wait=False)
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        self._executor.shutdown(wait=wait and not cancel_futures)
+        self._client.close()
+
+
+_alone = threading.Lock()
+
+
+def _attempt_alone(function: Callable[..., T], /, *args: Any, **kwargs: Any) -> tuple[T | None, WorkFailed | None]:
+    """`attempt` on a cluster, where a process may have got several threads since it was looked at."""
+    with _alone:
+        return attempt(function, *args, **kwargs)
+
+
+def _connected(address: str) -> Any:
+    """A client of the cluster at `address`, whose processes are fit for the work. Raises ClusterUnavailable."""
+    try:
+        distributed = import_module("distributed")
+    except ImportError as error:
+        hint = "install the extra `cluster`: pip install 'tamplang[cluster]'"
+        raise ClusterUnavailable("a cluster needs the package `distributed`, which is missing", hint) from error
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    try:
+        client = distributed.Client(address, timeout=ANSWER_SECONDS, set_as_default=False)
+    except (OSError, ValueError) as error:
+        hint = "start it with `dask scheduler`, and give the address that it prints, such as tcp://127.0.0.1:8786"
+        raise ClusterUnavailable(f"no cluster answers at {address}", hint) from error
+    try:
+        _check_workers(client)
+    except ClusterUnavailable:
+        client.close()
+        raise
+    return client
+
+
+def _check_workers(client: Any) -> None:
+    start = f"start some with `dask worker {client.scheduler.address} --nworkers N --nthreads 1`"
+    try:
+        client.wait_for_workers(1, timeout=ANSWER_SECONDS)
+    except TimeoutError as error:
+        raise ClusterUnavailable("the cluster has no workers", start) from error
+    if any(threads > 1 for threads in client.nthreads().values()):
+        raise ClusterUnavailable("the workers of the cluster have several threads", start)
+    install = f"install tamplang {__version__} where the workers run"
+    try:
+        versions = set(client.run(installed_version).values())
+    except ImportError as error:
+        raise ClusterUnavailable("the workers of the cluster do not have tamplang", install) from error
+    if versions != {__version__}:
+        raise ClusterUnavailable(f"the workers of the cluster have tamplang {', '.join(sorted(versions))}", install)
+
+
+def installed_version() -> str:
+    """The version of tamplang in this process."""
+    return __version__

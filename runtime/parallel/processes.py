@@ -1,0 +1,149 @@
+"""Processes of this machine, one piece of work in each."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from multiprocessing import connection, get_context, parent_process, resource_tracker
+from queue import SimpleQueue
+from typing import Any, ParamSpec, TypeVar
+
+from .side import Side, WorkerLost, attempt, unpacked
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+SINGLE_THREADED = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+ATTEMPTS = 2
+"""How often work is started before it is given up as lost."""
+
+
+class Processes(Side):
+    """Computes in `jobs` processes, started when they are needed. A process that dies costs the work it had, which is
+    given to a fresh one once; the others go on."""
+
+    def __init__(self, jobs: int) -> None:
+        # Else it would start with the first worker, and let Ctrl-C through to the thread that starts both.
+        resource_tracker.ensure_running()
+        self._jobs = jobs
+        self._workers = [_Worker() for _ in range(jobs)]
+        self._idle: SimpleQueue[_Worker] = SimpleQueue()
+        for worker in self._workers:
+            self._idle.put(worker)
+        self._threads = ThreadPoolExecutor(jobs, thread_name_prefix="worker", initializer=_block_interrupt)
+
+    @property
+    def width(self) -> int:
+        return self._jobs
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        return self._threads.submit(self._ask, pickle.dumps((fn, args, kwargs)))
+
+    def _ask(self, question: bytes) -> Any:
+        worker = self._idle.get()
+        try:
+            for attempts_left in reversed(range(ATTEMPTS)):
+                try:
+                    return pickle.loads(unpacked(pickle.loads(worker.ask(question))))
+                except WorkerLost:
+                    if attempts_left == 0:
+                        raise
+        finally:
+            self._idle.put(worker)
+
+    def kill(self) -> None:
+        for worker in self._workers:
+            worker.kill()
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        self._threads.shutdown(wait=wait, cancel_futures=cancel_futures)
+        if wait:
+            for worker in self._workers:
+                worker.kill()
+
+
+class _Worker:
+    """One process and the pipe to it. `ask` is called by one thread at a time, `kill` by any."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._closed = False
+        self._process: Any = None
+        self._pipe: Any = None
+
+    def ask(self, question: bytes) -> bytes:
+        """The answer of the process. Raises WorkerLost when it ends without one."""
+        self._start()
+        try:
+            self._pipe.send_bytes(question)
+            answer: bytes = self._pipe.recv_bytes()
+        except (EOFError, OSError) as error:
+            self._process.join()
+            raise WorkerLost(_how_it_ended(self._process.exitcode)) from error
+        return answer
+
+    def _start(self) -> None:
+        with self._lock:
+            if self._closed:
+                raise WorkerLost("the work was dropped")
+            if self._process is not None and self._process.is_alive():
+                return
+            context = get_context("spawn")
+            self._pipe, far_end = context.Pipe()
+            self._process = context.Process(target=_serve, args=(far_end,), daemon=True)
+            self._process.start()
+            far_end.close()
+
+    def kill(self) -> None:
+        """End the process, whatever it does, and never start another one."""
+        with self._lock:
+            self._closed = True
+            if self._process is not None:
+                self._process.kill()
+                self._process.join()
+
+
+def use_one_thread() -> None:
+    """Keep the numerical libraries, if they are not loaded yet, from threads of their own: these steal time from the
+    other processes, and change the last digits of results."""
+    for variable in SINGLE_THREADED:
+        os.environ[variable] = "1"
+
+
+def _serve(pipe: Any) -> None:
+    """The life of a worker: answer questions until the one who asks is gone."""
+    use_one_thread()
+    parent = parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+    while True:
+        try:
+            question = pipe.recv_bytes()
+        except EOFError:
+            return
+        pipe.send_bytes(pickle.dumps(attempt(_computed, question)))
+
+
+def _computed(question: bytes) -> bytes:
+    function, args, kwargs = pickle.loads(question)
+    return pickle.dumps(function(*args, **kwargs))
+
+
+def _end_with(sentinel: int) -> None:
+    connection.wait([sentinel])
+    os._exit(1)
+
+
+def _block_interrupt() -> None:
+    """Keep Ctrl-C from this thread and from the processes that it starts: it is for the one who gave the work."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+
+
+def _how_it_ended(status: int | None) -> str:
+    if status is not None and status < 0:
+        return f"its process was ended by {signal.Signals(-status).name}"
+    return f"its process ended with status {status}"

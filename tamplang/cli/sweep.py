@@ -1,0 +1,230 @@
+"""The command `sweep`: many instances of a task, side by side, with results that are kept as they come."""
+
+from __future__ import annotations
+
+import json
+import math
+import signal
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Future
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .interrupt import kept_interrupt
+from .libraries import load_libraries, needing_libraries
+from .outputs import UnwritableFile, checked_output
+from .parameters import parameters_option
+from .progress import counted
+from .sources import SourceFailure, reading_sources
+from .status import ExitStatus
+
+if TYPE_CHECKING:
+    from ..runtime.parallel import Side
+    from .instances import Instance
+    from .results import Results
+
+
+@click.command()
+@click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
+@click.argument("task", required=False)
+@parameters_option
+@click.option("--seeds", default="0", show_default=True, help="Seeds, such as 0..9 or 1,5,7.")
+@click.option("--jobs", type=click.IntRange(min=1, max=1024), help="Processes side by side.  [default: 1]")
+@click.option("--cluster", metavar="ADDRESS", help="Work on a distributed cluster, such as tcp://127.0.0.1:8786.")
+@click.option("--bound", type=click.Choice(["seq", "seq-path", "path"]), help="The finest motion bound to try.")
+@click.option("--search", type=click.Choice(["astar", "wastar", "bfs", "guide"]), help="How to look for skeletons.")
+@click.option("--time", type=click.FloatRange(min=0, min_open=True), help="Seconds for each; inf for no limit.")
+@click.option("--nodes", type=click.IntRange(min=1), help="How large each search tree may grow.")
+@click.option("--solver", type=click.Choice(["algn", "ipopt"]), help="For the motion programs.")
+@click.option("--out", type=click.Path(path_type=Path), help="The results.  [default: TASK.sweep.jsonl in this folder]")
+@click.option("--plans", type=click.Path(path_type=Path), help="A folder for the plan files.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object on standard output.")
+def sweep(
+    file: Path,
+    task: str | None,
+    parameters: dict[str, str],
+    seeds: str,
+    jobs: int | None,
+    cluster: str | None,
+    out: Path | None,
+    plans: Path | None,
+    as_json: bool,
+    **options: Any,
+) -> int:
+    """Solve the TASK of FILE for all combinations of parameters and seeds.
+
+    Parameters take several values: -p n=8,16,32 -p crawlers=1..4. Instances whose results are in the results file
+    already are not solved again.
+    """
+    if cluster is not None and jobs is not None:
+        raise click.UsageError("--jobs and --cluster exclude each other")
+    from ..runtime.parallel.processes import use_one_thread
+
+    use_one_thread()
+    with reading_sources(as_json=as_json):
+        todo = _instances(file, task, parameters, seeds, options, plans is not None)
+    path = out if out is not None else Path(f"{todo[0].program.task}.sweep.jsonl")
+    checked_output(path, inputs=(file,))
+    if plans is not None:
+        _make_folder(plans)
+    from .results import Results, groups
+
+    with closing(Results(path)) as results:
+        interrupted = not _finished(todo, results, plans, jobs or 1, cluster, as_json)
+        found = groups(todo, results)
+    _show(found, path, interrupted, as_json)
+    if interrupted:
+        return ExitStatus.INTERRUPTED
+    return ExitStatus.DONE if all(g["solved"] == g["instances"] for g in found) else ExitStatus.NO_PLAN
+
+
+def _instances(
+    file: Path, task: str | None, parameters: Mapping[str, str], seeds: str, options: Mapping[str, Any], with_plan: bool
+) -> list[Instance]:
+    from . import instances as every
+
+    texts = {name: every.listed(name, text) for name, text in parameters.items()}
+    numbers = every.seeds_of(seeds)
+    if len(numbers) * math.prod(len(several) for several in texts.values()) > every.MAX_INSTANCES:
+        raise every.too_many()
+    program = every.read_program(file, task)
+    return every.instances(program, every.read_values(program, texts), numbers, options, with_plan)
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UnwritableFile(folder, error.strerror or "the folder cannot be made") from error
+    checked_output(folder / "plan.json")
+
+
+def _finished(
+    todo: list[Instance], results: Results, plans: Path | None, jobs: int, cluster: str | None, as_json: bool
+) -> bool:
+    """Solve what is not solved yet. False after Ctrl-C."""
+    from ..runtime.parallel import as_finished
+    from .instances import solve_instance
+
+    left = [instance for instance in todo if results.of(instance, plans) is None]
+    if len(left) < len(todo):
+        click.echo(f"{counted(len(todo) - len(left), 'instance')} of {len(todo)} stand in {results.path}", err=True)
+    if not left:
+        return True
+    try:
+        with (
+            kept_interrupt() as check,
+            _without_broken_pipes(),
+            _executor(jobs, cluster, as_json) as executor,
+            _shown(len(left)) as show,
+        ):
+            for instance, future in as_finished(executor, solve_instance, left):
+                record = _record(instance, future, plans)
+                results.add(record)
+                show(instance, record)
+                check()
+    except KeyboardInterrupt:
+        return False
+    return True
+
+
+def _executor(jobs: int, cluster: str | None, as_json: bool) -> Side:
+    from ..langs.diagnostics import Diagnostic
+    from ..runtime.parallel import ClusterUnavailable, open_executor
+
+    if cluster is None:
+        with needing_libraries():
+            load_libraries()
+    try:
+        return open_executor(jobs, cluster)
+    except ClusterUnavailable as error:
+        raise SourceFailure([Diagnostic("S0006", error.message, help=error.hint)], as_json) from error
+
+
+@contextmanager
+def _without_broken_pipes() -> Iterator[None]:
+    """A worker that is gone must not end this process."""
+    before = signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGPIPE, before)
+
+
+def _record(
+    instance: Instance, future: Future[tuple[dict[str, Any], bytes | None]], plans: Path | None
+) -> dict[str, Any]:
+    """The result of the instance; its plan is written first. Raises KeyboardInterrupt when it was interrupted."""
+    from ..langs.diagnostics import Diagnostic
+    from ..runtime.parallel import WorkerLost
+    from .instances import failed
+    from .sources import as_objects
+
+    error = future.exception()
+    if isinstance(error, WorkerLost):
+        lost = Diagnostic("S0007", f"the work was lost {error}", help="the next sweep into this file tries it again")
+        return failed(instance, "lost", as_objects([lost]))
+    if error is not None:
+        return failed(instance, "crashed", []) | {"message": str(error), "trace": getattr(error, "trace", "")}
+    record, plan = future.result()
+    if record["status"] == "interrupted":
+        raise KeyboardInterrupt
+    if plan is not None and plans is not None:
+        _write_plan(plans, instance, plan)
+    return record
+
+
+def _write_plan(folder: Path, instance: Instance, plan: bytes) -> None:
+    from ..runtime.plan import write_text_atomically
+    from .results import plan_file
+
+    path = plan_file(folder, instance)
+    try:
+        write_text_atomically(path, plan.decode())
+    except OSError as error:
+        raise UnwritableFile(path, error.strerror or "the write failed") from error
+
+
+@contextmanager
+def _shown(total: int) -> Iterator[Callable[[Instance, Mapping[str, Any]], None]]:
+    """Give the callback for a finished instance: a bar on a terminal, a line each elsewhere."""
+    if sys.stderr.isatty():
+        from .bar import counting_bar
+
+        with counting_bar() as bar:
+            task = bar.add_task("sweep", total=total, detail="")
+            yield lambda instance, record: bar.update(task, advance=1, detail=f"{instance}: {_said(record)}")
+        return
+    done = 0
+
+    def show(instance: Instance, record: Mapping[str, Any]) -> None:
+        nonlocal done
+        done += 1
+        print(f"{done}/{total}  {instance}: {_said(record)}", file=sys.stderr, flush=True)
+
+    yield show
+
+
+def _said(record: Mapping[str, Any]) -> str:
+    """The result in a few words."""
+    if "seconds" in record:
+        return f"{record['status']}, {counted(record['length'], 'action')}, {record['seconds']['total']:.1f} s"
+    reason = record.get("message") or next((d["message"] for d in record["explanation"]), "")
+    return f"{record['status']}: {reason}"
+
+
+def _show(found: list[dict[str, Any]], path: Path, interrupted: bool, as_json: bool) -> None:
+    solved = all(group["solved"] == group["instances"] for group in found)
+    status = "interrupted" if interrupted else "solved" if solved else "unsolved"
+    if as_json:
+        total = {name: sum(group[name] for group in found) for name in ("instances", "finished", "solved")}
+        click.echo(json.dumps({"status": status, **total, "groups": found, "out": str(path)}))
+        return
+    from .table import print_groups
+
+    print_groups(found)
+    click.echo(f"results: {path}")
