@@ -9,12 +9,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..compiler.ir import Action, Fact, Problem
+from ..compiler.ir import Action, Problem
 from .assemble import assemble
 from .budget import Budget
+from .experience import Experience
 from .motion.path import solve_path
 from .motion.phases import UnsupportedPhase, solve_sequence_path
-from .motion.sequence import solve_sequence, window_feasible
+from .motion.sequence import LONGEST, solve_sequence, window_feasible
 from .motion.settings import MotionSettings
 from .plan import BoundRecord, Plan, StatisticsRecord
 from .skeleton import BoundResult, Configuration, PhasePath, Skeleton, Violation
@@ -22,7 +23,14 @@ from .verify import verify
 
 RESAMPLES = 4
 """How often the switch poses are drawn anew when a phase between them finds no path."""
-LONGEST_WINDOW = 3
+EXPECTED = "expected"
+"""The bound of conflicts that similar windows make likely, without a solve."""
+LONGEST_WINDOW = 5
+"""How many phases a conflict that may start anywhere has at most."""
+QUICK = 3
+"""Starts of a span before a skeleton is refused for the first time."""
+SPAN = 4
+"""How far from the phases that P_seq blames a conflict of a long skeleton is looked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,19 +89,36 @@ class Bounds:
         self.tell = tell
         self.clock = Clock()
         self._counts: dict[str, list[int]] = {"seq": [0, 0], "seq-path": [0, 0], "path": [0, 0]}
-        self._windows: dict[tuple[tuple[Action, ...], frozenset[Fact]], BoundResult] = {}
+        self._windows: dict[tuple[object, ...], BoundResult] = {}
+        self.experience = Experience(problem)
+        self.tries: int | None = QUICK
 
-    def judge(self, skeleton: Skeleton) -> Judgement:
-        """Take a skeleton through the bounds. Raises OutOfTime."""
-        conflicts = self._refused_windows(skeleton, 1)
-        if conflicts:
-            return Judgement(False, conflicts=conflicts)
-        sequence = self._sequence(skeleton, self.seed, None)
-        if not sequence.feasible:
-            return Judgement(False, conflicts=self._shrink(skeleton, sequence))
-        if self.finest == "seq" or not skeleton.phases:
-            return Judgement(True)
-        return self._paths(skeleton, sequence)
+    def judge(self, skeleton: Skeleton, strains: Sequence[float]) -> Judgement:
+        """Take a skeleton through the bounds; `strains` tells how close the conditions of each action are to their
+        limits (`search.roomy`). Raises OutOfTime."""
+        actions = [phase.action for phase in skeleton.phases]
+        expected = self.experience.expected_refusals(actions, strains)
+        if expected:
+            return Judgement(False, conflicts=[Conflict(EXPECTED, *window, ()) for window in expected])
+        conflicts = self._refused_actions(skeleton, strains)
+        if not conflicts:
+            sequence = self._sequence(skeleton, self.seed, None)
+            if sequence.feasible:
+                if self.finest == "seq" or not skeleton.phases:
+                    return Judgement(True)
+                return self._paths(skeleton, sequence)
+            conflicts = [self._shrink(skeleton, sequence)]
+        for c in conflicts:
+            window = slice(c.first, c.last + 1)
+            self.experience.refuse(actions[window], strains[window], c.from_start)
+        return Judgement(False, conflicts=conflicts)
+
+    def try_harder(self) -> None:
+        """Forget every refusal; from now on each span gets all its starts, and others than before."""
+        self.experience.forget()
+        self._windows = {key: result for key, result in self._windows.items() if result.feasible}
+        self.seed += 1
+        self.tries = None
 
     def believe(
         self, skeleton: Skeleton, actions: Sequence[Action], paths: Sequence[PhasePath], statistics: StatisticsRecord
@@ -114,20 +139,24 @@ class Bounds:
             for bound, (solved, refused) in self._counts.items()
         ]
 
-    def _refused_windows(self, skeleton: Skeleton, length: int) -> list[Conflict]:
-        """Conflicts of all windows of `length` phases that P_seq refuses, wherever they start."""
+    def _refused_actions(self, skeleton: Skeleton, strains: Sequence[float]) -> list[Conflict]:
+        """Conflicts of all single actions that P_seq refuses, wherever they start."""
         conflicts = []
-        for first in range(len(skeleton) - length + 1):
-            result = self._window(skeleton, first, first + length - 1)
+        for k, phase in enumerate(skeleton.phases):
+            if k and self.experience.expects_success(phase.action, strains[k]):
+                continue
+            result = self._window(skeleton, k, k)
             if not result.feasible:
-                conflicts.append(
-                    Conflict("seq", first, first + length - 1, first == 0, tuple(result.violations))
-                )
+                conflicts.append(Conflict("seq", k, k, k == 0, tuple(result.violations)))
+            elif k:
+                self.experience.accept(phase.action, strains[k])
         return conflicts
 
     def _window(self, skeleton: Skeleton, first: int, last: int) -> BoundResult:
+        """P_seq of some phases alone. From the start itself names matter, elsewhere interchangeable ones do not."""
         phases = skeleton.phases[first : last + 1]
-        key = (tuple(phase.action for phase in phases), phases[0].mode if first else frozenset())
+        actions = tuple(phase.action for phase in phases)
+        key = self.experience.lifted(actions) if first else actions
         if key not in self._windows:
             self.tell("seq", f"P_seq of {phases[-1].action}")
             with self.clock("seq"):
@@ -136,30 +165,36 @@ class Bounds:
             self._windows[key] = result
         return self._windows[key]
 
-    def _sequence(
-        self, skeleton: Skeleton, seed: int, warm: Sequence[Configuration] | None
-    ) -> BoundResult:
+    def _sequence(self, skeleton: Skeleton, seed: int, warm: Sequence[Configuration] | None) -> BoundResult:
         self.tell("seq", f"P_seq of {len(skeleton)} actions")
         with self.clock("seq"):
-            result = solve_sequence(skeleton, self.settings, seed, self.budget, warm=warm)
+            result = solve_sequence(skeleton, self.settings, seed, self.budget, warm=warm, tries=self.tries)
         self._count("seq", result.feasible)
         return result
 
-    def _shrink(self, skeleton: Skeleton, refused: BoundResult) -> list[Conflict]:
-        """A short conflict behind a refused P_seq: two or three phases around the worst, else the shortest prefix."""
-        end = len(skeleton)
-        worst = refused.violations[0].phase if refused.violations else end - 1
-        for length in range(2, LONGEST_WINDOW + 1):
-            for first in range(max(1, worst - length + 1), min(worst, end - length) + 1):
-                result = self._window(skeleton, first, first + length - 1)
-                if not result.feasible:
-                    return [Conflict("seq", first, first + length - 1, False, tuple(result.violations))]
-        for length in range(worst + 1, end):
-            prefix = replace(skeleton, phases=skeleton.phases[:length], final_mode=skeleton.phases[length].mode)
-            result = self._sequence(prefix, self.seed, None)
-            if not result.feasible:
-                return [Conflict("seq", 0, length - 1, True, tuple(result.violations))]
-        return [Conflict("seq", 0, end - 1, True, tuple(refused.violations))]
+    def _prefix(self, skeleton: Skeleton, length: int) -> BoundResult:
+        prefix = replace(skeleton, phases=skeleton.phases[:length], final_mode=skeleton.phases[length].mode)
+        return self._sequence(prefix, self.seed, None)
+
+    def _shrink(self, skeleton: Skeleton, refused: BoundResult) -> Conflict:
+        """A minimal contiguous conflict behind a refused P_seq, by deletion: first phases from the end, halving, then
+        from the front as long as what is left is refused wherever it starts."""
+        known, end, violations = 0, len(skeleton), refused.violations
+        if end > LONGEST:
+            worst = max((v.phase for v in violations), default=end - 1)
+            known, end = max(0, worst - SPAN), min(end, worst + SPAN)
+        while end - known > 1:
+            middle = (known + end) // 2
+            result = self._prefix(skeleton, middle)
+            if result.feasible:
+                known = middle
+            else:
+                end, violations = middle, result.violations
+        for first in range(end - 1, max(0, end - LONGEST_WINDOW - 1), -1):
+            window = self._window(skeleton, first, end - 1)
+            if not window.feasible:
+                return Conflict("seq", first, end - 1, False, tuple(window.violations))
+        return Conflict("seq", 0, end - 1, True, tuple(violations))
 
     def _paths(self, skeleton: Skeleton, sequence: BoundResult) -> Judgement:
         """P_seqPath between the switch poses, drawn anew around phases that fail; then P_path."""

@@ -14,17 +14,20 @@ from dataclasses import dataclass, field, replace
 from ..compiler.ir import Problem
 from ..compiler.symbolic.successors import Successors
 from ..langs.diagnostics import Diagnostic
-from .bounds import Bounds
+from .bounds import EXPECTED, Bounds
 from .budget import Budget, OutOfTime
 from .motion.settings import MotionSettings
 from .plan import Plan, StatisticsRecord
 from .refusals import Refusals
 from .search.best_first import Candidate, SkeletonSearch
+from .search.roomy import Strain, roomier
 from .search.skeletons import build_skeleton
 
 BOUNDS = ("seq", "seq-path", "path")
 SEARCHES = ("astar", "wastar", "bfs", "guide")
 SOLVERS = ("algn", "ipopt")
+MOST_REMEMBERED = 4
+"""Refused beginnings of a plan with up to so many actions are forbidden wherever their robots stand alike."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +97,7 @@ class _Run:
         self.bounds = Bounds(problem, settings, options.bound, options.seed, self.budget, self._tell)
         self.refusals = Refusals(problem)
         self.search: SkeletonSearch | None = None
+        self.again = False
 
     def run(self) -> Outcome:
         try:
@@ -112,11 +116,18 @@ class _Run:
             self.search = SkeletonSearch(
                 self.problem, successors, self.options.search, self.budget, self.options.nodes
             )
+            self.strain = Strain(successors)
         while len(self.accepted) < self.options.solutions:
             self._tell("search", "searching for a skeleton")
             with clock("search"):
                 candidate = self.search.next()
+                if candidate is not None:
+                    candidate = roomier(self.search, self.strain, candidate)
             if candidate is None:
+                if self.search.status == "exhausted" and not self.again and self.search.readmit():
+                    self.again = True
+                    self.bounds.try_harder()
+                    continue
                 return self.search.status
             self.candidates += 1
             if self.first_bound is None:
@@ -127,7 +138,7 @@ class _Run:
     def _try(self, search: SkeletonSearch, candidate: Candidate) -> None:
         """Take one candidate through the bounds; whatever comes of it, the search will not propose it again."""
         skeleton = build_skeleton(self.problem, candidate.actions, search.successors)
-        judgement = self.bounds.judge(skeleton)
+        judgement = self.bounds.judge(skeleton, self.strain.along(candidate.numbers))
         if judgement.accepted:
             self.accepted.append(candidate)
             if judgement.paths is not None:
@@ -140,8 +151,10 @@ class _Run:
             search.forbid_plan(candidate)
             return
         for conflict in judgement.conflicts:
-            self.refusals.add(skeleton, conflict)
-            search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start)
+            if conflict.bound != EXPECTED:
+                self.refusals.add(skeleton, conflict)
+            short = conflict.bound in ("seq", EXPECTED) and conflict.last < MOST_REMEMBERED
+            search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start and not short)
 
     def _statistics(self) -> StatisticsRecord:
         search = self.search

@@ -1,0 +1,168 @@
+"""Among plans as cheap as a candidate, one whose numeric conditions hold with more room.
+
+A* is blind to how close a condition such as `stride(X, Y) <= reach(c)` is to its limit, and goes through plans at the
+limit first, which motion mostly refuses. The strain of an action is the largest ratio of the two sides of such
+conditions. The plan with the least sum of high powers of it is found layer by layer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from ...compiler.ir import And, Compare, Formula, Function, Literal, Not, Or
+from ...compiler.symbolic.domains import FlatRule
+from ...compiler.symbolic.expressions import literal_test
+from ...compiler.symbolic.guards import Environment, Undefined
+from ...compiler.symbolic.normal_form import parts
+from ...compiler.symbolic.successors import Successors
+from .conflicts import EMPTY, LEAF
+
+if TYPE_CHECKING:
+    from .best_first import Candidate, SkeletonSearch
+
+WIDTH = 400
+"""States per layer that are kept, least strained first."""
+POWER = 6
+EQUAL = 1e-9
+UPPER = ("<=", "<")
+LOWER = (">=", ">")
+LENGTHS = ("distance", "stride")
+
+
+class Strain:
+    """How close an action's numeric conditions are to their limits: 0 without such conditions, 1 at the limit."""
+
+    def __init__(self, successors: Successors) -> None:
+        self.successors = successors
+        self._rules = {flat.rule.name: flat for flat in successors.domains.rules}
+        self._compares = {name: _bounds(flat) for name, flat in self._rules.items()}
+        self._known: dict[tuple[int, int], float] = {}
+
+    def of(self, state: int, number: int) -> float:
+        """The strain of action `number` in a state in which it can be done."""
+        action = self.successors.action(number)
+        flat = self._rules[action.rule]
+        if not self._compares[action.rule]:
+            return 0.0
+        key = (number, state if flat.hidden else 0)
+        if key not in self._known:
+            env = {v.name: a for v, a in zip(flat.rule.variables, action.args, strict=True)}
+            self._known[key] = self._least(flat, env, state)
+        return self._known[key]
+
+    def along(self, numbers: Sequence[int]) -> tuple[float, ...]:
+        """The strain of each action of a plan."""
+        state, strains = self.successors.initial, []
+        for number in numbers:
+            strains.append(self.of(state, number))
+            state = next(following for following, action in self.successors.expand(state) if action == number)
+        return tuple(strains)
+
+    def _least(self, flat: FlatRule, env: Environment, state: int) -> float:
+        """The strain by the roomiest witness of the rule's condition."""
+        if not flat.hidden:
+            return self._largest(flat, env)
+        word = self.successors.word(state)
+        found = self.successors.guards.solutions(flat.hidden, flat.conjuncts, env, word)
+        return min((self._largest(flat, e) for e, rest in found if self._hold(rest, state)), default=0.0)
+
+    def _largest(self, flat: FlatRule, env: Environment) -> float:
+        number = self.successors.guards.number
+        largest = 0.0
+        for compare in self._compares[flat.rule.name]:
+            small, large = compare.left, compare.right
+            if compare.operator in LOWER:
+                small, large = large, small
+            try:
+                below, above = float(number(small, env)), float(number(large, env))
+            except (Undefined, KeyError):
+                continue
+            if above > 0.0:
+                largest = max(largest, below / above)
+        return largest
+
+    def _hold(self, formulas: tuple[Formula, ...], state: int) -> bool:
+        return all(self._holds(f, state) for f in formulas)
+
+    def _holds(self, formula: Formula, state: int) -> bool:
+        match formula:
+            case Literal():
+                mask, value, same = literal_test(self.successors.layout, formula)
+                return (state & mask == value) is same
+            case Not():
+                return not self._holds(formula.operand, state)
+            case And():
+                return self._hold(formula.operands, state)
+            case Or():
+                return any(self._holds(f, state) for f in formula.operands)
+            case _:
+                return False
+
+
+def _bounds(flat: FlatRule) -> list[Compare]:
+    """The comparisons that bound a length of the scene."""
+    found = [f for f in flat.conjuncts if isinstance(f, Compare) and f.operator in UPPER + LOWER]
+    return [f for f in found if any(isinstance(p, Function) and p.name in LENGTHS for p in parts(f))]
+
+
+@dataclass(frozen=True, slots=True)
+class _Node:
+    """A way to a state: its strain and cost so far, what no-goods remember, and the way before."""
+
+    strain: float
+    cost: float
+    state: int
+    history: int
+    place: int
+    number: int
+    before: _Node | None
+
+
+def roomier(search: SkeletonSearch, strain: Strain, candidate: Candidate) -> Candidate:
+    """A candidate of the same cost and with the same kinds of actions, with the least strain that a search of bounded
+    width finds; the candidate itself where there is none. No-goods are respected. Raises OutOfTime."""
+    successors, no_goods = search.successors, search.no_goods
+    flags = successors.layout.flag_mask
+    state = successors.initial
+    layer = [_Node(0.0, 0.0, state, EMPTY, no_goods.root, -1, None)]
+    for number in candidate.numbers:
+        search.budget.check()
+        wanted = successors.action(number).rule
+        state = next(following for following, action in successors.expand(state) if action == number)
+        best: dict[tuple[int, int, int], _Node] = {}
+        for node in layer:
+            for following, action in successors.expand(node.state):
+                if following & flags != state & flags or successors.action(action).rule != wanted:
+                    continue
+                cost = node.cost + successors.cost(action)
+                if cost + search.value(following) > candidate.cost + EQUAL:
+                    continue
+                if no_goods.active and not no_goods.allows(node.state, action):
+                    continue
+                history = no_goods.follow(node.history, node.state, action) if no_goods.watches else EMPTY
+                place = no_goods.descend(node.place, action)
+                if history is None or place == LEAF:
+                    continue
+                total = node.strain + strain.of(node.state, action) ** POWER
+                key = (following, history, place)
+                known = best.get(key)
+                if known is None or total < known.strain:
+                    best[key] = _Node(total, cost, following, history, place, action, node)
+        layer = sorted(best.values(), key=lambda n: n.strain)[:WIDTH]
+    ends = [node for node in layer if successors.is_goal(node.state)]
+    if not ends:
+        return candidate
+    numbers = _numbers(ends[0])
+    actions = tuple(successors.action(n) for n in numbers)
+    return replace(candidate, numbers=numbers, actions=actions)
+
+
+def _numbers(node: _Node) -> tuple[int, ...]:
+    numbers = []
+    current: _Node | None = node
+    while current is not None and current.before is not None:
+        numbers.append(current.number)
+        current = current.before
+    return tuple(reversed(numbers))
