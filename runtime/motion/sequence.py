@@ -38,9 +38,11 @@ def solve_sequence(
     budget: Budget,
     start: Configuration | None = None,
     warm: Sequence[Configuration] | None = None,
+    tries: int | None = None,
 ) -> BoundResult:
     """P_seq of the whole skeleton from `start` (default: the scene at time 0). `warm` gives the K switch
-    configurations to start from. Raises OutOfTime."""
+    configurations to start from; `tries` how many starts a span gets, and how often windows go back, at most. Raises
+    OutOfTime."""
     from .windows import solve_windows
 
     began = time.monotonic()
@@ -50,7 +52,7 @@ def solve_sequence(
         return BoundResult("seq", True, 0.0, 0.0, 0, [origin], [], [])
     random = np.random.default_rng(seed)
     if len(skeleton) > LONGEST and warm is None:
-        chained = solve_windows(skeleton, settings, random, budget, origin)
+        chained = solve_windows(skeleton, settings, random, budget, origin, tries)
         if not chained.feasible:
             chained.seconds = time.monotonic() - began
             return chained
@@ -58,7 +60,7 @@ def solve_sequence(
         result = whole if whole.feasible else chained
         result.iterations = chained.iterations + whole.iterations
     else:
-        result = solve_span(skeleton, 0, last, settings, random, budget, origin, warm)
+        result = solve_span(skeleton, 0, last, settings, random, budget, origin, warm, tries=tries)
     result.seconds = time.monotonic() - began
     return result
 

@@ -49,8 +49,9 @@ def _repeat(
 
 
 def solve_windows(
-    skeleton: Skeleton, settings: MotionSettings, random: np.random.Generator, budget: Budget, start: Configuration
-) -> BoundResult:
+    skeleton: Skeleton, settings: MotionSettings, random: np.random.Generator, budget: Budget, start: Configuration,
+    tries: int | None = None,
+) -> BoundResult:  # fmt: skip
     """Windows of four phases that commit two, each started from the slice two phases back moved along with its
     supports. On failure the search goes back further each time. Raises OutOfTime."""
     from .sequence import NOISE, solve_span
@@ -65,14 +66,14 @@ def solve_windows(
             range(first, last + 1), guess(skeleton, range(first, last + 1), known[-1], random, NOISE), strict=True
         ):
             warm.append(_repeat(skeleton, phase, [*known, *warm], guessed, random))
-        result = solve_span(skeleton, first, last, settings, random, budget, known[-1], warm)
+        result = solve_span(skeleton, first, last, settings, random, budget, known[-1], warm, tries=tries)
         iterations += result.iterations
         if result.feasible:
             kept = last - first + 1 if last == len(skeleton) - 1 else COMMIT
             known += result.configurations[1 : kept + 1]
             continue
         setbacks += 1
-        if setbacks > BACKTRACKS or first == 0:
+        if setbacks > (tries or BACKTRACKS) or first == 0:
             result.iterations = iterations
             return result
         del known[max(1, first + 1 - COMMIT * (1 + setbacks // 2)) :]
