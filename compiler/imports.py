@@ -14,11 +14,8 @@ from ..langs.reader import read_source
 from ..langs.source import Source
 from .checks.findings import Findings
 from .library import Library, build_library
+from .standard import EXTENSION, STANDARD, STANDARD_FOLDER
 from .urdf_files import load_urdf, urdf_path
-
-STANDARD = "std"
-STANDARD_FOLDER = Path(__file__).parent.parent / "stdlib"
-EXTENSION = ".tamp"
 
 
 class _Loader:

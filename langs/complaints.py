@@ -94,6 +94,13 @@ _INSTEAD = {
     "–": ("MINUS", "-"),
     "…": ("_DOTS", ".."),
 }
+_FOREIGN = {
+    "//": "a comment begins with `#`",
+    "/*": "a comment begins with `#`",
+    "<>": "inequality is written `!=`",
+    "=>": "at least is written `>=`, at most `<=`",
+    "...": "a range is written `1 .. n`",
+}
 _HINTS = {
     ";": "lines need no sign at their end",
     "\u00a0": "this is a no-break space; write a plain one",
@@ -226,7 +233,18 @@ def unexpected(
     words = expectations(accepted, previous, keywords)
     name = "the file ends here" if found.type == "$END" else f"unexpected `{found}`"
     behind = f": expected {words}" if words else ""
-    return Diagnostic("E0001", name + behind, span_of(source.path, found), help=_advice(found, previous, accepted))
+    advice = _foreign_sign(source, found) or _advice(found, previous, accepted)
+    return Diagnostic("E0001", name + behind, span_of(source.path, found), help=advice)
+
+
+def _foreign_sign(source: Source, found: Token) -> str | None:
+    """What to write for a sign of other languages of which the token is a part."""
+    start = found.start_pos or 0
+    for sign, meant in _FOREIGN.items():
+        for offset in range(len(sign)):
+            if source.text[start - offset : start - offset + len(sign)] == sign and start >= offset:
+                return meant
+    return None
 
 
 def _advice(found: Token, previous: Token | None, accepted: Sequence[str]) -> str | None:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from ...langs.diagnostics import Diagnostic, Label, did_you_mean
 from ...langs.source import Source, Span
+from ..standard import import_hint
 
 FEW = 8
 """How many names a hint lists where none is near."""
@@ -39,9 +40,10 @@ class Findings:
         self.add(Diagnostic(code, message, span, kept, help, note))
 
     def unknown(self, code: str, what: str, name: str, span: Span, candidates: Iterable[str]) -> None:
-        """A name that nothing declares, with the nearest of `candidates`, or a few of them, as the hint."""
+        """A name that nothing declares. The hint is the import that would declare it, else the nearest of
+        `candidates`, else a few of them."""
         names = list(dict.fromkeys(candidates))
-        help = did_you_mean(name, names)
+        help = import_hint(code, name) or did_you_mean(name, names)
         if help is None and 0 < len(names) <= FEW:
             help = f"known here: {', '.join(f'`{n}`' for n in names)}"
         self.report(code, span, f"unknown {what} `{name}`", help=help)

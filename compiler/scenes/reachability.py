@@ -132,7 +132,9 @@ def _reasons(relaxation: Relaxation, literal: ir.Literal, binding: Binding) -> I
         yield f"`{_shown(literal, binding)}` is no fact, and no rule can make it one", _shown(literal, binding)
         return
     adders = [r for r in world.rules.values() if _adds(r, literal.predicate)]
-    if not adders:
+    if not relaxation.world.rules:
+        yield "the program declares and imports no rules", None
+    elif not adders:
         yield f"no rule adds `{literal.predicate}`", None
     for rule in adders:
         yield from _obstacle(relaxation, rule, literal.predicate, wanted)

@@ -1,0 +1,34 @@
+"""The standard library as a folder of texts: where it lies, and which of its files declares a name."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+STANDARD = "std"
+STANDARD_FOLDER = Path(__file__).parent.parent / "stdlib"
+EXTENSION = ".tamp"
+
+_DECLARATIONS = {
+    "E0102": r"type\s+",
+    "E0103": r"(?:predicate|derived)\s*\(\s*",
+    "E0104": r"motion\s*\[\s*",
+    "E0105": r"rule\s+",
+    "E0106": r"heuristic\s+",
+    "E0107": r"scene\s+",
+    "E0108": r"module\s+",
+}
+"""How the declarations begin that would help against an unknown name, by the code of its diagnostic."""
+
+
+def import_hint(code: str, name: str) -> str | None:
+    """The hint which import would declare a name that is unknown by `code`; None where none would."""
+    start = _DECLARATIONS.get(code)
+    if start is None:
+        return None
+    pattern = re.compile(rf"^{start}{re.escape(name)}\b", re.MULTILINE)
+    files = sorted(STANDARD_FOLDER.glob(f"*{EXTENSION}"))
+    found = [p.stem for p in files if pattern.search(p.read_text(encoding="utf-8"))]
+    if not found:
+        return None
+    return "the standard library declares it: " + " or ".join(f"`import {STANDARD}.{stem}`" for stem in found)
