@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..ir import Body, Fact, Function, Joint, ModuleType, Pose, Problem, Shape, Var, Vec3, World
+from ..ir import Body, Chain, Fact, Function, Joint, ModuleType, Pose, Problem, Shape, Var, Vec3, World
 
 if TYPE_CHECKING:
-    from ...runtime.skeleton import Skeleton
+    from ...runtime.skeleton import Phase, Skeleton
 
 Array = NDArray[np.float64]
 
@@ -292,15 +292,41 @@ def _named(literals: frozenset[Fact]) -> frozenset[Pair]:
 
 def contacts(skeleton: Skeleton) -> tuple[PhaseContacts, ...]:
     """The contacts of each phase: kept poses of its mode hold during it; literals that are added end it;
-    whatever touched when the phase before ended and is not kept touches at its start only."""
+    whatever touched when the phase before ended and is not kept touches at its start only. What no action concerns
+    since then rests, and touches still."""
     result: list[PhaseContacts] = []
     touching: frozenset[Pair] = _named(skeleton.problem.init_motion)
     for phase in skeleton.phases:
         during = _kept(skeleton.problem, phase.mode)
         added = _named(phase.added)
-        result.append(PhaseContacts(during, touching - during, added - during))
-        touching = during | added
+        start = touching - during
+        result.append(PhaseContacts(during, start, added - during))
+        touching = during | added | _resting(start, skeleton.problem, phase, during)
     return tuple(result)
+
+
+def _resting(touching: frozenset[Pair], problem: Problem, phase: Phase, during: frozenset[Pair]) -> frozenset[Pair]:
+    """The contacts of modules, or of bodies alone, that the phase's action does not concern: it concerns what it names,
+    the modules of its chains, what it adds, and every module that is linked to these."""
+
+    def owner(name: str) -> str:
+        found = problem.world.effector(name)
+        return found[0].name if found else name
+
+    args = phase.action.args
+    chained = [part for arg in args if isinstance(arg, Chain) for line in arg.modules for part in line]
+    named = [*map(str, args), *chained, *(name for _, *objects in phase.added for name in objects)]
+    concerned = set(map(owner, named))
+    links = [{owner(a), owner(b)} for a, b in during]
+    links = [link for link in links if link <= problem.world.modules.keys()]
+    while more := {name for link in links if link & concerned for name in link} - concerned:
+        concerned |= more
+
+    def rests(objects: Pair) -> bool:
+        owners = set(map(owner, objects))
+        return not (owners & problem.world.modules.keys() or owners) & concerned
+
+    return frozenset(filter(rests, touching))
 
 
 def taper(contact: PhaseContacts, objects: Pair, times: Array, slices: int, over: int = 3) -> Array | None:

@@ -16,6 +16,8 @@ LIMIT = 0.1
 """Radians by which guesses keep away from joint limits."""
 SPREAD = 0.4
 """The share of a base's top, around its middle, over which guesses spread what is put down there."""
+HALF_TURN = (1.0, 0.0, 0.0, 0.0)
+"""About x: effectors that are docked look at each other."""
 
 
 def to_tuple(pose: Array) -> Pose:
@@ -120,12 +122,29 @@ class Guess:
                 body = world.bodies[follower]
                 self.current.bodies[follower][:] = self._above(base, _height(body), body.pose[3:])
                 self.current.bodies[follower][:2] += self._aside(base)
+        self._dock(mode, placed)
         for leader, follower in self._relations(mode):
             if follower in carried and follower not in {b for _, b in self._relations(added)}:
                 self.current.bodies[follower][:3] = self._pose(leader)[:3]
         stays = {name: pose for name, pose in self.feet.items() if name in before}
         self.feet = stays | feet
         return self.current.copy()
+
+    def _dock(self, mode: frozenset[tuple[str, ...]], placed: set[str]) -> None:
+        """Put modules that hang on placed ones against them, effector to effector."""
+        world = self.problem.world
+        waiting = [pair for pair in self._relations(mode) if all(world.effector(name) for name in pair)]
+        found = True
+        while found:
+            found = False
+            for pair in [*waiting, *((b, a) for a, b in waiting)]:
+                leader, follower = (world.effector(name) for name in pair)
+                if leader and follower and leader[0].name in placed and follower[0].name not in placed:
+                    radii = sum(bounding_radius(e.shape) for _, e in (leader, follower) if e.shape)
+                    pose = poses.compose(self._pose(pair[0]), (0.0, 0.0, radii, *HALF_TURN))
+                    put_effector(follower[0], follower[1].name, self.current.modules[follower[0].name], pose)
+                    placed.add(follower[0].name)
+                    found = True
 
 
 def guess(
