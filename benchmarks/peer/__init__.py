@@ -1,0 +1,1 @@
+"""The common motion benchmark: its scenes, its judge, and one module for either side."""
