@@ -20,7 +20,7 @@ from .motion.settings import MotionSettings
 from .plan import Plan, StatisticsRecord
 from .refusals import Refusals
 from .search.best_first import Candidate, SkeletonSearch
-from .search.roomy import Strain, roomier
+from .search.roomy import Strain, Surcharge, roomier
 from .search.skeletons import build_skeleton
 
 BOUNDS = ("seq", "seq-path", "path")
@@ -117,6 +117,7 @@ class _Run:
                 self.problem, successors, self.options.search, self.budget, self.options.nodes
             )
             self.strain = Strain(successors)
+            self.surcharge = Surcharge(self.strain)
         while len(self.accepted) < self.options.solutions:
             self._tell("search", "searching for a skeleton")
             with clock("search"):
@@ -153,7 +154,9 @@ class _Run:
         for conflict in judgement.conflicts:
             if conflict.bound != EXPECTED:
                 self.refusals.add(skeleton, conflict)
-            short = conflict.bound in ("seq", EXPECTED) and conflict.last < MOST_REMEMBERED
+                self.surcharge.refused(candidate.numbers, conflict.first, conflict.last)
+                search.surcharge = self.surcharge.of if self.surcharge.weight else None
+            short = not self.again and conflict.bound in ("seq", EXPECTED) and conflict.last < MOST_REMEMBERED
             search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start and not short)
 
     def _statistics(self) -> StatisticsRecord:

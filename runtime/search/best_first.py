@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import heapq
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -67,6 +68,9 @@ class SkeletonSearch:
         self.estimate = Estimate(successors)
         self.no_goods = NoGoods(problem, successors)
         self.renaming = renaming(successors)
+        self.surcharge: Callable[[int, int], float] | None = None
+        """What an action costs in a state beyond its own cost, never below 0: it leads the search, and candidates still
+        tell their own cost."""
         self._values: dict[int, float] = {}
         self.tree: list[SearchNode] = []
         self.tree_nodes = 0
@@ -165,7 +169,7 @@ class _Run:
         allowed = no_goods.allows if no_goods.active else None
         children = search.successors.expand(state)
         search.tree_nodes += len(children)
-        action_cost, cheapest = search.successors.cost, self.cheapest
+        action_cost, cheapest, surcharge = search.successors.cost, self.cheapest, search.surcharge
         for following, action in children:
             if allowed is not None and not allowed(state, action):
                 self.cut = True
@@ -176,6 +180,8 @@ class _Run:
                 continue
             child_key = self._key(following, then)
             child_cost = cost + action_cost(action)
+            if surcharge is not None:
+                child_cost += surcharge(state, action)
             known = cheapest.get(child_key)
             if known is not None and (known <= child_cost or self.guided):
                 continue
@@ -246,6 +252,9 @@ class _Run:
             numbers = self._named_again(path, search.renaming)
         actions = tuple(search.successors.action(n) for n in numbers)
         bound = self._lower_bound(cost)
+        if search.surcharge is not None:
+            cost = sum(search.successors.cost(n) for n in numbers)
+            bound = min(cost, search.value(search.successors.initial))
         search.status = "found"
         return Candidate(tuple(numbers), actions, cost, bound >= cost - EQUAL and not self.cut, bound)
 

@@ -11,11 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ...compiler.ir import And, Compare, Formula, Function, Literal, Not, Or
+from ...compiler.ir import And, Chain, Compare, Formula, Function, Literal, Not, Or
 from ...compiler.symbolic.domains import FlatRule
 from ...compiler.symbolic.expressions import literal_test
 from ...compiler.symbolic.guards import Environment, Undefined
-from ...compiler.symbolic.normal_form import parts
+from ...compiler.symbolic.normal_form import free_names, parts
 from ...compiler.symbolic.successors import Successors
 from .conflicts import EMPTY, LEAF
 
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 WIDTH = 400
 """States per layer that are kept, least strained first."""
 POWER = 6
+LEAST, GROWTH, MOST = 0.5, 1.5, 64.0
+"""The surcharge of an action at the strain at which it was refused: at first, how it grows, at most."""
 EQUAL = 1e-9
 UPPER = ("<=", "<")
 LOWER = (">=", ">")
@@ -38,6 +40,7 @@ class Strain:
         self.successors = successors
         self._rules = {flat.rule.name: flat for flat in successors.domains.rules}
         self._compares = {name: _bounds(flat) for name, flat in self._rules.items()}
+        self._fixed = {name for name, flat in self._rules.items() if _speaks_of_arguments(flat, self._compares[name])}
         self._known: dict[tuple[int, int], float] = {}
 
     def of(self, state: int, number: int) -> float:
@@ -46,11 +49,15 @@ class Strain:
         flat = self._rules[action.rule]
         if not self._compares[action.rule]:
             return 0.0
-        key = (number, state if flat.hidden else 0)
+        key = (number, 0 if action.rule in self._fixed else state)
         if key not in self._known:
             env = {v.name: a for v, a in zip(flat.rule.variables, action.args, strict=True)}
             self._known[key] = self._least(flat, env, state)
         return self._known[key]
+
+    def known(self, number: int) -> float:
+        """The strain of an action that has the same one in every state, else 0."""
+        return self.of(0, number) if self.successors.action(number).rule in self._fixed else 0.0
 
     def along(self, numbers: Sequence[int]) -> tuple[float, ...]:
         """The strain of each action of a plan."""
@@ -62,7 +69,7 @@ class Strain:
 
     def _least(self, flat: FlatRule, env: Environment, state: int) -> float:
         """The strain by the roomiest witness of the rule's condition."""
-        if not flat.hidden:
+        if flat.rule.name in self._fixed:
             return self._largest(flat, env)
         word = self.successors.word(state)
         found = self.successors.guards.solutions(flat.hidden, flat.conjuncts, env, word)
@@ -105,6 +112,49 @@ def _bounds(flat: FlatRule) -> list[Compare]:
     """The comparisons that bound a length of the scene."""
     found = [f for f in flat.conjuncts if isinstance(f, Compare) and f.operator in UPPER + LOWER]
     return [f for f in found if any(isinstance(p, Function) and p.name in LENGTHS for p in parts(f))]
+
+
+def _speaks_of_arguments(flat: FlatRule, compares: Sequence[Compare]) -> bool:
+    """Whether the arguments of an action alone settle the comparisons."""
+    names = {v.name for v in flat.rule.variables}
+    return all(free_names(compare) <= names for compare in compares)
+
+
+class Surcharge:
+    """What the search should add to the cost of strained actions. It grows with every sequence that motion refused,
+    and is measured by the strain at which actions of that rule, on robots of that size, were refused."""
+
+    def __init__(self, strain: Strain) -> None:
+        self.strain = strain
+        self.weight = 0.0
+        self._limits: dict[tuple[str, int], float] = {}
+        self._known: dict[int, float] = {}
+
+    def refused(self, numbers: Sequence[int], first: int, last: int) -> None:
+        """Actions `first` … `last` of a plan were refused one after the other."""
+        if first == last:
+            return
+        self.weight = max(LEAST, min(self.weight * GROWTH, MOST))
+        strains = self.strain.along(numbers[: last + 1])
+        largest: dict[tuple[str, int], float] = {}
+        for number, strain in zip(numbers[first : last + 1], strains[first:], strict=True):
+            key = self._key(number)
+            largest[key] = max(strain, largest.get(key, 0.0))
+        for key, strain in largest.items():
+            self._limits[key] = min(strain, self._limits.get(key, 1.0))
+        self._known.clear()
+
+    def of(self, state: int, number: int) -> float:
+        """The surcharge of an action."""
+        if number not in self._known:
+            limit = self._limits.get(self._key(number), 1.0)
+            strain = self.strain.known(number)
+            self._known[number] = self.weight * (strain / limit) ** POWER if limit > 0.0 else 0.0
+        return self._known[number]
+
+    def _key(self, number: int) -> tuple[str, int]:
+        action = self.strain.successors.action(number)
+        return action.rule, sum(len(a.modules) for a in action.args if isinstance(a, Chain))
 
 
 @dataclass(frozen=True, slots=True)
