@@ -15,7 +15,7 @@ from .side import Side, WorkerLost, WorkFailed, attempt, settle
 P = ParamSpec("P")
 T = TypeVar("T")
 
-ANSWER_SECONDS = 5.0
+ANSWER_SECONDS = 4.0
 """How long a cluster has to answer, at each step of the connection."""
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -27,6 +28,14 @@ if TYPE_CHECKING:
     from .instances import Instance
     from .results import Results
 
+_ADDRESS = re.compile(r"tcp://([\w.-]+|\[[0-9A-Fa-f:.]+\]):\d{1,5}")
+
+
+def _address(context: click.Context, option: click.Parameter, text: str | None) -> str | None:
+    if text is not None and not _ADDRESS.fullmatch(text):
+        raise click.BadParameter(f"{text!r} is not of the form tcp://HOST:PORT")
+    return text
+
 
 @click.command()
 @click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
@@ -34,7 +43,7 @@ if TYPE_CHECKING:
 @parameters_option
 @click.option("--seeds", default="0", show_default=True, help="Seeds, such as 0..9 or 1,5,7.")
 @click.option("--jobs", type=click.IntRange(min=1, max=1024), help="Processes side by side.  [default: 1]")
-@click.option("--cluster", metavar="ADDRESS", help="Work on a distributed cluster, such as tcp://127.0.0.1:8786.")
+@click.option("--cluster", metavar="ADDRESS", callback=_address, help="Work on a cluster, at tcp://HOST:PORT.")
 @click.option("--bound", type=click.Choice(["seq", "seq-path", "path"]), help="The finest motion bound to try.")
 @click.option("--search", type=click.Choice(["astar", "wastar", "bfs", "guide"]), help="How to look for skeletons.")
 @click.option("--time", type=click.FloatRange(min=0, min_open=True), help="Seconds for each; inf for no limit.")

@@ -1,0 +1,79 @@
+"""Small sweeps, run as a user does, and a look at the processes behind them."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+CLIMB = ROOT / "examples" / "climb.tamp"
+SMALL = ("-p", "n=1..2", "-p", "crawlers=1")
+
+
+def start(folder: Path, *arguments: object) -> subprocess.Popen[str]:
+    """The command `tamplang sweep climb` in a session of its own, so that it and its processes are known by it."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "tamplang", "sweep", str(CLIMB), *map(str, arguments)],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def sweep(folder: Path, *arguments: object, status: int = 0) -> tuple[str, str]:
+    """What the command prints on standard output and on standard error."""
+    with start(folder, *arguments) as process:
+        out, err = process.communicate(timeout=180)
+    assert process.returncode == status, err
+    assert "Traceback" not in err
+    return out, err
+
+
+def lines(path: Path) -> list[dict[str, Any]]:
+    """The results in the file."""
+    return [json.loads(line) for line in path.read_text().splitlines()]
+
+
+def timeless(records: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The results without times, in the order of their keys."""
+    kept = [{n: v for n, v in r.items() if n not in ("seconds", "cpu_seconds")} for r in records]
+    return sorted(kept, key=lambda record: str(record["key"]))
+
+
+def session(number: int) -> list[int]:
+    """The living processes of a session."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = path.read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        if int(fields[3]) == number and fields[0] != "Z":
+            found.append(int(path.parent.name))
+    return found
+
+
+def is_solving(process: int | None) -> bool:
+    """Whether the process has come as far as the motion programs."""
+    try:
+        return "libcasadi" in Path(f"/proc/{process}/maps").read_text()
+    except OSError:
+        return False
+
+
+def wait_until(condition: Callable[[], object], seconds: float = 90.0) -> None:
+    """Wait for it, and fail when it does not come true."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
