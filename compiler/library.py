@@ -18,6 +18,7 @@ Named = (
     syntax.TypeDecl
     | syntax.PredicateDecl
     | syntax.DerivedDecl
+    | syntax.FunctionDecl
     | syntax.MotionDecl
     | syntax.RuleDecl
     | syntax.HeuristicDecl
@@ -50,6 +51,7 @@ class Library:
     type_spans: Mapping[str, Span]
     predicates: Mapping[str, syntax.PredicateDecl]
     derived: Mapping[str, syntax.DerivedDecl]
+    functions: Mapping[str, syntax.FunctionDecl]
     motions: Mapping[str, syntax.MotionDecl]
     rules: Mapping[str, syntax.RuleDecl]
     placements: tuple[syntax.PlacementDecl, ...]
@@ -119,6 +121,7 @@ def build_library(
         spans,
         predicates,
         derived,
+        tables.of(syntax.FunctionDecl),
         tables.of(syntax.MotionDecl),
         tables.of(syntax.RuleDecl),
         tuple(d for d in tables.declarations if isinstance(d, syntax.PlacementDecl)),

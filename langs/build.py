@@ -31,6 +31,11 @@ class TreeBuilder(TermBuilder):
                 return s.DerivedDecl(
                     str(tree.children[0]), self.signature(tree), body, self._doc(tree), span=self.span(tree)
                 )
+            case "function_decl":
+                name, parameters, value = tree.children
+                return s.FunctionDecl(
+                    str(name), self.parameters(parameters), self.term(value), self._doc(tree), span=self.span(tree)
+                )
             case "motion_decl":
                 symmetric = any(t.type == "SYMMETRIC" for t in tokens(tree))
                 return s.MotionDecl(

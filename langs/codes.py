@@ -161,6 +161,8 @@ CODES: dict[str, CodeInfo] = {
         "Motion literals are effects; conditions read logic literals.",
         "pre [touch A X]", "pre (taken A X)"),
     "E0311": CodeInfo("construct out of place", "logic", "`previous is` and `prune` stand only in heuristics."),
+    "E0312": CodeInfo("function uses itself", "logic",
+        "A declared function stands for its value, so it cannot use itself, directly or through others."),
     "E0401": CodeInfo("sides of different size", "motion",
         "Both sides of a row have the same number of components, or one is a plain 0.",
         "at switch position(X) = gap(X, Y)", "at switch position(X) = position(Y)"),

@@ -57,6 +57,7 @@ _GROUPS = (
             "_TYPE",
             "_PREDICATE",
             "_DERIVED",
+            "_FUNCTION",
             "_MODULE",
             "_MOTION",
             "_RULE",

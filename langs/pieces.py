@@ -16,6 +16,7 @@ STATEMENTS = frozenset(
         "type_decl",
         "predicate_decl",
         "derived_decl",
+        "function_decl",
         "module_decl",
         "motion_decl",
         "rule_decl",

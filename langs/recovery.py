@@ -41,7 +41,7 @@ _SIGNS = {
 _OPENING = {"LPAR", "LBRACE", "LSQB"}
 _LINKS = {"_ON", "_IN", "_AT", "_THEN", "_ELSE", "_OF", "_BY", "_IS", "_SWITCH"}
 _DECLARATION = re.compile(
-    r"^(import|type|predicate|derived|module|motion|rule|placement|heuristic|scene|task)(?!\w)", re.MULTILINE
+    r"^(import|type|predicate|derived|function|module|motion|rule|placement|heuristic|scene|task)(?!\w)", re.MULTILINE
 )
 
 

@@ -278,6 +278,16 @@ class DerivedDecl(Node):
 
 
 @dataclass(frozen=True, slots=True)
+class FunctionDecl(Node):
+    """`function halfway(X Y: object) = distance(X, Y) / 2`."""
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    body: Term
+    doc: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class MotionRow(Node):
     """One line of a motion predicate. `when` is "switch" (`at switch`), "during" (`during`) or "keep"; a keep row
     has operator "" and right None: the value of `left` stays constant."""
@@ -519,8 +529,8 @@ class TaskDecl(Node):
 
 
 Declaration = (
-    Import | TypeDecl | PredicateDecl | DerivedDecl | MotionDecl | RuleDecl | PlacementDecl | HeuristicDecl
-    | ModuleDecl | SceneDecl | TaskDecl
+    Import | TypeDecl | PredicateDecl | DerivedDecl | FunctionDecl | MotionDecl | RuleDecl | PlacementDecl
+    | HeuristicDecl | ModuleDecl | SceneDecl | TaskDecl
 )
 
 

@@ -186,6 +186,8 @@ def _read_in_syntax(context: Context) -> Iterator[str]:
     library = context.library
     for items in _scene_items(library):
         yield from _read_in_items(items)
+    for function in library.functions.values():
+        yield from _literals(function.body)
     for heuristic in library.heuristics.values():
         for term in [heuristic.start, *(c.value for c in heuristic.cases)]:
             yield from _literals(term)
@@ -205,6 +207,7 @@ def _check_parameters(context: Context) -> None:
     library = context.library
     declarations: list[tuple[str, Span, tuple[syntax.Parameter, ...], tuple[object, ...]]] = [
         *((d.name, d.span, d.parameters, (d.body,)) for d in library.derived.values()),
+        *((d.name, d.span, d.parameters, (d.body,)) for d in library.functions.values()),
         *((d.name, d.span, d.parameters, (d.pre, d.where, d.post, d.cost)) for d in library.rules.values()),
         *((d.name, d.span, d.parameters, d.items) for d in library.motions.values()),
         *((d.name, d.span, d.parameters, (d.start, d.cases)) for d in library.heuristics.values()),

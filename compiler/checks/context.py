@@ -15,13 +15,15 @@ from .findings import Findings
 @dataclass(slots=True)
 class Context:
     """`logic` and `motion` hold the signatures of the two kinds of predicates. `random` is None while nothing is
-    evaluated; then it is drawn from in the order of the scene's text."""
+    evaluated; then it is drawn from in the order of the scene's text. `open_functions` are those whose bodies are being
+    read."""
 
     library: Library
     findings: Findings
     logic: Mapping[str, Signature] = field(default_factory=dict)
     motion: Mapping[str, Signature] = field(default_factory=dict)
     random: random.Random | None = None
+    open_functions: list[str] = field(default_factory=list)
 
     def object_type(self, node: syntax.Type) -> str | None:
         """The name of a declared object type, or None after reporting that there is none."""

@@ -9,7 +9,7 @@ from ..library import Library
 from .findings import Findings
 
 DECLARED = re.compile(
-    r"^(?:(?:type|module|rule|heuristic|scene|task)\s+(\w+)"
+    r"^(?:(?:type|function|module|rule|heuristic|scene|task)\s+(\w+)"
     r"|(?:predicate|derived)\s*\(\s*(\w+)|motion\s*\[\s*(\w+))",
     re.MULTILINE,
 )
@@ -44,6 +44,7 @@ def lost_names(library: Library) -> set[str]:
         library.types,
         library.predicates,
         library.derived,
+        library.functions,
         library.motions,
         library.rules,
         library.heuristics,

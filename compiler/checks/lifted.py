@@ -17,6 +17,7 @@ from .check_motion import check_motions
 from .check_usage import check_usage
 from .context import Context, build_context
 from .findings import Findings
+from .functions import check_functions
 from .incomplete import keep_certain
 from .names import Scope
 from .values import parameter_entries
@@ -62,6 +63,7 @@ def check_declarations(library: Library, findings: Findings, parsed: bool) -> Li
     context = build_context(library, findings if parsed else Findings(library.sources))
     predicates, derived = lower_predicates(context), check_derived(context)
     motions, rules, placements = check_motions(context), check_rules(context), check_placements(context)
+    check_functions(context)
     check_heuristics(context)
     check_modules(context)
     _check_scenes(context, library.scenes)

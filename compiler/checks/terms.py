@@ -93,11 +93,16 @@ def _check_wildcard(context: Context, scope: Scope, term: syntax.Wildcard) -> Ty
 
 
 def _check_call(context: Context, scope: Scope, term: syntax.Call) -> Typed:
+    from .functions import apply_function
+
     findings = context.findings
     builtin = FUNCTIONS.get(term.function)
     name_span = findings.word(term.span, term.function)
+    declared = context.library.functions.get(term.function)
+    if declared is not None and builtin is None:
+        return apply_function(context, scope, term, declared)
     if builtin is None:
-        findings.unknown("E0109", "function", term.function, name_span, FUNCTIONS)
+        findings.unknown("E0109", "function", term.function, name_span, [*FUNCTIONS, *context.library.functions])
         return BROKEN
     place = "rule" if scope.place in ("heuristic", "goal") else scope.place
     if place not in builtin.place and not (scope.place == "goal" and "scene" in builtin.place):

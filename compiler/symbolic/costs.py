@@ -41,6 +41,8 @@ class CostToGo:
         self.reads_previous = any(_reads_previous(c.value) for c in cases)
         self._reads_state = any(_reads_state(c.value) for c in cases)
         self._known: dict[tuple[int, int | None, int], float] = {}
+        self._normal: dict[int, Formula] = {}
+        """Normal forms of the conditions in the heuristic, by their identity: the heuristic keeps them alive."""
 
     @property
     def start(self) -> float:
@@ -98,7 +100,9 @@ class CostToGo:
             case Or():
                 return any(self._holds(f, env, state, previous) for f in formula.operands)
             case _:
-                normal = self.successors.normal.normal(formula, {}, False)
+                normal = self._normal.get(id(formula))
+                if normal is None:
+                    normal = self._normal[id(formula)] = self.successors.normal.normal(formula, {}, False)
                 return self._true(self.successors.guards.reduce(normal, env, self.successors.word(state)), state)
 
     def _true(self, formula: Formula, state: int) -> bool:
