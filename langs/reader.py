@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import stat
 
-from .diagnostics import Diagnostic, SourceError
+from .diagnostics import Diagnostic, SourceError, did_you_mean
 from .source import Source
 
 MAX_BYTES = 1_000_000
@@ -43,7 +43,7 @@ def _read(path: str) -> bytes:
         with open(path, "rb") as stream:
             content = stream.read(MAX_BYTES + 1)
     except (FileNotFoundError, NotADirectoryError):
-        raise _refusal("E0010", f"there is no file `{path}`") from None
+        raise _refusal("E0010", f"there is no file `{path}`", _near(path)) from None
     except ValueError:
         raise _refusal("E0010", f"{path!r} is not a file name") from None
     except OSError as e:
@@ -51,6 +51,17 @@ def _read(path: str) -> bytes:
     if len(content) > MAX_BYTES:
         raise _too_large(path, len(content))
     return content
+
+
+def _near(path: str) -> str | None:
+    """The hint to the program in the same folder that has nearly this name."""
+    folder, name = os.path.split(path)
+    try:
+        programs = [n for n in os.listdir(folder or ".") if n.endswith(".tamp")]
+    except OSError:
+        return None
+    exact = f"{name}.tamp"
+    return f"did you mean `{exact}`?" if exact in programs else did_you_mean(name, programs)
 
 
 def _too_large(path: str, size: int) -> SourceError:

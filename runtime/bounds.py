@@ -104,8 +104,10 @@ class Bounds:
         if not conflicts:
             sequence = self._sequence(skeleton, self.seed, None)
             if sequence.feasible:
-                if self.finest == "seq" or not skeleton.phases:
+                if self.finest == "seq":
                     return Judgement(True)
+                if not skeleton.phases:
+                    return Judgement(True, paths=[])
                 return self._paths(skeleton, sequence)
             conflicts = [self._shrink(skeleton, sequence)]
         for c in conflicts:

@@ -53,7 +53,7 @@ class Refusals:
         return Diagnostic(
             "S0004",
             "the budget ended before a skeleton was judged",
-            help="give more with --time, or a smaller instance",
+            help="give more with --time or --nodes, or a smaller instance",
         )
 
     def _diagnostic(self, skeleton: Skeleton, conflict: Conflict, action: str, reason: str) -> Diagnostic:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import signal
 import sys
 from collections.abc import Sequence
@@ -11,6 +12,9 @@ import click
 
 from .crash import report_crash
 from .status import ExitStatus
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""What a disk says that takes no more; for standard output nothing can find it out beforehand."""
 
 
 def main() -> None:
@@ -26,9 +30,9 @@ def main() -> None:
 
 def run(arguments: Sequence[str]) -> int:
     """Run one command line and give its exit status (`ExitStatus`). What goes wrong is told on standard error."""
-    from .app import application
-
     try:
+        from .app import application
+
         status = application.main(args=list(arguments), prog_name="tamplang", standalone_mode=False)
     except click.ClickException as error:
         error.show()
@@ -36,4 +40,9 @@ def run(arguments: Sequence[str]) -> int:
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
         return ExitStatus.INTERRUPTED
+    except OSError as error:
+        if error.errno not in FULL:
+            raise
+        click.echo(f"Error: cannot write: {error.strerror}", err=True)
+        return ExitStatus.USAGE
     return status if isinstance(status, int) else ExitStatus.DONE

@@ -13,7 +13,11 @@ from .status import ExitStatus
 
 
 def report_crash(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
-    """Write the traceback to a crash file, name it on standard error and end with status 70 (a `sys.excepthook`)."""
+    """Write the traceback to a crash file, name it on standard error and end with status 70 (a `sys.excepthook`).
+    A late Ctrl-C is no crash."""
+    if issubclass(kind, KeyboardInterrupt):
+        print("interrupted", file=sys.stderr)
+        raise SystemExit(int(ExitStatus.INTERRUPTED))
     from .. import __version__
 
     descriptor, path = tempfile.mkstemp(prefix="tamplang-crash-", suffix=".txt")

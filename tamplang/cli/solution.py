@@ -85,6 +85,8 @@ def result_lines(problem: Problem, result: Result, written: Written) -> list[str
     """What a person wants to know, on a terminal."""
     lines = [f"{problem.task}: {HEADLINES[result.status]}"]
     lines += [f"  {number:2}  {action}" for number, action in enumerate(result.actions, start=1)]
+    if result.status == "solved" and not result.actions:
+        lines.append("  the goal holds at the start: nothing is to be done")
     if result.actions:
         lines.append(f"{counted(len(result.actions), 'action')}, cost {result.cost:g}{_quality(result.statistics)}")
     lines.append(_effort(result.statistics))

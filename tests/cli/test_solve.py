@@ -200,3 +200,12 @@ def test_the_python_interface(tmp_path: Path) -> None:
     assert again.verify().verified
     again.report(tmp_path / "plan.html")
     assert (tmp_path / "plan.html").stat().st_size > 100_000
+
+
+def test_a_goal_that_holds_at_the_start_gives_an_empty_verified_plan(tamplang: Tamplang, tmp_path: Path) -> None:
+    process = tamplang("solve", ROOT / "examples" / "pick_and_place.tamp", "-p", "objects=0", "--report", "r.html")
+    assert process.returncode == 0
+    assert "the goal holds at the start" in process.stdout
+    assert "\nverified" in process.stdout
+    assert tamplang("verify", "pick_and_place.plan.json").returncode == 0
+    assert (tmp_path / "r.html").exists()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -121,3 +122,28 @@ def test_a_terminal_that_cannot_show_every_character() -> None:
     )
     assert (process.returncode, process.stderr) == (0, "")
     assert "\\u2026" in process.stdout
+
+
+@pytest.mark.parametrize("arguments", [["check", "--format", "json", CLIMB], ["explain", "E0103"]])
+def test_a_full_disk_behind_standard_output_is_no_crash(arguments: list[object], tmp_path: Path) -> None:
+    with open("/dev/full", "w") as full:
+        process = subprocess.run(
+            [sys.executable, "-m", "tamplang", *map(str, arguments)],
+            cwd=tmp_path, env=environment(), stdout=full, stderr=subprocess.PIPE, text=True, timeout=60,
+        )  # fmt: skip
+    assert process.returncode == 2
+    assert process.stderr.endswith("Error: cannot write: No space left on device\n")
+
+
+def test_a_late_ctrl_c_is_no_crash(tmp_path: Path) -> None:
+    text = "from tamplang.cli import crash; import sys; sys.excepthook = crash.report_crash; raise KeyboardInterrupt"
+    process = subprocess.run(
+        [sys.executable, "-c", text], cwd=tmp_path, env=environment(), capture_output=True, text=True, timeout=60
+    )
+    assert (process.returncode, process.stderr) == (130, "interrupted\n")
+
+
+def test_a_program_without_its_ending_is_hinted_at(tamplang: Tamplang, tmp_path: Path) -> None:
+    shutil.copy(CLIMB, tmp_path)
+    assert "did you mean `climb.tamp`?" in tamplang("check", "climb").stderr
+    assert "did you mean `climb.tamp`?" in tamplang("solve", "clim.tamp").stderr
