@@ -145,5 +145,5 @@ def test_a_late_ctrl_c_is_no_crash(tmp_path: Path) -> None:
 
 def test_a_program_without_its_ending_is_hinted_at(tamplang: Tamplang, tmp_path: Path) -> None:
     shutil.copy(CLIMB, tmp_path)
-    assert "did you mean `climb.tamp`?" in tamplang("check", "climb").stderr
+    assert "did you mean `climb.tamp`?" in tamplang("check", "climb").stdout
     assert "did you mean `climb.tamp`?" in tamplang("solve", "clim.tamp").stderr
