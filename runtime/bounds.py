@@ -96,8 +96,7 @@ class Bounds:
     def judge(self, skeleton: Skeleton, strains: Sequence[float]) -> Judgement:
         """Take a skeleton through the bounds; `strains` tells how close the conditions of each action are to their
         limits (`search.roomy`). Raises OutOfTime."""
-        actions = [phase.action for phase in skeleton.phases]
-        expected = self.experience.expected_refusals(actions, strains)
+        expected = self.experience.expected_refusals(skeleton.phases, strains)
         if expected:
             return Judgement(False, conflicts=[Conflict(EXPECTED, *window, ()) for window in expected])
         conflicts = self._refused_actions(skeleton, strains)
@@ -112,7 +111,8 @@ class Bounds:
             conflicts = [self._shrink(skeleton, sequence)]
         for c in conflicts:
             window = slice(c.first, c.last + 1)
-            self.experience.refuse(actions[window], strains[window], c.from_start)
+            if not (c.from_start and self.tries is None):
+                self.experience.refuse(skeleton.phases[window], strains[window], c.from_start)
         return Judgement(False, conflicts=conflicts)
 
     def try_harder(self) -> None:
@@ -145,20 +145,19 @@ class Bounds:
         """Conflicts of all single actions that P_seq refuses, wherever they start."""
         conflicts = []
         for k, phase in enumerate(skeleton.phases):
-            if k and self.experience.expects_success(phase.action, strains[k]):
+            if k and self.experience.expects_success(phase, strains[k]):
                 continue
             result = self._window(skeleton, k, k)
             if not result.feasible:
                 conflicts.append(Conflict("seq", k, k, k == 0, tuple(result.violations)))
             elif k:
-                self.experience.accept(phase.action, strains[k])
+                self.experience.accept(phase, strains[k])
         return conflicts
 
     def _window(self, skeleton: Skeleton, first: int, last: int) -> BoundResult:
         """P_seq of some phases alone. From the start itself names matter, elsewhere interchangeable ones do not."""
         phases = skeleton.phases[first : last + 1]
-        actions = tuple(phase.action for phase in phases)
-        key = self.experience.lifted(actions) if first else actions
+        key = self.experience.lifted(phases) if first else tuple(phase.action for phase in phases)
         if key not in self._windows:
             self.tell("seq", f"P_seq of {phases[-1].action}")
             with self.clock("seq"):

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..compiler.ir import Action, Problem
+from ..compiler.ir import Action, Chain, Fact, Problem
 from .search.conflicts import Lifting, Names
+from .skeleton import Phase
 
 Kind = tuple[object, ...]
 NEAR = 0.005
@@ -28,32 +29,33 @@ class Experience:
         self._lengths: set[int] = set()
         self._accepted: dict[Kind, float] = {}
 
-    def lifted(self, actions: Sequence[Action]) -> Kind:
-        """The actions up to names of interchangeable modules and ends."""
-        return self._lifting.actions(actions)[0]
+    def lifted(self, phases: Sequence[Phase]) -> Kind:
+        """A window and the relations that hold before it among what it concerns, up to names of interchangeable modules
+        and ends."""
+        return self._signature(phases, bodies=False)
 
-    def refuse(self, actions: Sequence[Action], strains: Sequence[float], from_start: bool) -> None:
+    def refuse(self, phases: Sequence[Phase], strains: Sequence[float], from_start: bool) -> None:
         """Remember that these actions were refused one after the other."""
-        self._lengths.add(len(actions))
-        self._refused.setdefault((self._kind(actions), from_start), []).append(tuple(strains))
+        self._lengths.add(len(phases))
+        self._refused.setdefault((self._kind(phases), from_start), []).append(tuple(strains))
 
-    def accept(self, action: Action, strain: float) -> None:
+    def accept(self, phase: Phase, strain: float) -> None:
         """Remember that an action alone was accepted from an unknown start."""
-        kind = self._kind((action,))
+        kind = self._kind((phase,))
         self._accepted[kind] = max(self._accepted.get(kind, 0.0), strain)
 
-    def expects_success(self, action: Action, strain: float) -> bool:
-        return strain <= self._accepted.get(self._kind((action,)), -1.0) + NEAR
+    def expects_success(self, phase: Phase, strain: float) -> bool:
+        return strain <= self._accepted.get(self._kind((phase,)), -1.0) + NEAR
 
-    def expected_refusals(self, actions: Sequence[Action], strains: Sequence[float]) -> list[tuple[int, int, bool]]:
+    def expected_refusals(self, phases: Sequence[Phase], strains: Sequence[float]) -> list[tuple[int, int, bool]]:
         """Windows (first, last, from the start) of a plan that are expected to be refused, shortest first."""
         found: list[tuple[int, int, bool]] = []
         for length in sorted(self._lengths):
-            for first in range(len(actions) - length + 1):
+            for first in range(len(phases) - length + 1):
                 last = first + length - 1
                 if any(f >= first and e <= last for f, e, _ in found):
                     continue
-                kind = self._kind(actions[first : last + 1])
+                kind = self._kind(phases[first : last + 1])
                 for from_start in (False, True) if first == 0 else (False,):
                     known = self._refused.get((kind, from_start), ())
                     if any(_at_least(strains[first : last + 1], refused) for refused in known):
@@ -66,22 +68,54 @@ class Experience:
         self._refused.clear()
         self._lengths.clear()
 
-    def _kind(self, actions: Sequence[Action]) -> Kind:
-        """The lifted actions, with bodies replaced by their shapes; the same body twice is told from two bodies."""
+    def _kind(self, phases: Sequence[Phase]) -> Kind:
+        """As `lifted`, with bodies replaced by their shapes; the same body twice is told from two bodies."""
+        return self._signature(phases, bodies=True)
+
+    def _signature(self, phases: Sequence[Phase], bodies: bool) -> Kind:
         names = Names()
-        bodies: dict[str, int] = {}
-        signature: list[object] = []
-        for action in actions:
-            parts: list[object] = [action.rule]
-            for arg in action.args:
-                body = self.problem.world.bodies.get(arg) if isinstance(arg, str) else None
-                if body is None or not isinstance(arg, str):
-                    parts.append(self._lifting.token(arg, names))
-                else:
-                    number = bodies.setdefault(arg, len(bodies))
-                    parts.append((body.shape.kind, body.shape.size, number))
-            signature.append(tuple(parts))
-        return tuple(signature)
+        numbers: dict[str, int] = {}
+
+        def token(arg: object) -> object:
+            body = self.problem.world.bodies.get(arg) if bodies and isinstance(arg, str) else None
+            if body is None or not isinstance(arg, str):
+                return self._lifting.token(arg, names)
+            return body.shape.kind, body.shape.size, numbers.setdefault(arg, len(numbers))
+
+        actions = tuple((p.action.rule, *map(token, p.action.args)) for p in phases)
+        relations = frozenset((fact[0], *map(token, fact[1:])) for fact in self._relations(phases))
+        return actions, relations
+
+    def _relations(self, phases: Sequence[Phase]) -> list[Fact]:
+        """The motion literals before a window that tie its modules, and what is tied to them, to anything."""
+        modules = self.problem.world.modules
+        concerned = {_owner(name) for phase in phases for name in _objects(phase.action)} & modules.keys()
+        found: list[Fact] = []
+        waiting = sorted(phases[0].mode)
+        grown = True
+        while grown:
+            tied = [fact for fact in waiting if any(_owner(arg) in concerned for arg in fact[1:])]
+            waiting = [fact for fact in waiting if fact not in tied]
+            found += tied
+            more = {_owner(arg) for fact in tied for arg in fact[1:]} & modules.keys()
+            grown = not more <= concerned
+            concerned |= more
+        return found
+
+
+def _owner(name: str) -> str:
+    """The module of an effector; any other name stays."""
+    return name.rpartition(".")[0] or name
+
+
+def _objects(action: Action) -> list[str]:
+    names: list[str] = []
+    for arg in action.args:
+        if isinstance(arg, Chain):
+            names += [part for line in arg.modules for part in line]
+        elif isinstance(arg, str):
+            names.append(arg)
+    return names
 
 
 def _at_least(strains: Sequence[float], refused: Sequence[float]) -> bool:
