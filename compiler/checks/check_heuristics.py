@@ -8,15 +8,17 @@ from ...langs import syntax
 from .. import ir
 from .binders import bind
 from .context import Context
+from .cycles import check_cycles
 from .names import Entry, Scope, Typed
 from .terms import check_term
 from .values import parameter_entries
 
 
-def check_heuristics(context: Context) -> None:
+def check_heuristics(context: Context, rules: Mapping[str, ir.Rule]) -> None:
     """Every declared heuristic, with parameters that stand for themselves."""
     for heuristic in context.library.heuristics.values():
-        lower_heuristic(context, heuristic, parameter_entries(context, heuristic.parameters, objects=True))
+        entries = parameter_entries(context, heuristic.parameters, objects=True)
+        check_cycles(context, heuristic, lower_heuristic(context, heuristic, entries), rules)
 
 
 def lower_heuristic(context: Context, heuristic: syntax.HeuristicDecl, entries: Mapping[str, Entry]) -> ir.Heuristic:

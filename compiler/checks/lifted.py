@@ -64,7 +64,7 @@ def check_declarations(library: Library, findings: Findings, parsed: bool) -> Li
     predicates, derived = lower_predicates(context), check_derived(context)
     motions, rules, placements = check_motions(context), check_rules(context), check_placements(context)
     check_functions(context)
-    check_heuristics(context)
+    check_heuristics(context, rules)
     check_modules(context)
     _check_scenes(context, library.scenes)
     _check_scenes(context, library.tasks)
