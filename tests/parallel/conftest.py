@@ -8,8 +8,12 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import Any
+
+from tamplang.cli import run
 
 ROOT = Path(__file__).resolve().parents[2]
 CLIMB = ROOT / "examples" / "climb.tamp"
@@ -37,6 +41,14 @@ def sweep(folder: Path, *arguments: object, status: int = 0) -> tuple[str, str]:
     assert process.returncode == status, err
     assert "Traceback" not in err
     return out, err
+
+
+def sweep_here(folder: Path, *arguments: object, status: int = 0) -> tuple[str, str]:
+    """The same in the process of the tests: quick, but with the numerical libraries as they were loaded."""
+    out, err = StringIO(), StringIO()
+    with chdir(folder), redirect_stdout(out), redirect_stderr(err):
+        assert run(["sweep", str(CLIMB), *map(str, arguments)]) == status
+    return out.getvalue(), err.getvalue()
 
 
 def lines(path: Path) -> list[dict[str, Any]]:

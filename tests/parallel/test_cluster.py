@@ -12,7 +12,7 @@ import pytest
 
 from tamplang.runtime.parallel import ClusterUnavailable, WorkFailed, open_executor
 
-from .conftest import SMALL, is_solving, lines, start, sweep, timeless, wait_until
+from .conftest import SMALL, is_solving, lines, start, sweep, sweep_here, timeless, wait_until
 
 
 def local_cluster(**settings: Any) -> Any:
@@ -68,7 +68,7 @@ def test_an_address_that_does_not_answer_is_told_within_ten_seconds(tmp_path: Pa
     with pytest.raises(ClusterUnavailable, match="no cluster answers"):
         open_executor(cluster="tcp://127.0.0.1:9")
     assert time.monotonic() - started < 10
-    _, err = sweep(tmp_path, *SMALL, "--cluster", "tcp://127.0.0.1:9", status=1)
+    _, err = sweep_here(tmp_path, *SMALL, "--cluster", "tcp://127.0.0.1:9", status=1)
     assert "S0006" in err
     assert "dask scheduler" in err
 

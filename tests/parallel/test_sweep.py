@@ -12,9 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tamplang.cli import run
-
-from .conftest import CLIMB, ROOT, SMALL, lines, session, start, sweep, timeless, wait_until
+from .conftest import CLIMB, ROOT, SMALL, lines, session, start, sweep, sweep_here, timeless, wait_until
 
 
 @pytest.fixture(scope="module")
@@ -66,19 +64,19 @@ def test_a_sweep_goes_on_where_it_ended(reference: tuple[Path, str], tmp_path: P
 def test_other_options_are_other_instances_and_what_failed_is_tried_again(tmp_path: Path) -> None:
     path = tmp_path / "climb.sweep.jsonl"
     one = ("-p", "n=1", "-p", "crawlers=1", "--bound", "seq")
-    sweep(tmp_path, *one)
+    sweep_here(tmp_path, *one)
     (first,) = lines(path)
     path.write_text(json.dumps(first | {"status": "lost"}) + "\n")
-    sweep(tmp_path, *one)
+    sweep_here(tmp_path, *one)
     assert timeless(lines(path))[0] == timeless([first])[0] | {"status": "lost"}
     assert [r["status"] for r in lines(path)] == ["lost", "solved"]
-    sweep(tmp_path, *one, "--nodes", 1000)
-    sweep(tmp_path, *one, "--nodes", 1000, "--time", "inf")
+    sweep_here(tmp_path, *one, "--nodes", 1000)
+    sweep_here(tmp_path, *one, "--nodes", 1000, "--time", "inf")
     assert len({r["key"] for r in lines(path)}) == 3
 
 
 def test_instances_that_cannot_be_solved_are_told(tmp_path: Path) -> None:
-    out, err = sweep(tmp_path, "-p", "n=1", "-p", "crawlers=0,1", "--bound", "seq", "--json", status=4)
+    out, err = sweep_here(tmp_path, "-p", "n=1", "-p", "crawlers=0,1", "--bound", "seq", "--json", status=4)
     assert json.loads(out)["status"] == "unsolved"
     assert [group["solved"] for group in json.loads(out)["groups"]] == [0, 1]
     assert "error: " in err or "infeasible" in err
@@ -130,18 +128,10 @@ def test_a_killed_sweep_leaves_no_process(tmp_path: Path) -> None:
         (["--plans", str(CLIMB)], "cannot write"),
     ],
 )
-def test_bad_input_is_refused_before_the_work(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    arguments: list[str],
-    word: str,
-) -> None:
+def test_bad_input_is_refused_before_the_work(tmp_path: Path, arguments: list[str], word: str) -> None:
     before = CLIMB.read_bytes(), (ROOT / "README.md").read_bytes()
-    monkeypatch.chdir(tmp_path)
-    assert run(["sweep", str(CLIMB), *arguments]) == 2
+    out, err = sweep_here(tmp_path, *arguments, status=2)
     assert (CLIMB.read_bytes(), (ROOT / "README.md").read_bytes()) == before
-    out, err = capsys.readouterr()
     assert out == ""
     assert word in err
 
@@ -161,7 +151,7 @@ def test_errors_of_the_program_end_the_sweep(tmp_path: Path) -> None:
 def test_a_file_that_another_sweep_writes_is_refused(tmp_path: Path) -> None:
     with open(tmp_path / "x.jsonl", "w") as stream:
         fcntl.flock(stream, fcntl.LOCK_EX)
-        _, err = sweep(tmp_path, "--out", "x.jsonl", status=2)
+        _, err = sweep_here(tmp_path, "--out", "x.jsonl", status=2)
     assert "another sweep" in err
 
 
