@@ -8,27 +8,28 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..budget import Budget
-from ..skeleton import Array, BoundResult, Configuration, Skeleton, Violation, start_configuration
-from .program import Program
+from ..skeleton import BoundResult, Configuration, Skeleton, Violation, start_configuration
 from .settings import MotionSettings
 from .solver import Options
 from .starts import guess
-from .switches import SwitchProgram
+from .switches import SwitchProgram, run
 
 SEQUENCE = Options()
 NOISE = 0.3
 TRIES = 8
-SHORT = 3
-"""Spans of up to so many phases start anew before an attempt is repaired."""
-AGREE = 3
-"""How many independent starts must fail alike before a span is refused."""
+REPAIR = 2
+"""Every so many attempts the best one is repaired; the others start anew."""
+ALIKE = 1.1
+"""A span is refused when three starts end with the same largest row within this factor …"""
+FAR, EQUAL = 0.02, 1.03
+"""… or two without collisions with more than the first, in metres or radians, alike within the second …"""
 HOPELESS = 0.15
-"""Refuse when all independent starts end with a largest row above this, in metres or radians …"""
-ALIKE = 1.3
-"""… or when so many are at the least violation within this factor; else take all tries."""
+"""… or two without collisions with more than this."""
 ACCURATE = 1e-6
 LONGEST = 12
 """Phases up to which one program holds the whole skeleton."""
+FEW = 3
+"""How often windows go back where the whole has failed only by its collisions."""
 
 
 def solve_sequence(
@@ -43,7 +44,7 @@ def solve_sequence(
     """P_seq of the whole skeleton from `start` (default: the scene at time 0). `warm` gives the K switch
     configurations to start from; `tries` how many starts a span gets, and how often windows go back, at most. Raises
     OutOfTime."""
-    from .windows import solve_windows
+    from .windows import WINDOW, solve_windows
 
     began = time.monotonic()
     origin = start or start_configuration(skeleton.problem)
@@ -51,16 +52,17 @@ def solve_sequence(
     if last < 0:
         return BoundResult("seq", True, 0.0, 0.0, 0, [origin], [], [])
     random = np.random.default_rng(seed)
+    span = _Span(skeleton, 0, last, settings, random, budget, origin, False)
     if len(skeleton) > LONGEST and warm is None:
-        chained = solve_windows(skeleton, settings, random, budget, origin, tries)
-        if not chained.feasible:
-            chained.seconds = time.monotonic() - began
-            return chained
-        whole = solve_span(skeleton, 0, last, settings, random, budget, origin, chained.configurations[1:], tries=1)
-        result = whole if whole.feasible else chained
-        result.iterations = chained.iterations + whole.iterations
+        result = solve_windows(skeleton, settings, random, budget, origin, tries)
     else:
-        result = solve_span(skeleton, 0, last, settings, random, budget, origin, warm, tries=tries)
+        result = span.search(warm, tries or min(TRIES, 4 + last))
+        if not result.feasible and span.reached and len(skeleton) > WINDOW and warm is None:
+            result = solve_windows(skeleton, settings, random, budget, origin, tries or FEW)
+    if result.feasible and len(skeleton) > LONGEST and warm is None:
+        whole = span.search(result.configurations[1:], 1)
+        result = whole if whole.feasible else result
+    result.iterations += span.iterations
     result.seconds = time.monotonic() - began
     return result
 
@@ -81,21 +83,8 @@ def solve_span(
     or with `free` an unknown one, and `start` is then the scene at time 0."""
     began = time.monotonic()
     span = _Span(skeleton, first, last, settings, random, budget, start, free)
-    best: BoundResult | None = None
-    amounts: list[float] = []
-    iterations = 0
-    for attempt in range(tries or min(TRIES, 4 + last - first)):
-        fresh = attempt % 3 != 1 or (attempt == 1 and last - first < SHORT)
-        result = span.attempt(attempt, warm if attempt == 0 else None, None if fresh else best)
-        iterations += result.iterations
-        if best is None or _worst(result) < _worst(best):
-            best = result
-        if fresh:
-            amounts.append(_worst(result))
-        if result.feasible or _hopeless(amounts):
-            break
-    assert best is not None
-    best.iterations, best.seconds = iterations, time.monotonic() - began
+    best = span.search(warm, tries or min(TRIES, 4 + last - first))
+    best.iterations, best.seconds = span.iterations, time.monotonic() - began
     return best
 
 
@@ -103,12 +92,17 @@ def _worst(result: BoundResult) -> float:
     return result.violations[0].amount if result.violations else 0.0
 
 
+def _alike(amounts: list[float], factor: float) -> int:
+    """How many starts ended at the least violation, within a factor."""
+    return sum(a <= factor * min(amounts) for a in amounts)
+
+
 def _hopeless(amounts: list[float]) -> bool:
-    """Whether independent starts ended far from feasible, or all at the same least violation."""
-    if len(amounts) < AGREE:
+    """Whether independent starts without collisions ended far from feasible, or at the same least violation."""
+    if len(amounts) < 2:
         return False
     least = min(amounts)
-    return least > HOPELESS or sum(a < ALIKE * least for a in amounts) >= AGREE
+    return least > HOPELESS or (least > FAR and _alike(amounts, EQUAL) >= 2) or _alike(amounts, ALIKE) >= 3
 
 
 class _Span:
@@ -121,6 +115,9 @@ class _Span:
         self.skeleton, self.first, self.last = skeleton, first, last
         self.settings, self.random, self.budget = settings, random, budget
         self.start, self.free = start, free
+        self.iterations = 0
+        self.reached = False
+        """Whether some attempt succeeded but for collisions."""
         self._programs: dict[bool, SwitchProgram] = {}
 
     def _program(self, frozen: bool) -> SwitchProgram:
@@ -137,30 +134,57 @@ class _Span:
             return [self.start, *guess(self.skeleton, phases, self.start, self.random, noise)]
         return guess(self.skeleton, range(self.last + 1), self.start, self.random, noise)[self.first - 1 :]
 
-    def attempt(
-        self, number: int, warm: Sequence[Configuration] | None, repair: BoundResult | None
-    ) -> BoundResult:
-        """One solve: from `warm`, from a new guess, or from `repair` with new guesses where it was violated."""
-        switches = self._program(number % 2 == 0)
-        slices = [self.start, *warm] if warm is not None else self._guess(NOISE * (1 + number % 2))
-        if repair is not None:
-            slices = _repair(switches, repair.configurations, slices)
+    def search(self, warm: Sequence[Configuration] | None, tries: int) -> BoundResult:
+        """Attempt after attempt, from `warm` first. A new guess is solved without collisions, which shows whether
+        the span is out of reach, and from there with them."""
+        best = nearest = None
+        loose: list[float] = []
+        full: list[float] = []
+        for number in range(tries):
+            switches = self._program(number % 2 == 0)
+            slices = [self.start, *warm] if warm is not None and number == 0 else self._guess(NOISE)
+            if best is not None and number % REPAIR == 1:
+                slices = _repair(switches, best.configurations, slices)
+            elif warm is None or number > 0:
+                reached = self._solve_loose(switches, slices)
+                if reached.violations:
+                    nearest = reached if nearest is None or _worst(reached) < _worst(nearest) else nearest
+                    loose.append(_worst(reached))
+                    if _hopeless(loose):
+                        return nearest
+                    continue
+                self.reached = True
+                slices = reached.configurations
+            result = self._solve(switches, slices)
+            full.append(_worst(result))
+            if best is None or full[-1] < _worst(best):
+                best = result
+            if result.feasible or _alike(full, ALIKE) >= 3:
+                return best
+        found = best or nearest
+        assert found is not None
+        return found
+
+    def _solve_loose(self, switches: SwitchProgram, slices: Sequence[Configuration]) -> BoundResult:
+        """P_seq without collisions; feasible only if there are none to look at."""
+        program = switches.loose
+        outcome = run(program, switches.pack(slices), SEQUENCE, self.settings, self.budget)
+        self.iterations += outcome.iterations
+        tolerance = self.settings.tolerance
+        violations = program.violations(outcome.x, tolerance) if program.largest(outcome.x) > tolerance else []
+        return BoundResult("seq", False, 0.0, 0.0, 0, switches.unpack(outcome.x), [], violations)
+
+    def _solve(self, switches: SwitchProgram, slices: Sequence[Configuration]) -> BoundResult:
+        """P_seq, projected where it is nearly feasible; else with what is violated."""
         program, outcome = switches.solve(switches.pack(slices), SEQUENCE, self.budget)
-        result = _result(switches, program, outcome.x, self.settings, self.budget)
-        result.iterations = outcome.iterations
-        return result
-
-
-def _result(
-    switches: SwitchProgram, program: Program, x: Array, settings: MotionSettings, budget: Budget
-) -> BoundResult:
-    """Project what is nearly feasible; report what is not."""
-    feasible = False
-    if program.largest(x) <= settings.tolerance:
-        program, x = switches.project(x, ACCURATE, budget)
-        feasible = program.largest(x) <= settings.tolerance
-    violations: list[Violation] = [] if feasible else program.violations(x, settings.tolerance)
-    return BoundResult("seq", feasible, program.cost(x), 0.0, 0, switches.unpack(x), [], violations)
+        self.iterations += outcome.iterations
+        x = outcome.x
+        feasible = False
+        if program.largest(x) <= self.settings.tolerance:
+            program, x = switches.project(x, ACCURATE, self.budget)
+            feasible = program.largest(x) <= ACCURATE
+        violations: list[Violation] = [] if feasible else program.violations(x, ACCURATE)
+        return BoundResult("seq", feasible, program.cost(x), 0.0, 0, switches.unpack(x), [], violations)
 
 
 def _repair(

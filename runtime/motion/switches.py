@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -55,7 +56,7 @@ class SwitchProgram:
             self._standing()
         self._literals()
         self._groups = self._all_groups()
-        self._clearance = self._collisions(free) if settings.collisions else []
+        self._free = free
 
     def _moved_before(self, first: int) -> frozenset[str]:
         moved = set(self.problem.world.modules)
@@ -99,10 +100,14 @@ class SwitchProgram:
             differences(self.layout, self.layout.modules, steps, (-1.0, 1.0), VELOCITY),
         ]
 
-    def _collisions(self, free: bool) -> list[ClearanceGroup]:
+    @cached_property
+    def _clearance(self) -> list[ClearanceGroup]:
+        """The collision rows; made when first asked for, as many spans are refused without them."""
+        if not self.settings.collisions:
+            return []
         collisions = Collisions(self.problem, self.layout)
         touching = contacts(self.skeleton)
-        if free:
+        if self._free:
             contact = touching[self.phases[0]]
             collisions.add_slice(0, self.phases[0], self._margins(self.phases[0], contact.during, contact.start))
         for slice_, phase in enumerate(self.phases, start=1):
@@ -131,6 +136,11 @@ class SwitchProgram:
     def program(self) -> Program:
         """The program over the pairs that take part at present."""
         return Program(self.layout.constants, self.layout.unknowns, [*self._groups, *self._clearance])
+
+    @cached_property
+    def loose(self) -> Program:
+        """The program without collisions."""
+        return Program(self.layout.constants, self.layout.unknowns, self._groups)
 
     def pack(self, configurations: Sequence[Configuration]) -> Array:
         """Unknowns from the configurations of all slices, the state before included."""

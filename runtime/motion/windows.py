@@ -16,6 +16,8 @@ from .switches import SwitchProgram
 WINDOW = 4
 COMMIT = 2
 BACKTRACKS = 10
+ANEW = 3
+"""What a new start of the first window counts for."""
 PERIOD = 2
 """Gaits repeat after two phases."""
 
@@ -72,8 +74,8 @@ def solve_windows(
             kept = last - first + 1 if last == len(skeleton) - 1 else COMMIT
             known += result.configurations[1 : kept + 1]
             continue
-        setbacks += 1
-        if setbacks > (tries or BACKTRACKS) or first == 0:
+        setbacks += 1 if first else ANEW
+        if setbacks > (tries or BACKTRACKS):
             result.iterations = iterations
             return result
         del known[max(1, first + 1 - COMMIT * (1 + setbacks // 2)) :]
