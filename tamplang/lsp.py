@@ -22,6 +22,7 @@ Declared = (
     syntax.TypeDecl
     | syntax.PredicateDecl
     | syntax.DerivedDecl
+    | syntax.FunctionDecl
     | syntax.MotionDecl
     | syntax.RuleDecl
     | syntax.HeuristicDecl
@@ -100,6 +101,7 @@ def declarations(library: Library, name: str) -> list[Declared]:
     tables = (
         library.predicates,
         library.derived,
+        library.functions,
         library.motions,
         library.rules,
         library.heuristics,
