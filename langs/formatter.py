@@ -58,9 +58,6 @@ def format_source(source: Source) -> str:
     return "".join(_shown(line) for line in lines)
 
 
-format_text = format_source
-
-
 class _Layout:
     """Groups pieces into lines and indents them."""
 

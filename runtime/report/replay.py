@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..plan import BodyRecord, PhaseRecord, Plan, ShapeRecord
-from .kinematics import Array, joint_frames, pose_rows, rotate
+from ..transforms import Array, rotate
+from .kinematics import joint_frames, pose_rows
 from .robots import ACCENT, FIXED, PALETTE, group_modules, lighten, module_colours
 
 MOST_SAMPLES = 2400

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..plan import JointRecord, Plan
-from .kinematics import Array
+from ..transforms import Array
 from .replay import joint_rows, pick_samples
 from .robots import ACCENT, Robot, effector_owners, group_modules, module_colours
 

@@ -32,7 +32,8 @@ from tamplang.runtime.plan import (
     TrackRecord,
     VerdictRecord,
 )
-from tamplang.runtime.report.kinematics import Array, compose, joint_frames, rotate
+from tamplang.runtime.report.kinematics import joint_frames
+from tamplang.runtime.transforms import Array, compose, rotate
 
 CENTRES = [0.0, 0.15, 0.325, 0.5, 0.675, 0.85, 1.0]
 HOME = [0.0, 0.3, 0.0, -0.6, 0.0, 0.3, 0.0]

@@ -6,7 +6,8 @@ import numpy as np
 import pinocchio
 
 from tamplang.runtime.plan import JointRecord, ModuleRecord
-from tamplang.runtime.report.kinematics import compose, joint_frames, pose_rows
+from tamplang.runtime.report.kinematics import joint_frames, pose_rows
+from tamplang.runtime.transforms import compose
 
 from .sample import crawler
 

@@ -1,0 +1,82 @@
+"""Rigid transforms of many time stamps at once, for resampling and drawing.
+
+Poses are arrays `(…, 7)`: x, y, z, qx, qy, qz, qw, in metres, with unit quaternions. The verifier has its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Joint(Protocol):
+    """What the joints of the intermediate representation and of plan files have in common."""
+
+    @property
+    def kind(self) -> str: ...
+    @property
+    def parent(self) -> int: ...
+    @property
+    def placement(self) -> Sequence[float]: ...
+    @property
+    def axis(self) -> Sequence[float]: ...
+
+
+def multiply(left: Array, right: Array) -> Array:
+    """Hamilton product of quaternions `(…, 4)`, x y z w."""
+    a, b = left[..., :3], right[..., :3]
+    s, t = left[..., 3:], right[..., 3:]
+    vector = s * b + t * a + np.cross(a, b)
+    return np.concatenate([vector, s * t - np.sum(a * b, axis=-1, keepdims=True)], axis=-1)
+
+
+def rotate(quaternion: Array, vector: Array) -> Array:
+    """Vectors `(…, 3)` turned by unit quaternions `(…, 4)`."""
+    axis, scalar = quaternion[..., :3], quaternion[..., 3:]
+    twice = 2.0 * np.cross(axis, vector)
+    return np.asarray(vector + scalar * twice + np.cross(axis, twice))
+
+
+def compose(left: Array, right: Array) -> Array:
+    """The pose `right`, given in the frame `left`, in the frame in which `left` is given; shapes `(…, 7)` broadcast."""
+    left, right = np.broadcast_arrays(left, right)
+    turned = multiply(left[..., 3:], right[..., 3:])
+    turned = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
+    return np.concatenate([left[..., :3] + rotate(left[..., 3:], right[..., :3]), turned], axis=-1)
+
+
+def inverse(poses: Array) -> Array:
+    """The inverses of poses `(…, 7)`."""
+    back = poses[..., 3:] * np.array([-1.0, -1.0, -1.0, 1.0])
+    return np.concatenate([-rotate(back, poses[..., :3]), back], axis=-1)
+
+
+def joint_motion(joint: Joint, values: Array) -> Array:
+    """The joint's own transforms `(T, 7)` for its values `(T,)`, rad or m; kinds other than the two stay put."""
+    motion = np.zeros((len(values), 7))
+    motion[:, 6] = 1.0
+    along = np.asarray(joint.axis, dtype=np.float64)
+    along = along / max(float(np.linalg.norm(along)), 1e-12)
+    if joint.kind == "revolute":
+        motion[:, 3:6] = np.sin(values / 2.0)[:, None] * along
+        motion[:, 6] = np.cos(values / 2.0)
+    elif joint.kind == "prismatic":
+        motion[:, :3] = values[:, None] * along
+    return motion
+
+
+def joint_frames(joints: Sequence[Joint], base: Array, values: Array) -> list[Array]:
+    """The module frame, then every joint's moving frame, each `(T, 7)`.
+
+    `base` `(T, 7)` is the pose of the module frame, `values` `(T, n)` those of the joints, parents first.
+    """
+    frames = [base]
+    for index, joint in enumerate(joints):
+        motion = joint_motion(joint, values[:, index])
+        frames.append(compose(frames[joint.parent + 1], compose(np.asarray(joint.placement), motion)))
+    return frames
