@@ -33,6 +33,9 @@ class Recorder:
 
         self.commands.append(base64.b64encode(umsgpack.packb(command.lower())).decode("ascii"))
 
+SHADE = 0.2
+"""By how much neighbours among the fixed bodies differ, so that a plate shows on its table."""
+
 
 @dataclass(slots=True)
 class Scene:
@@ -199,7 +202,8 @@ class Builder:
             centre = pose_rows([(0, 0, 0, 0, 0, 0, 1)])[0]
             accent = body.movable or track is not None
             self.scene.corners += [box_corners(body, poses[0])] if body.name in touched and not accent else []
-            self.add_shape(f"{path}/shape", body.shape, centre, ACCENT if accent else FIXED)
+            colour = ACCENT if accent else lighten(FIXED, SHADE * (index % 3))
+            self.add_shape(f"{path}/shape", body.shape, centre, colour)
             if accent:
                 self.add_frame(path, poses, extent(body.shape))
             else:
