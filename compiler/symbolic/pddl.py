@@ -1,8 +1,8 @@
-"""Export: a problem as PDDL, typed STRIPS with negative preconditions, disjunctions and conditional effects where the
-rules have them.
+"""Export: a problem as PDDL that every planner reads: typed STRIPS, positive conditions only.
 
 Numeric guards over locations become static facts of their own; rules over chains become one action for every chain
-that the modules could ever form; motion literals are left out.
+that the modules could ever form; alternatives become actions of their own; motion literals are left out. A goal with
+alternatives is reached by one action more.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from itertools import permutations, product
 
 from ..ir import (
     And,
-    Any_,
     Chain,
     ChainType,
     Compare,
@@ -33,21 +32,22 @@ from ..ir import (
     Var,
     Variable,
 )
+from ..scenes.parameters import UsageError
 from .algebra import conjunction, disjunction, negation
 from .domains import FlatRule
 from .guards import Environment, Guards
-from .normal_form import TRUE, free_names
+from .normal_form import FALSE, TRUE, free_names
+from .strips import Change, Schema, Strips, alternatives, contradicts, literals
 from .successors import Successors, has_chains
 
-REQUIREMENTS = ":typing :equality :negative-preconditions :disjunctive-preconditions :conditional-effects"
+MOST_BRANCHES = 64
 
 
 def to_pddl(problem: Problem) -> tuple[str, str]:
-    """Domain and problem text. One action per rule and choice of its small variables (effectors, chains, ranges);
-    locations stay parameters."""
+    """Domain and problem text. One action per rule, choice of its small variables (effectors, chains, ranges) and
+    alternative of its condition; locations stay parameters. Raises UsageError for what PDDL cannot say."""
     writer = _Writer(problem)
-    actions = [text for flat in writer.successors.domains.rules for text in writer.actions(flat)]
-    return writer.domain(actions), writer.task()
+    return writer.domain(), writer.task()
 
 
 class _Writer:
@@ -56,39 +56,158 @@ class _Writer:
         self.successors = Successors(problem)
         self.guards: Guards = self.successors.guards
         self.layout = self.successors.layout
+        self.strips = Strips(self.guards)
         self.relations: dict[tuple[Formula, ...], tuple[str, tuple[Variable, ...]]] = {}
         self.related: list[str] = []
+        self.names: dict[str, str] = {}
+        self.schemas = [s for flat in self.successors.domains.rules for s in self.actions(flat)]
+        goals = alternatives(self._settled(self.successors.normal.normal(problem.goal, {}, False), {}))
+        self.goals = [Schema("reach", [], *literals(g, self.layout), []) for g in goals]
+        for schema in (*self.schemas, *self.goals):
+            self.strips.note(schema)
+        for schema in (*self.schemas, *self.goals):
+            self.strips.settle(schema)
+        self.single = len(self.goals) == 1 and not self.goals[0].parameters
 
     # --- texts ---------------------------------------------------------------------------------------------------
 
-    def domain(self, actions: Sequence[str]) -> str:
-        lines = [f"(define (domain {_name(self.problem.task)})"]
-        lines.append(f"  (:requirements {REQUIREMENTS})")
+    def domain(self) -> str:
+        actions = [self._text(schema, number) for number, schema in enumerate(self.schemas)]
+        if not self.single:
+            actions += [self._text(schema, number, "(reached)") for number, schema in enumerate(self.goals)]
+        lines = [f"(define (domain {self._name(self.problem.task)})", "  (:requirements :strips :typing)"]
         lines.append("  (:types object_ - object)")
-        lines.append("  (:constants " + " ".join(_name(o) for o in self.problem.objects) + " - object_)")
-        lines.append("  (:predicates")
+        lines.append("  (:constants " + " ".join(map(self._name, self._objects())) + " - object_)")
+        lines.append("  (:predicates (reached) (thing ?x - object_)")
         for predicate in self.problem.predicates.values():
-            lines.append(f"    ({_name(predicate.name)} {_parameters([v.name for v in predicate.variables])})")
+            shown = _parameters([f"x{k}" for k in range(len(predicate.variables))])
+            lines.append(f"    ({self._name(predicate.name)} {shown})")
+            if predicate.name in self.strips.denied:
+                lines.append(f"    ({self._name(f'not_{predicate.name}')} {shown})")
         for relation, variables in self.relations.values():
-            lines.append(f"    ({relation} {_parameters([v.name for v in variables])})")
+            lines.append(f"    ({self._name(relation)} {_parameters([f'x{k}' for k in range(len(variables))])})")
         return "\n".join([*lines, "  )", *actions, ")", ""])
 
     def task(self) -> str:
-        name = _name(self.problem.task)
+        name = self._name(self.problem.task)
         lines = [f"(define (problem {name}_1)", f"  (:domain {name})", "  (:init"]
-        lines += [f"    ({' '.join(map(_name, fact))})" for fact in sorted(self.problem.init)]
+        facts = [*sorted(self.problem.init), *self.strips.initial(self.problem.init)]
+        facts += [("thing", o) for o in self.problem.objects]
+        lines += [f"    ({' '.join(map(self._name, fact))})" for fact in facts]
         lines += [f"    {text}" for text in self.related]
-        goal = self.successors.normal.normal(self.problem.goal, {}, False)
-        return "\n".join([*lines, "  )", f"  (:goal {self.formula(self._settled(goal, {}))})", ")", ""])
+        goal = " ".join(self._literal(m) for m in self.goals[0].more) if self.single else "(reached)"
+        return "\n".join([*lines, "  )", f"  (:goal (and {goal}))", ")", ""])
 
-    def actions(self, flat: FlatRule) -> Iterator[str]:
-        """One action per choice of the small variables under which the rule may fire."""
+    def _objects(self) -> list[str]:
+        return [*self.problem.objects, "nothing", "nobody"]
+
+    def _text(self, schema: Schema, number: int, reached: str = "") -> str:
+        conditions = [*map(self._relation_text, schema.static), *map(self._literal, schema.more)]
+        added = [*schema.added, *self.strips.left_behind(schema)]
+        effects = [f"(not {self._literal(e)})" for e in schema.deleted if e not in added]
+        effects += [*map(self._literal, dict.fromkeys(added)), *([reached] if reached else [])]
+        return "\n".join([
+            f"  (:action {self._name(schema.rule)}_{number}",
+            f"    :parameters ({_parameters([_variable(n) for n in schema.parameters])})",
+            f"    :precondition (and {' '.join(dict.fromkeys(conditions))})",
+            f"    :effect (and {' '.join(effects)}))",
+        ])
+
+    def _relation_text(self, formula: Compare) -> str:
+        relation, variables = self.relations[(formula,)]
+        return f"({self._name(relation)} {' '.join('?' + _variable(v.name) for v in variables)})"
+
+    def _literal(self, literal: Literal) -> str:
+        return f"({' '.join([self._name(literal.predicate), *map(self._term, literal.args)])})"
+
+    def _term(self, term: Term) -> str:
+        if isinstance(term, Object):
+            return self._name(term.name)
+        if isinstance(term, Var):
+            return f"?{_variable(term.name)}"
+        raise UsageError(f"PDDL cannot say {term}")
+
+    def _name(self, name: str) -> str:
+        """A name that planners keep apart from all others; they ignore case."""
+        if name not in self.names:
+            plain = re.sub(r"[^a-z0-9_]", "_", name.lower()).strip("_") or "x"
+            taken = set(self.names.values())
+            number = 2
+            whole = plain
+            while whole in taken:
+                whole, number = f"{plain}_{number}", number + 1
+            self.names[name] = whole
+        return self.names[name]
+
+    # --- actions -------------------------------------------------------------------------------------------------
+
+    def actions(self, flat: FlatRule) -> Iterator[Schema]:
+        """One action per choice of the small variables under which the rule may fire, and per alternative."""
         domains = self.layout.domains.variable_domains(flat)
         small = [v for v in flat.variables if v.name not in domains or domains[v.name] <= self.layout.small]
-        for number, env in enumerate(self._choices(small, {}, domains)):
-            text = self._action(flat, number, env, [v for v in flat.variables if v not in small])
-            if text is not None:
-                yield text
+        large = [v for v in flat.variables if v not in small]
+        for env in self._choices(small, {}, domains):
+            yield from self._actions(flat, env, large)
+
+    def _actions(self, flat: FlatRule, env: Environment, large: Sequence[Variable]) -> Iterator[Schema]:
+        chains = [(v.type, env[v.name]) for v in flat.variables if isinstance(v.type, ChainType)]
+        links = conjunction(f for kind, chain in chains for f in self._is_chain(kind, chain))
+        whole = conjunction([links, *(self._settled(f, env) for f in flat.conjuncts)])
+        for condition, changes in self._changes(flat.rule.effects, env):
+            both = conjunction((whole, condition))
+            for option in [] if both == FALSE else alternatives(both):
+                conditions, static = literals(option, self.layout)
+                if not contradicts(conditions):
+                    for formula in static:
+                        self._relate(formula, large, flat)
+                    schema = Schema(flat.rule.name, [v.name for v in large], conditions, static, list(changes))
+                    schema.more += [Literal(self._typed(v, flat), (Var(v.name),)) for v in large]
+                    yield schema
+
+    def _changes(self, items: Sequence[EffectItem], env: Environment) -> Iterator[tuple[Formula, tuple[Change, ...]]]:
+        """The effects of a rule for every way in which its conditional effects may come out."""
+        branches: list[tuple[Formula, tuple[Change, ...]]] = [(TRUE, ())]
+        for item in items:
+            options: list[tuple[Formula, tuple[Change, ...]]] = []
+            if isinstance(item, Effect):
+                literal = item.literal
+                if literal.motion:
+                    continue
+                args = tuple(self.guards.resolve(a, env) for a in literal.args)
+                options = [(TRUE, ((Literal(literal.predicate, args), item.negated),))]
+            elif isinstance(item, EffectIf):
+                condition = self.guards.reduce(self.successors.normal.normal(item.condition, {}, False), env, None)
+                options = [(conjunction((condition, c)), e) for c, e in self._changes(item.effects, env)]
+                options = [(c, e) for c, e in [*options, (negation(condition), ())] if c != FALSE]
+            else:
+                inner = [e for e, _ in self.guards.solutions(item.variables, (), env, None)]
+                for found in product(*(list(self._changes(item.effects, e)) for e in inner)):
+                    options.append((conjunction(c for c, _ in found), sum((e for _, e in found), ())))
+            branches = [(conjunction((a, c)), (*b, *e)) for a, b in branches for c, e in options]
+            if len(branches) > MOST_BRANCHES:
+                raise UsageError("a rule has too many conditional effects for PDDL")
+        yield from ((c, e) for c, e in branches if c != FALSE)
+
+    def _typed(self, variable: Variable, flat: FlatRule) -> str:
+        """Type and static reach of a variable, as a unary relation."""
+        relation = f"may_{flat.rule.name}_{variable.name}"
+        key: tuple[Formula, ...] = (Literal(relation, (Var(variable.name),)),)
+        if key not in self.relations:
+            self.relations[key] = (relation, (variable,))
+            allowed = self.layout.domains.variable_domains(flat)[variable.name]
+            self.related += [f"({self._name(relation)} {self._name(o)})" for o in self.problem.objects if o in allowed]
+        return relation
+
+    def _relate(self, formula: Compare, large: Sequence[Variable], flat: FlatRule) -> None:
+        """A numeric guard over locations, grounded into static facts of a predicate of its own."""
+        key = (formula,)
+        if key not in self.relations:
+            names = free_names(formula)
+            variables = tuple(v for v in large if v.name in names)
+            self.relations[key] = relation, _ = f"guard_{len(self.relations)}", variables
+            domains = self.layout.domains.variable_domains(flat)
+            for env, _ in self.guards.solutions(variables, key, {}, None, domains):
+                self.related.append(f"({self._name(relation)} {' '.join(self._name(env[v.name]) for v in variables)})")
 
     def _choices(
         self, variables: Sequence[Variable], env: Environment, domains: Mapping[str, frozenset[str]]
@@ -119,27 +238,6 @@ class _Writer:
         ends = [f"{module}.{e.name}" for e in self.problem.world.modules[module].type.effectors]
         return list(permutations(ends, 2))
 
-    def _action(self, flat: FlatRule, number: int, env: Environment, large: Sequence[Variable]) -> str | None:
-        lines = [(v.type, env[v.name]) for v in flat.variables if isinstance(v.type, ChainType)]
-        conditions = [self.formula(f) for kind, chain in lines for f in self._is_chain(kind, chain)]
-        static: list[Formula] = []
-        for formula in flat.conjuncts:
-            rest = self._settled(formula, env)
-            for part in rest.operands if isinstance(rest, And) else (rest,):
-                if part == Or(()):
-                    return None
-                if isinstance(part, Compare) and free_names(part):
-                    static.append(part)
-                elif part != TRUE:
-                    conditions.append(self.formula(part))
-        for formula in static:
-            conditions.append(self._relation(formula, large, flat))
-        head = [f"  (:action {_name(flat.rule.name)}_{number}"]
-        head.append(f"    :parameters ({_parameters([v.name for v in large])})")
-        head.append(f"    :precondition (and {' '.join([*self._typed(large, flat), *conditions])})")
-        head.append(f"    :effect (and {' '.join(self._effects(flat.rule.effects, env))}))")
-        return "\n".join(head)
-
     def _settled(self, formula: Formula, env: Environment) -> Formula:
         """What remains of a condition, with quantifiers over chains replaced by all chains that could ever be."""
         if not has_chains(formula):
@@ -152,7 +250,7 @@ class _Writer:
             case Exists() | Forall():
                 return self._quantified(formula, env)
             case _:
-                raise ValueError(f"no PDDL for {formula}")
+                raise UsageError(f"PDDL cannot say {formula}")
 
     def _quantified(self, formula: Exists | Forall, env: Environment) -> Formula:
         variable = next((v for v in formula.variables if isinstance(v.type, ChainType)), None)
@@ -178,98 +276,12 @@ class _Writer:
                 if other not in inner and self.layout.encode((kind.predicate, end, other))[0]:
                     yield Not(Literal(kind.predicate, (Object(end), Object(other))))
 
-    def _typed(self, large: Sequence[Variable], flat: FlatRule) -> list[str]:
-        """Types and static reach of the domains, as unary relations."""
-        domains = self.layout.domains.variable_domains(flat)
-        found = []
-        for variable in large:
-            relation = f"may_{_name(flat.rule.name)}_{_name(variable.name)}"
-            key: tuple[Formula, ...] = (Literal(relation, (Var(variable.name),)),)
-            if key not in self.relations:
-                self.relations[key] = (relation, (variable,))
-                allowed = [o for o in self.problem.objects if o in domains[variable.name]]
-                self.related += [f"({relation} {_name(o)})" for o in allowed]
-            found.append(f"({relation} ?{_name(variable.name)})")
-        return found
 
-    def _relation(self, formula: Formula, large: Sequence[Variable], flat: FlatRule) -> str:
-        """A numeric guard over locations, grounded into static facts of a predicate of its own."""
-        names = free_names(formula)
-        variables = tuple(v for v in large if v.name in names)
-        key = (formula,)
-        if key not in self.relations:
-            relation = f"guard_{len(self.relations)}"
-            self.relations[key] = (relation, variables)
-            domains = self.layout.domains.variable_domains(flat)
-            for env, _ in self.guards.solutions(variables, key, {}, None, domains):
-                self.related.append(f"({relation} {' '.join(_name(env[v.name]) for v in variables)})")
-        return f"({self.relations[key][0]} {' '.join('?' + _name(v.name) for v in variables)})"
-
-    def _effects(self, items: Sequence[EffectItem], env: Environment) -> Iterator[str]:
-        for item in items:
-            if isinstance(item, Effect):
-                yield from self._effect(item, env)
-            elif isinstance(item, EffectIf):
-                condition = self.guards.reduce(self.successors.normal.normal(item.condition, {}, False), env, None)
-                inner = " ".join(self._effects(item.effects, env))
-                if inner and condition != Or(()):
-                    yield inner if condition == TRUE else f"(when {self.formula(condition)} (and {inner}))"
-            else:
-                for inner_env, _ in self.guards.solutions(item.variables, (), env, None):
-                    yield from self._effects(item.effects, inner_env)
-
-    def _effect(self, effect: Effect, env: Environment) -> Iterator[str]:
-        literal = effect.literal
-        if literal.motion:
-            return
-        args = [self.guards.resolve(a, env) for a in literal.args]
-        wild = [f"?any{k}" for k, a in enumerate(args) if isinstance(a, Any_)]
-        shown = [f"?any{k}" if isinstance(a, Any_) else _term(a) for k, a in enumerate(args)]
-        orders = [shown]
-        if self.problem.predicates[literal.predicate].symmetric:
-            orders.append(shown[::-1])
-        for order in orders:
-            text = f"({_name(literal.predicate)} {' '.join(order)})"
-            text = f"(not {text})" if effect.negated else text
-            yield f"(forall ({' '.join(wild)} - object_) {text})" if wild else text
-
-    def formula(self, formula: Formula) -> str:
-        """A reduced formula as PDDL."""
-        match formula:
-            case Literal():
-                if any(isinstance(a, Any_) for a in formula.args):
-                    shown = ["?any" if isinstance(a, Any_) else _term(a) for a in formula.args]
-                    return f"(exists (?any - object_) ({_name(formula.predicate)} {' '.join(shown)}))"
-                return f"({_name(formula.predicate)} {' '.join(_term(a) for a in formula.args)})"
-            case Not():
-                return f"(not {self.formula(formula.operand)})"
-            case And() | Or():
-                word = "and" if isinstance(formula, And) else "or"
-                return f"({word} {' '.join(self.formula(f) for f in formula.operands)})"
-            case Exists() | Forall():
-                word = "exists" if isinstance(formula, Exists) else "forall"
-                names = " ".join(f"?{_name(v.name)}" for v in formula.variables)
-                return f"({word} ({names} - object_) {self.formula(formula.body)})"
-            case Compare(operator="=" | "!=", left=left, right=right):
-                text = f"(= {_term(left)} {_term(right)})"
-                return text if formula.operator == "=" else f"(not {text})"
-            case _:
-                raise ValueError(f"no PDDL for {formula}")
-
-
-def _term(term: Term) -> str:
-    if isinstance(term, Object):
-        return _name(term.name)
-    if isinstance(term, Var):
-        return f"?{_name(term.name)}"
-    raise ValueError(f"no PDDL for {term}")
-
-
-def _name(name: str) -> str:
-    return re.sub(r"[^A-Za-z0-9_]", "_", name).strip("_")
+def _variable(name: str) -> str:
+    """The name of a parameter; case matters in rules, but not in PDDL."""
+    marked = re.sub(r"([A-Z])", r"\1_", name).lower()
+    return re.sub(r"[^a-z0-9_]", "_", marked).strip("_")
 
 
 def _parameters(names: Sequence[str]) -> str:
-    return " ".join(f"?{_name(n)}" for n in names) + (" - object_" if names else "")
-
-
+    return " ".join(f"?{n}" for n in names) + (" - object_" if names else "")
