@@ -11,7 +11,7 @@ import numpy as np
 
 from ..compiler.ir import Action, Problem
 from .assemble import assemble
-from .budget import Budget
+from .budget import Budget, OutOfTime
 from .experience import Experience
 from .motion.path import solve_path
 from .motion.phases import UnsupportedPhase, solve_sequence_path
@@ -25,8 +25,15 @@ RESAMPLES = 4
 """How often the switch poses are drawn anew when a phase between them finds no path."""
 EXPECTED = "expected"
 """The bound of conflicts that similar windows make likely, without a solve."""
+PATH_SECONDS, PATH_SHARE = 30.0, 0.4
+"""What P_path of one skeleton may take: seconds, and share of the time that is left."""
+ALWAYS = 3
+"""Between how many pairs of poses a phase must fail before it is refused wherever it starts."""
 LONGEST_WINDOW = 5
 """How many phases a conflict that may start anywhere has at most."""
+WIDER = 0.01
+"""Metres by which margins grow for a plan that the verifier refused."""
+AGAIN = 1000
 QUICK = 3
 """Starts of a span before a skeleton is refused for the first time."""
 SPAN = 4
@@ -125,10 +132,30 @@ class Bounds:
     def believe(
         self, skeleton: Skeleton, actions: Sequence[Action], paths: Sequence[PhasePath], statistics: StatisticsRecord
     ) -> Plan:
-        """The plan with the verifier's verdict in it."""
+        """The plan with the verifier's verdict in it. One that is refused gets a second motion, with larger margins and
+        from another seed. Raises OutOfTime."""
+        plan = self._verified(skeleton, actions, paths, statistics)
+        if plan.verdict is not None and plan.verdict.verified:
+            return plan
+        careful, seed = self.settings, self.seed
+        try:
+            self.settings = replace(careful, margin=careful.margin + WIDER, switch_margin=careful.switch_margin + WIDER)
+            self.seed = seed + AGAIN
+            sequence = self._sequence(skeleton, self.seed, None)
+            judgement = self._paths(skeleton, sequence) if sequence.feasible else Judgement(False)
+        finally:
+            self.settings, self.seed = careful, seed
+        if judgement.paths is None:
+            return plan
+        again = self._verified(skeleton, actions, judgement.paths, statistics)
+        return again if again.verdict is not None and again.verdict.verified else plan
+
+    def _verified(
+        self, skeleton: Skeleton, actions: Sequence[Action], paths: Sequence[PhasePath], statistics: StatisticsRecord
+    ) -> Plan:
         import msgspec
 
-        self.tell("verify", "verifying the plan")
+        self.tell("verify", f"verifying a plan of {len(actions)} actions")
         plan = assemble(self.problem, actions, skeleton, paths, statistics)
         with self.clock("verify"):
             verdict = verify(plan)
@@ -199,11 +226,15 @@ class Bounds:
 
     def _paths(self, skeleton: Skeleton, sequence: BoundResult) -> Judgement:
         """P_seqPath between the switch poses, drawn anew around phases that fail; then P_path."""
-        result = None
+        result: BoundResult | None = None
+        blamed: list[set[int]] = []
         for attempt in range(RESAMPLES + 1):
             if attempt and result is not None:
                 failed = sorted({v.phase for v in result.violations})
-                warm = _resample(sequence.configurations, failed, self.seed + attempt)[1:]
+                if attempt == 1:
+                    warm = _unmoved(sequence.configurations, failed)[1:]
+                else:
+                    warm = _resample(sequence.configurations, failed, self.seed + attempt)[1:]
                 again = self._sequence(skeleton, self.seed + attempt, warm)
                 if not again.feasible:
                     continue
@@ -211,18 +242,29 @@ class Bounds:
             result = self._sequence_path(skeleton, sequence)
             if result.feasible:
                 return Judgement(True, result.paths)
+            blamed.append({v.phase for v in result.violations})
         assert result is not None
         bound = "seq-path"
         if self.finest == "path":
-            self.tell("path", f"P_path of {len(skeleton)} actions")
-            with self.clock("path"):
-                free = solve_path(skeleton, self.settings, self.seed, self.budget, sequence)
-            self._count("path", free.feasible)
-            if free.feasible:
+            free = self._path(skeleton, sequence)
+            if free is not None and free.feasible:
                 return Judgement(True, free.paths)
             bound = "path"
-        last = max((v.phase for v in result.violations[:1]), default=len(skeleton) - 1)
-        return Judgement(False, conflicts=[Conflict(bound, 0, last, True, tuple(result.violations))])
+        return Judgement(False, conflicts=[_blame(bound, result, blamed, len(skeleton))])
+
+    def _path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult | None:
+        """P_path, with a share of the time that is left; None when that is spent."""
+        self.tell("path", f"P_path of {len(skeleton)} actions")
+        share = Budget(min(PATH_SECONDS, PATH_SHARE * self.budget.remaining))
+        try:
+            with self.clock("path"):
+                result = solve_path(skeleton, self.settings, self.seed, share, sequence)
+        except OutOfTime:
+            self.budget.check()
+            self._count("path", False)
+            return None
+        self._count("path", result.feasible)
+        return result
 
     def _sequence_path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult:
         self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
@@ -238,6 +280,25 @@ class Bounds:
 
     def _count(self, bound: str, feasible: bool) -> None:
         self._counts[bound][0 if feasible else 1] += 1
+
+
+def _blame(bound: str, refused: BoundResult, blamed: Sequence[set[int]], phases: int) -> Conflict:
+    """The one phase that failed between every pair of switch poses, wherever it starts; else all up to the phase that
+    failed worst."""
+    worst = refused.violations[0].phase if refused.violations else phases - 1
+    always = set.intersection(*blamed) if len(blamed) >= ALWAYS else set()
+    if worst in always and worst > 0:
+        told = tuple(v for v in refused.violations if v.phase == worst)
+        return Conflict(bound, worst, worst, False, told)
+    return Conflict(bound, 0, worst, True, tuple(refused.violations))
+
+
+def _unmoved(configurations: Sequence[Configuration], failed: Sequence[int]) -> list[Configuration]:
+    """Switch configurations as a start in which the failed phases end where they begin."""
+    result = [configuration.copy() for configuration in configurations]
+    for phase in failed:
+        result[phase + 1] = result[phase].copy()
+    return result
 
 
 def _resample(configurations: Sequence[Configuration], failed: Sequence[int], seed: int) -> list[Configuration]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compiler.ir import Fact, Function, Module, Object, Problem, Term, Var
+from ..compiler.ir import Fact, Function, Joint, Module, Object, Problem, Term, Var
 from .skeleton import Configuration, PhasePath
 
 Array = NDArray[np.float64]
@@ -46,6 +46,19 @@ def inverse(poses: Array) -> Array:
     return np.hstack([-rotate(back, poses[:, :3]), back])
 
 
+def joint_motion(joint: Joint, values: Array) -> Array:
+    """Poses `(T, 7)` of a joint's moving frame where it is placed, for its values `(T,)`."""
+    axis = np.asarray(joint.axis) / np.linalg.norm(joint.axis)
+    motion = np.zeros((len(values), 7))
+    motion[:, 6] = 1.0
+    if joint.kind == "prismatic":
+        motion[:, :3] = values[:, None] * axis
+    else:
+        motion[:, 3:6] = np.sin(values[:, None] / 2) * axis
+        motion[:, 6] = np.cos(values / 2)
+    return motion
+
+
 def effector_poses(module: Module, effector: str, joints: Array) -> Array:
     """Poses `(T, 7)` of an effector in its module frame for joint values `(T, n)`."""
     end = module.type.effector(effector)
@@ -58,15 +71,7 @@ def effector_poses(module: Module, effector: str, joints: Array) -> Array:
     pose[:, 6] = 1.0
     for index in reversed(line):
         joint = module.type.joints[index]
-        axis = np.asarray(joint.axis) / np.linalg.norm(joint.axis)
-        motion = np.zeros_like(pose)
-        motion[:, 6] = 1.0
-        if joint.kind == "prismatic":
-            motion[:, :3] = joints[:, index, None] * axis
-        else:
-            motion[:, 3:6] = np.sin(joints[:, index, None] / 2) * axis
-            motion[:, 6] = np.cos(joints[:, index] / 2)
-        pose = compose(compose(pose, np.asarray(joint.placement)), motion)
+        pose = compose(compose(pose, np.asarray(joint.placement)), joint_motion(joint, joints[:, index]))
     return compose(pose, np.asarray(end.placement))
 
 

@@ -67,6 +67,29 @@ def robots(problem: Problem, mode: Iterable[Fact]) -> dict[str, str]:
     return {name: groups[root(name)] for name in problem.world.modules}
 
 
+def clamped(problem: Problem, mode: Iterable[Fact]) -> frozenset[str]:
+    """The modules that rest while `mode` holds whatever the others do, or may as well: those without joints that are
+    kept to something at rest, and those of which two ends are."""
+    world = problem.world
+    facts = sorted(mode)
+    carried = followers(problem, facts)
+    rest = {name for name in world.bodies if name not in carried}
+    pairs = [kept for kept in (keeps_pose(problem, literal) for literal in facts) if kept]
+    found: set[str] = set()
+    grew = True
+    while grew:
+        ends: dict[str, set[str]] = {}
+        for pair in pairs:
+            for own, other in (pair, pair[::-1]):
+                if carrier(problem, own) in world.modules and carrier(problem, other) in rest:
+                    ends.setdefault(carrier(problem, own), set()).add(own)
+        held = {name for name, own in ends.items() if len(own) > 1 or not world.modules[name].type.joints}
+        grew = not held <= found
+        found |= held
+        rest |= held
+    return frozenset(found)
+
+
 def next_mode(skeleton: Skeleton, phase: int) -> frozenset[Fact]:
     """The motion literals that hold after the switch of `phase`."""
     return skeleton.phases[phase + 1].mode if phase + 1 < len(skeleton) else skeleton.final_mode
@@ -74,8 +97,8 @@ def next_mode(skeleton: Skeleton, phase: int) -> frozenset[Fact]:
 
 def involved(skeleton: Skeleton, phase: int) -> frozenset[str]:
     """The modules of the robots that the switch of `phase` concerns: some literal that it adds names them, or what
-    they are part of."""
-    problem = skeleton.problem
+    they are part of. Modules that may rest meanwhile do so."""
+    problem, world = skeleton.problem, skeleton.problem.world
     mode = skeleton.phases[phase].mode
     carried = followers(problem, mode)
     robot = robots(problem, mode)
@@ -85,4 +108,6 @@ def involved(skeleton: Skeleton, phase: int) -> frozenset[str]:
         if touched & names & carried:
             touched |= names & problem.world.modules.keys()
     active = {robot[name] for name in touched if name in robot}
-    return frozenset(name for name, first in robot.items() if first in active)
+    resting = clamped(problem, mode)
+    named = {n for n in touched if n in world.modules and world.modules[n].type.joints}
+    return frozenset(n for n, first in robot.items() if first in active and (n in named or n not in resting))

@@ -38,22 +38,25 @@ STILL = 1e-9
 
 
 class PathProgram:
-    """Slices 1 … T of every phase after the start; slice (k + 1) T is the switch of phase k."""
+    """Slices 1 … T of every phase after the start; slice (k + 1) T is the switch of the k-th of `phases`, which are
+    all phases unless said otherwise. `switches` begin with the configuration before the first of them."""
 
     def __init__(
-        self, skeleton: Skeleton, settings: MotionSettings, switches: Sequence[Configuration], pinned: bool
-    ) -> None:
+        self, skeleton: Skeleton, settings: MotionSettings, switches: Sequence[Configuration], pinned: bool,
+        phases: range | None = None,
+    ) -> None:  # fmt: skip
         self.skeleton = skeleton
         self.problem: Problem = skeleton.problem
         self.settings = settings
         self.pinned = pinned
+        self.phases = range(len(skeleton)) if phases is None else phases
         self.count = settings.slices
         given = {k * self.count: c for k, c in enumerate(switches) if k} if pinned else None
         self.layout = Layout(self.problem.world, switches[0], given)
         self.moving: list[frozenset[str]] = []
-        for k in range(len(skeleton)):
-            carried = followers(self.problem, skeleton.phases[k].mode)
-            active = involved(skeleton, k) | self._displaced(switches[k], switches[k + 1]) | carried
+        for k, phase in enumerate(self.phases):
+            carried = followers(self.problem, skeleton.phases[phase].mode)
+            active = involved(skeleton, phase) | self._displaced(switches[k], switches[k + 1]) | carried
             self.moving.append(active)
             for _ in range(self.count):
                 self.layout.add_slice(active)
@@ -66,36 +69,36 @@ class PathProgram:
     def _displaced(before: Configuration, after: Configuration) -> frozenset[str]:
         return frozenset(n for n, slot in before.modules.items() if np.abs(slot - after.modules[n]).max() > STILL)
 
-    def _slices(self, phase: int) -> range:
-        """The slices of a phase, the switch before included."""
-        return range(phase * self.count, (phase + 1) * self.count + 1)
+    def _slices(self, k: int) -> range:
+        """The slices of the k-th phase, the switch before included."""
+        return range(k * self.count, (k + 1) * self.count + 1)
 
     def _literals(self) -> None:
-        for k, phase in enumerate(self.skeleton.phases):
-            slices = self._slices(k)
+        for k, number in enumerate(self.phases):
+            slices, phase = self._slices(k), self.skeleton.phases[number]
             if not self.pinned:
                 for literal in sorted(phase.added):
-                    self._features.add(literal, "switch", (slices[-1],), k, STIFF)
+                    self._features.add(literal, "switch", (slices[-1],), number, STIFF)
             for t in slices[1:]:
                 if self.pinned and t == slices[-1]:
                     continue
                 before = slices[0] if self.pinned else t - 1
                 for literal in sorted(phase.mode):
-                    self._features.add(literal, "keep", (before, t), k, STIFF)
-                    self._features.add(literal, "during", (t,), k)
+                    self._features.add(literal, "keep", (before, t), number, STIFF)
+                    self._features.add(literal, "during", (t,), number)
             if not self.pinned:
-                for literal in sorted(next_mode(self.skeleton, k)):
-                    self._features.add(literal, "during", (slices[-1],), k)
+                for literal in sorted(next_mode(self.skeleton, number)):
+                    self._features.add(literal, "during", (slices[-1],), number)
 
     def _all_groups(self) -> list[Group]:
         step = 1.0 / self.count
         triples: list[tuple[int, ...]] = []
-        phase_of = [0]
-        for k in range(len(self.skeleton)):
+        phase_of = [self.phases[0]]
+        for k, phase in enumerate(self.phases):
             slices = self._slices(k)
             inner = [slices[0], *slices, slices[-1]]
             triples += zip(inner, inner[1:], inner[2:], strict=False)
-            phase_of += [k] * self.count
+            phase_of += [phase] * self.count
         return [
             *self._features.groups(),
             norms(self.layout),
@@ -106,11 +109,11 @@ class PathProgram:
 
     def _collisions(self) -> list[ClearanceGroup]:
         collisions = Collisions(self.problem, self.layout)
-        for k, contact in enumerate(contacts(self.skeleton)):
-            slices = self._slices(k)
-            for u, t in enumerate(slices):
+        touching = contacts(self.skeleton)
+        for k, phase in enumerate(self.phases):
+            for u, t in enumerate(self._slices(k)):
                 if u and not (self.pinned and u == self.count):
-                    collisions.add_slice(t, k, self._margins(contact, u), before=t - 1)
+                    collisions.add_slice(t, phase, self._margins(touching[phase], u), before=t - 1)
         return collisions.groups()
 
     def _margins(self, contact: PhaseContacts, u: int) -> Margins:
@@ -134,9 +137,10 @@ class PathProgram:
     ) -> list[Configuration]:
         """All slices, interpolated between the switch configurations."""
         slices = [switches[0]]
-        for k, phase in enumerate(self.skeleton.phases):
+        for k, phase in enumerate(self.phases):
+            mode = self.skeleton.phases[phase].mode
             slices += interpolate(
-                self.problem, phase.mode, self.moving[k], switches[k], switches[k + 1], self.count, bumps[k]
+                self.problem, mode, self.moving[k], switches[k], switches[k + 1], self.count, bumps[k]
             )  # fmt: skip
         return slices
 
@@ -149,7 +153,7 @@ class PathProgram:
     def paths(self, slices: Sequence[Configuration]) -> list[PhasePath]:
         """The motion of each phase."""
         found = []
-        for k in range(len(self.skeleton)):
+        for k in range(len(self.phases)):
             part = [slices[t] for t in self._slices(k)]
             modules = {n: _continuous([c.modules[n] for c in part]) for n in self.layout.modules}
             bodies = {n: _continuous([c.bodies[n] for c in part]) for n in self.layout.bodies if n in self.moving[k]}
@@ -196,12 +200,12 @@ def solve_path(
     slices = path.start(switches, [None] * len(skeleton))
     iterations = 0
     best: BoundResult | None = None
-    for attempt in range(BUMPS + 1):
-        result, x = _attempt(path, path.pack(slices), settings, budget, PATH if attempt == 0 else RESUME)
+    for number in range(BUMPS + 1):
+        result, x = attempt(path, path.pack(slices), settings, budget, PATH if number == 0 else RESUME)
         iterations += result.iterations
         if best is None or _worst(result) < _worst(best):
             best = result
-        if result.feasible or attempt == BUMPS:
+        if result.feasible or number == BUMPS:
             break
         slices = _bumped(path, switches, path.unpack(x), {v.phase for v in result.violations}, random)
     assert best is not None
@@ -213,9 +217,10 @@ def _worst(result: BoundResult) -> float:
     return result.violations[0].amount if result.violations else 0.0
 
 
-def _attempt(
+def attempt(
     path: PathProgram, x: Array, settings: MotionSettings, budget: Budget, options: Options
 ) -> tuple[BoundResult, Array]:
+    """One solve from x, resumed when pairs came near meanwhile, and projected when it is feasible. Raises OutOfTime."""
     iterations = 0
     path.refresh(x)
     for number in range(REFRESHES):
@@ -245,12 +250,14 @@ def _bumped(
     random: np.random.Generator,
 ) -> list[Configuration]:
     """The slices with the stalled phases interpolated anew, their joints bumped."""
-    bumps: list[dict[str, Array] | None] = [None] * len(path.skeleton)
+    bumps: list[dict[str, Array] | None] = [None] * len(path.phases)
     for phase in sorted(stalled):
-        bumps[phase] = {n: random.normal(0.0, BUMP, len(c) - 7) for n, c in switches[0].modules.items()}
+        bump = {n: random.normal(0.0, BUMP, len(c) - 7) for n, c in switches[0].modules.items()}
+        bumps[path.phases.index(phase)] = bump
     fresh = path.start(switches, bumps)
     result = list(slices)
     for phase in sorted(stalled):
-        for t in range(phase * path.count + 1, (phase + 1) * path.count + 1):
+        k = path.phases.index(phase)
+        for t in range(k * path.count + 1, (k + 1) * path.count + 1):
             result[t] = fresh[t]
     return result

@@ -9,7 +9,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tamplang.compiler.ir import IDENTITY, Action, Body, Effector, Joint, Link, Module, ModuleType, Shape
+from tamplang.compiler.ir import (
+    IDENTITY,
+    Action,
+    Arith,
+    Body,
+    Effector,
+    Joint,
+    Link,
+    Module,
+    ModuleType,
+    Number,
+    Shape,
+)
 from tamplang.compiler.motion.collision import contacts, pose_matrix
 from tamplang.runtime.budget import Budget, OutOfTime
 from tamplang.runtime.motion.phases import Reason, UnsupportedPhase, polish, solve_sequence_path
@@ -26,6 +38,7 @@ from .fixtures import (
     CRAWLER,
     MOTIONS,
     X,
+    Y,
     box,
     call,
     climb_alone,
@@ -271,31 +284,36 @@ def test_a_spent_budget_ends_the_bound() -> None:
 
 
 def test_two_feet_on_the_ground_close_the_chain() -> None:
+    """Two joints between two fixed feet cannot move at all."""
     skeleton, configurations = arm_scene(planar_arm(2), [], (0.0, 0.0), (0.3, 0.2))
     both = skeleton.phases[0].mode | {("stable", "foot", "arm.B")}
     closed = Skeleton(skeleton.problem, (Phase(Action("move", ()), both, frozenset()),), both)
     with pytest.raises(UnsupportedPhase) as caught:
-        solve_sequence_path(closed, configurations, SETTINGS, 0, Budget(10.0))
+        phase_tree(closed.problem, 0, closed.phases[0], configurations[0], configurations[1])
     assert caught.value.reason is Reason.CLOSED and caught.value.names == ("arm",)
     still = [configurations[0], configurations[0].copy()]
     assert solve_sequence_path(closed, still, SETTINGS, 0, Budget(10.0)).feasible
 
 
-def test_a_robot_that_stands_on_nothing_and_rows_along_the_way_are_refused() -> None:
-    skeleton, configurations = arm_scene(planar_arm(2), [], (0.0, 0.0), (0.3, 0.2))
-    floating = Skeleton(skeleton.problem, (Phase(Action("move", ()), frozenset(), frozenset()),), frozenset())
-    with pytest.raises(UnsupportedPhase) as caught:
-        solve_sequence_path(floating, configurations, SETTINGS, 0, Budget(10.0))
-    assert caught.value.reason is Reason.FLOATING
-    level = replace(motion("level", switch(call("bottom", X), ">=", call("top", X), 1)), rows=(
-        replace(MOTIONS["touch"].rows[0], when="during"),
-    ))
-    problem = replace(skeleton.problem, motions={**MOTIONS, "level": level})
-    mode = skeleton.phases[0].mode | {("level", "arm.B", "foot")}
-    rows = Skeleton(problem, (Phase(Action("move", ()), mode, frozenset()),), mode)
-    with pytest.raises(UnsupportedPhase) as caught:
-        solve_sequence_path(rows, configurations, SETTINGS, 0, Budget(10.0))
-    assert caught.value.reason is Reason.ROWS
+def test_rows_hold_along_the_way() -> None:
+    """The straight way stretches the arm to 1.2 m; a row that binds all the time forbids it."""
+    skeleton, configurations = arm_scene(planar_arm(3), [], (0.9, -1.2, 0.4), (-0.9, 1.2, -0.4))
+    span = call("norm", Arith("-", (call("position", X), call("position", Y))))
+    near = motion("near", replace(switch(span, "<=", Number(1.1), 1), when="during"))
+    problem = replace(skeleton.problem, motions={**MOTIONS, "near": near})
+    mode = skeleton.phases[0].mode | {("near", "arm.B", "arm.A")}
+    bound = Skeleton(problem, (Phase(Action("move", ()), mode, frozenset()),), mode)
+    free = solve_sequence_path(skeleton, configurations, SETTINGS, 0, Budget(20.0))
+    blind = replace(SETTINGS, collisions=False)
+    kept = solve_sequence_path(bound, configurations, blind, 0, Budget(20.0))
+    assert free.feasible and kept.feasible
+    assert longest(free) > 1.15 and longest(kept) <= 1.102
+
+
+def longest(result: BoundResult) -> float:
+    """The farthest that the tip of the three-jointed arm gets from its foot."""
+    angles = np.cumsum(result.paths[0].modules["arm"][:, 7:], axis=1)
+    return float(np.hypot(0.4 * np.cos(angles).sum(axis=1), 0.4 * np.sin(angles).sum(axis=1)).max())
 
 
 def test_a_still_robot_is_an_obstacle() -> None:

@@ -24,7 +24,7 @@ from .geometry import make_parts
 from .kinematics import Indices, mounted_poses
 from .sampling import sampled_starts
 from .smoothing import Schedule, path_cost, smooth_paths
-from .tree import Mount, PhaseTree, arrive, phase_tree, pose_vector
+from .tree import Mount, PhaseTree, UnsupportedPhase, arrive, phase_tree, pose_vector
 
 LEVELS = ((1, 0.0), (8, 0.5), (24, 0.8))
 """Starts per phase and the size of their bumps, radians, one attempt after the other."""
@@ -172,10 +172,11 @@ def solve_sequence_path(
     The result's configurations take their joint values from the given ones and their poses from the kinematics of
     the phases before, so that what rests does not drift. When a phase fails, `paths` hold the best attempts and
     `violations` the worst pair of each failed phase; a switch that is blocked itself is reported at once, without
-    paths. Raises UnsupportedPhase for phases that are no open chains, and OutOfTime.
+    paths. Phases that are no open chains are solved one by one as motion programs over whole modules. Raises
+    OutOfTime.
     """
     started = time.perf_counter()
-    trees, states, drift = _chain(skeleton, configurations, settings)
+    trees, states, drift, others = _chain(skeleton, configurations, settings)
     groups = _groups(skeleton, trees, states, settings)
     result = BoundResult("seq-path", False, math.inf, 0.0, 0, [states[0][0], *(e for _, e in states)], [], drift)
     result.violations += [v for group in groups for v in _blocked(group.batch)]
@@ -185,20 +186,38 @@ def solve_sequence_path(
         result.violations += [v for group in groups for v in _failures(group, skeleton.problem.world)]
         result.cost = float(sum(group.cost.sum() for group in groups))
         result.paths = _paths(skeleton, groups, trees, states, settings.slices)
+        _solve_others(skeleton, result, states, others, settings, seed, budget)
         result.feasible = not result.violations
     result.violations.sort(key=lambda v: (-v.amount, v.phase))
     result.seconds = time.perf_counter() - started
     return result
 
 
+def _solve_others(
+    skeleton: Skeleton, result: BoundResult, states: Sequence[tuple[Configuration, Configuration]],
+    others: Sequence[int], settings: MotionSettings, seed: int, budget: Budget,
+) -> None:  # fmt: skip
+    """Phases that are no open chains, until one fails."""
+    from ..closed import solve_phase
+
+    for phase in others:
+        if result.violations:
+            return
+        found = solve_phase(skeleton, phase, *states[phase], settings, np.random.default_rng([seed, phase]), budget)
+        result.paths[phase] = found.path
+        result.violations += found.violations
+        result.cost += found.cost
+        result.iterations += found.iterations
+
+
 def polish(
     skeleton: Skeleton, result: BoundResult, settings: MotionSettings, seed: int, budget: Budget, starts: int = 4
 ) -> BoundResult:
     """Cheaper motions between the same switches: each phase of a feasible result is optimised to the end, from its
-    path and from `starts` bumped ones, and replaced where that is cheaper and passes the swept check. Raises
-    UnsupportedPhase and OutOfTime."""
+    path and from `starts` bumped ones, and replaced where that is cheaper and passes the swept check. Phases that are
+    no open chains stay as they are. Raises OutOfTime."""
     started = time.perf_counter()
-    trees, states, _ = _chain(skeleton, result.configurations, settings)
+    trees, states, _, others = _chain(skeleton, result.configurations, settings)
     groups = _groups(skeleton, trees, states, settings)
     iterations = result.iterations
     for k, group in enumerate(groups):
@@ -215,19 +234,26 @@ def polish(
     cost = float(sum(group.cost.sum() for group in groups))
     seconds = result.seconds + time.perf_counter() - started
     paths = _paths(skeleton, groups, trees, states, settings.slices)
+    for phase in others:
+        paths[phase] = result.paths[phase]
     return BoundResult(result.bound, True, cost, seconds, iterations, result.configurations, paths, [])
 
 
 def _chain(
     skeleton: Skeleton, configurations: Sequence[Configuration], settings: MotionSettings
-) -> tuple[list[PhaseTree], list[tuple[Configuration, Configuration]], list[Violation]]:
-    """The forest of each phase, the configurations at its two ends, and where the given poses disagree with them."""
-    trees, states, drift = [], [], []
+) -> tuple[list[PhaseTree], list[tuple[Configuration, Configuration]], list[Violation], list[int]]:
+    """The forest of each phase, the configurations at its two ends, where the given poses disagree with them, and the
+    phases that are no open chains, whose forests are empty."""
+    trees, states, drift, others = [], [], [], []
     current = configurations[0].copy()
     for index, phase in enumerate(skeleton.phases):
         given = configurations[index + 1]
-        tree = phase_tree(skeleton.problem, index, phase, current, given)
-        reached = arrive(tree, current, given)
+        try:
+            tree = phase_tree(skeleton.problem, index, phase, current, given)
+            reached = arrive(tree, current, given)
+        except UnsupportedPhase:
+            others.append(index)
+            tree, reached = PhaseTree(index), given
         for name, state in reached.modules.items():
             off = float(np.abs(state[:3] - given.modules[name][:3]).max())
             if off > settings.tolerance:
@@ -235,7 +261,7 @@ def _chain(
         trees.append(tree)
         states.append((current, reached))
         current = reached
-    return trees, states, drift
+    return trees, states, drift, others
 
 
 def _groups(
