@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import click
+import pytest
 
 from tamplang.cli.app import application
 from tamplang.cli.status import ExitStatus
@@ -57,3 +59,16 @@ def test_the_readme_has_one_command_to_run_and_one_to_test() -> None:
         assert text is not None
         (block,) = re.findall(r"^```sh\n(.*?)^```", text.group(1), re.MULTILINE | re.DOTALL)
         assert len(block.splitlines()) == 1
+
+
+PAGES = [*sorted((ROOT / "docs").glob("*.md")), *sorted(ROOT.glob("*.md"))]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
+def test_every_path_and_link_of_a_page_exists(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    rooms = "langs|compiler|runtime|stdlib|tamplang|examples|tests|benchmarks|docs"
+    paths = re.findall(rf"`((?:{rooms})/[\w./]+?)`", text)
+    links = [link for link in re.findall(r"\]\(([^)#\s]+)", text) if "://" not in link]
+    lost = [p for p in paths if not (ROOT / p).exists()] + [k for k in links if not (page.parent / k).exists()]
+    assert lost == []
