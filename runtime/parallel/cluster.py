@@ -32,7 +32,8 @@ class ClusterUnavailable(Exception):
 
 class Cluster(Side):
     """Computes on the processes of a `distributed` cluster. Its scheduler gives the work of a lost process to others,
-    and gives up after some losses (its setting `allowed-failures`)."""
+    and gives up after some losses (its setting `allowed-failures`). Work that was given to a scheduler that is gone
+    arrives as ClusterUnavailable."""
 
     def __init__(self, address: str) -> None:
         self._client = _connected(address)
@@ -41,14 +42,21 @@ class Cluster(Side):
 
     @property
     def width(self) -> int:
-        return 2 * max(1, len(self._client.nthreads()))
+        """Twice the number of workers, so that none waits for the next piece. Raises ClusterUnavailable."""
+        try:
+            return 2 * max(1, len(self._client.nthreads()))
+        except OSError as error:
+            raise self._gone() from error
+
+    def _gone(self) -> ClusterUnavailable:
+        return ClusterUnavailable(f"the cluster at {self._address} is gone", "start it again, and give the work again")
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         future: Future[T] = Future()
 
         def finish(inner: Future[Any]) -> None:
             if inner.cancelled():
-                future.set_exception(WorkerLost(f"the cluster at {self._address} dropped the work"))
+                future.set_exception(self._gone())
             elif (error := inner.exception()) is not None:
                 future.set_exception(WorkerLost(f"the cluster gave the work up: {error}"))
             else:
@@ -58,10 +66,12 @@ class Cluster(Side):
         return future
 
     def kill(self) -> None:
-        self._executor.shutdown(wait=False)
+        if self._client.status == "running":
+            self._executor.shutdown(wait=False)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        self._executor.shutdown(wait=wait and not cancel_futures)
+        if wait and not cancel_futures:
+            self._executor.shutdown(wait=True)
         self._client.close()
 
 
@@ -81,7 +91,8 @@ def _connected(address: str) -> Any:
     except ImportError as error:
         hint = "install the extra `cluster`: pip install 'tamplang[cluster]'"
         raise ClusterUnavailable("a cluster needs the package `distributed`, which is missing", hint) from error
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    for logger in ("distributed", "distributed.client"):  # what they say, the errors of this module say
+        logging.getLogger(logger).setLevel(logging.CRITICAL)
     try:
         client = distributed.Client(address, timeout=ANSWER_SECONDS, set_as_default=False)
     except (OSError, ValueError) as error:

@@ -126,9 +126,10 @@ def _finished(
         return True
     try:
         with (
+            _needing_cluster(as_json),
             kept_interrupt() as check,
             _without_broken_pipes(),
-            _executor(jobs, cluster, as_json) as executor,
+            _executor(jobs, cluster) as executor,
             _shown(len(left)) as show,
         ):
             for instance, future in as_finished(executor, solve_instance, left):
@@ -141,15 +142,23 @@ def _finished(
     return True
 
 
-def _executor(jobs: int, cluster: str | None, as_json: bool) -> Side:
-    from ..langs.diagnostics import Diagnostic
-    from ..runtime.parallel import ClusterUnavailable, open_executor
+def _executor(jobs: int, cluster: str | None) -> Side:
+    from ..runtime.parallel import open_executor
 
     if cluster is None:
         with needing_libraries():
             load_libraries()
+    return open_executor(jobs, cluster)
+
+
+@contextmanager
+def _needing_cluster(as_json: bool) -> Iterator[None]:
+    """Turns ClusterUnavailable into its diagnostic."""
+    from ..langs.diagnostics import Diagnostic
+    from ..runtime.parallel import ClusterUnavailable
+
     try:
-        return open_executor(jobs, cluster)
+        yield
     except ClusterUnavailable as error:
         raise SourceFailure([Diagnostic("S0006", error.message, help=error.hint)], as_json) from error
 
@@ -167,15 +176,18 @@ def _without_broken_pipes() -> Iterator[None]:
 def _record(
     instance: Instance, future: Future[tuple[dict[str, Any], bytes | None]], plans: Path | None
 ) -> dict[str, Any]:
-    """The result of the instance; its plan is written first. Raises KeyboardInterrupt when it was interrupted."""
+    """The result of the instance; its plan is written first. Raises KeyboardInterrupt when it was interrupted, and
+    ClusterUnavailable when the cluster is gone."""
     from ..langs.diagnostics import Diagnostic
-    from ..runtime.parallel import WorkerLost
+    from ..runtime.parallel import ClusterUnavailable, WorkerLost
     from .instances import failed
     from .sources import as_objects
 
     error = future.exception()
+    if isinstance(error, ClusterUnavailable):
+        raise error
     if isinstance(error, WorkerLost):
-        lost = Diagnostic("S0007", f"the work was lost {error}", help="the next sweep into this file tries it again")
+        lost = Diagnostic("S0007", f"the work was lost: {error}", help="the next sweep into this file tries it again")
         return failed(instance, "lost", as_objects([lost]))
     if error is not None:
         return failed(instance, "crashed", []) | {"message": str(error), "trace": getattr(error, "trace", "")}
