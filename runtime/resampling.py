@@ -6,96 +6,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..compiler.ir import Fact, Function, Joint, Module, Object, Problem, Term, Var
+from ..compiler.ir import IDENTITY, Fact, Module, Problem
+from ..compiler.motion.collision import keeps_pose
 from .skeleton import Configuration, PhasePath
-
-Array = NDArray[np.float64]
-
-
-# --- poses `(T, 7)` ----------------------------------------------------------------------------------------------
-
-
-def product(first: Array, second: Array) -> Array:
-    """Quaternion products `(T, 4)`, order x, y, z, w."""
-    a, b = first[:, :3], second[:, :3]
-    v, w = first[:, 3:], second[:, 3:]
-    vector = v * b + w * a + np.cross(a, b)
-    return np.hstack([vector, v * w - np.sum(a * b, axis=1, keepdims=True)])
-
-
-def rotate(quaternions: Array, vectors: Array) -> Array:
-    """Vectors `(T, 3)` turned by unit quaternions `(T, 4)`."""
-    turn = 2 * np.cross(quaternions[:, :3], vectors)
-    return np.asarray(vectors + quaternions[:, 3:] * turn + np.cross(quaternions[:, :3], turn))
-
-
-def compose(first: Array, second: Array) -> Array:
-    """Poses `second`, given relative to `first`, in the frame that `first` is given in."""
-    first, second = np.broadcast_arrays(np.atleast_2d(first), np.atleast_2d(second))
-    turned = product(first[:, 3:], second[:, 3:])
-    turned = turned / np.linalg.norm(turned, axis=1, keepdims=True)
-    return np.hstack([first[:, :3] + rotate(first[:, 3:], second[:, :3]), turned])
-
-
-def inverse(poses: Array) -> Array:
-    """The inverses of poses `(T, 7)`."""
-    poses = np.atleast_2d(poses)
-    back = poses[:, 3:] * np.array([-1.0, -1.0, -1.0, 1.0])
-    return np.hstack([-rotate(back, poses[:, :3]), back])
-
-
-def joint_motion(joint: Joint, values: Array) -> Array:
-    """Poses `(T, 7)` of a joint's moving frame where it is placed, for its values `(T,)`."""
-    axis = np.asarray(joint.axis) / np.linalg.norm(joint.axis)
-    motion = np.zeros((len(values), 7))
-    motion[:, 6] = 1.0
-    if joint.kind == "prismatic":
-        motion[:, :3] = values[:, None] * axis
-    else:
-        motion[:, 3:6] = np.sin(values[:, None] / 2) * axis
-        motion[:, 6] = np.cos(values / 2)
-    return motion
+from .transforms import Array, compose, inverse, joint_frames
 
 
 def effector_poses(module: Module, effector: str, joints: Array) -> Array:
     """Poses `(T, 7)` of an effector in its module frame for joint values `(T, n)`."""
     end = module.type.effector(effector)
-    line: list[int] = []
-    index = end.joint
-    while index >= 0:
-        line.append(index)
-        index = module.type.joints[index].parent
-    pose = np.zeros((len(joints), 7))
-    pose[:, 6] = 1.0
-    for index in reversed(line):
-        joint = module.type.joints[index]
-        pose = compose(compose(pose, np.asarray(joint.placement)), joint_motion(joint, joints[:, index]))
-    return compose(pose, np.asarray(end.placement))
-
-
-# --- what is fixed to what ---------------------------------------------------------------------------------------
+    frames = joint_frames(module.type.joints, np.tile(IDENTITY, (len(joints), 1)), joints)
+    return compose(frames[end.joint + 1], np.asarray(end.placement))
 
 
 def kept_pairs(problem: Problem, mode: frozenset[Fact]) -> list[tuple[str, str]]:
     """Pairs of objects whose relative pose the literals of a mode keep, in a fixed order."""
-    found = []
-    for literal in sorted(mode):
-        predicate = problem.motions[literal[0]]
-        bound = dict(zip((v.name for v in predicate.variables), literal[1:], strict=True))
-        for row in predicate.rows:
-            if row.when == "keep" and isinstance(row.left, Function) and row.left.name == "pose":
-                names = [_object_name(a, bound) for a in row.left.args]
-                if names[0] is not None and names[1] is not None:
-                    found.append((names[1], names[0]))
-    return found
-
-
-def _object_name(term: Term, bound: Mapping[str, str]) -> str | None:
-    if isinstance(term, Object):
-        return term.name
-    return bound.get(term.name) if isinstance(term, Var) else None
+    return [pair for pair in (keeps_pose(problem, literal) for literal in sorted(mode)) if pair]
 
 
 @dataclass(slots=True)

@@ -23,8 +23,9 @@ from ...compiler.motion.collision import (
     self_pairs,
     taper,
 )
-from ..resampling import Resampled, compose, effector_poses, inverse, joint_motion, kept_pairs, resample, rotate
+from ..resampling import Resampled, effector_poses, kept_pairs, resample
 from ..skeleton import Array, Configuration, PhasePath, Violation
+from ..transforms import compose, inverse, joint_frames, rotate
 from .phases.batch import CONTACT_TOLERANCE, EXACT_MARGIN, GREATEST_STEP
 
 FACTOR = 5
@@ -149,12 +150,9 @@ def _within(module: Module, motion: Resampled, record: _Record) -> None:
 
 def _joint_poses(module: Module, motion: Resampled) -> dict[int, Array]:
     """Poses `(T, 7)` of a module's joint frames, -1 the module frame."""
-    joints = motion.joints[module.name]
-    frames = {-1: np.broadcast_to(motion.poses[module.name], (len(motion.times), 7))}
-    for index, joint in enumerate(module.type.joints):
-        turn = joint_motion(joint, joints[:, index])
-        frames[index] = compose(compose(frames[joint.parent], np.asarray(joint.placement)), turn)
-    return frames
+    base = np.broadcast_to(motion.poses[module.name], (len(motion.times), 7))
+    frames = joint_frames(module.type.joints, base, motion.joints[module.name])
+    return dict(enumerate(frames, start=-1))
 
 
 def _module_parts(problem: Problem, motion: Resampled) -> Iterator[_Part]:

@@ -54,3 +54,14 @@ def test_every_field_and_measure_is_described() -> None:
     words = set(re.findall(r"\w+", PAGE))
     assert fields - words == set()
     assert set(LIMITS) - {"time_s"} <= words
+
+
+def test_the_documented_limits_are_those_of_the_checker() -> None:
+    found = set()
+    for kinds, limits in re.findall(r"^\| (`[^|]*) \|[^|]*\| ([^|]*[0-9][^|]*)\|$", PAGE, re.MULTILINE):
+        named = [kind for kind in re.findall(r"`(\w+)`", kinds) if kind in LIMITS]
+        told = {float(n) * (1e-3 if u else 1.0) for n, u in re.findall(r"([0-9][0-9.e-]*)( mm| mrad)?", limits)}
+        if named:
+            found |= set(named)
+            assert told == {LIMITS[kind] for kind in named}, kinds
+    assert found == LIMITS.keys() - {"time_s"}

@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import math
 
+import msgspec
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from tamplang.compiler import ir
+from tamplang.compiler.pipeline import compile_sources
+from tamplang.langs.source import Source
 from tamplang.runtime.assemble import module_record
 from tamplang.runtime.plan import Plan
-from tamplang.runtime.resampling import compose, effector_poses, inverse
+from tamplang.runtime.resampling import effector_poses
+from tamplang.runtime.transforms import compose, inverse
 from tamplang.runtime.verify import geometry, shapes, verify
+from tamplang.runtime.verify.findings import Findings
 from tamplang.runtime.verify.guards import joint_frames
 from tamplang.runtime.verify.kinematics import Kinematics, motion_of
+from tamplang.runtime.verify.motion import check_motion
+from tamplang.runtime.verify.replay import replay
 from tamplang.runtime.verify.sampler import Sampler
 
 from .motions import Maker
@@ -170,3 +177,25 @@ def test_module_without_joints() -> None:
     plan = maker.plan()
     assert plan.tracks[1].joints[0] == []
     assert verify(plan).verified, verify(plan).failures
+
+
+def test_a_held_thing_that_turns_in_place_slips(hop: Plan) -> None:
+    data = msgspec.to_builtins(hop)
+    for pose in data["body_tracks"][0]["poses"][-50:]:
+        pose[3:] = [0.0, 0.0, math.sin(0.05), math.cos(0.05)]
+    failures = verify(msgspec.convert(data, Plan)).failures
+    assert ["c.B", "ball"] in [f.between for f in failures if f.kind == "slip_rad"]
+
+
+@pytest.mark.parametrize("joint", [0, 1, 3])
+@pytest.mark.parametrize("side", ["lower", "upper"])
+def test_both_limits_of_a_joint_are_measured(hop: Plan, joint: int, side: str) -> None:
+    data = msgspec.to_builtins(hop)
+    values = [row[joint] for row in data["tracks"][0]["joints"]]
+    sign = 1 if side == "lower" else -1
+    data["modules"][0]["joints"][joint][side] = (min(values) if side == "lower" else max(values)) + 0.1 * sign
+    plan, findings = msgspec.convert(data, Plan), Findings()
+    problem = compile_sources([Source(s.path, s.text) for s in hop.task.sources], "hop", {}, hop.task.seed)[0]
+    motion = motion_of(plan, {m.name: Kinematics(m) for m in plan.modules})
+    check_motion(problem, plan, replay(problem, plan, findings), motion, findings)
+    assert findings.measures["joint_limit_rad"].amount == pytest.approx(0.1, abs=1e-3)
