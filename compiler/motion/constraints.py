@@ -15,6 +15,7 @@ import casadi as ca
 from .. import ir
 from . import distances
 from .distances import SIZES, Solid
+from .inertia import module_mass, module_masses
 from .kinematics import (
     Expression,
     Frame,
@@ -31,7 +32,7 @@ from .kinematics import (
 )
 from .stages import Stage
 
-METRES = frozenset({"position", "gap", "top", "bottom", "inside", "radius"})
+METRES = frozenset({"position", "centre", "gap", "top", "bottom", "inside", "radius"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,10 +125,11 @@ def parameter_sizes(kinds: tuple[Kind, ...]) -> list[int]:
 def _solid(kind: Kind, slots: list[Expression], constants: Expression) -> Solid:
     match kind:
         case EffectorKind(type=module, effector="", slot=slot):
-            return Solid(pose_frame(slots[slot]), "sphere", (0.0,))
+            return Solid(pose_frame(slots[slot]), "sphere", (0.0,), *_balance(module, slots[slot]))
         case EffectorKind(type=module, effector=name, slot=slot):
             shape = module.effector(name).shape or ir.Shape("sphere", (0.0,))
-            return Solid(effector_frame(module, name, slots[slot]), shape.kind, shape.size)
+            frame = effector_frame(module, name, slots[slot])
+            return Solid(frame, shape.kind, shape.size, *_balance(module, slots[slot]))
         case BodyKind(shape=shape, slot=slot):
             return Solid(pose_frame(slots[slot]), shape, [constants[i] for i in range(SIZES[shape])])
         case RestKind(shape=shape):
@@ -135,11 +137,27 @@ def _solid(kind: Kind, slots: list[Expression], constants: Expression) -> Solid:
             return Solid(Frame(constants[:3], constants[3:7]), shape, sizes)
 
 
+def _balance(module: ir.ModuleType, slot: Expression) -> tuple[Expression, Expression]:
+    """Mass and centre of mass of a module."""
+    frames, mass = joint_frames(module, slot), module_mass(module)
+    moments = [m * compose(frames[joint + 1], place).position for joint, place, m in module_masses(module)]
+    return ca.SX(mass), sum(moments[1:], moments[0]) / mass if moments else frames[0].position
+
+
+def _measured(name: str, solid: Solid) -> Expression:
+    """Mass or centre of mass; of a body from its shape."""
+    if solid.centre is not None:
+        return solid.mass if name == "mass" else solid.centre
+    return distances.mass(solid) if name == "mass" else solid.frame.position
+
+
 def _function(name: str, args: tuple[ir.Term, ...], scope: Mapping[str, Solid]) -> Expression:
     if name in distances.PAIRS:
         return distances.PAIRS[name](_object(args[0], scope), _object(args[1], scope))
     if name in distances.SINGLES:
         return distances.SINGLES[name](_object(args[0], scope))
+    if name in ("mass", "centre"):
+        return _measured(name, _object(args[0], scope))
     if name == "position":
         return _object(args[0], scope).frame.position
     if name == "axis" and isinstance(args[1], ir.Letter):

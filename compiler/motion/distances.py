@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 
+from .inertia import DENSITY
 from .kinematics import Expression, Frame, axis, unrotate
 
 SMOOTH = 1e-10
@@ -26,6 +28,9 @@ class Solid:
     frame: Frame
     kind: str
     size: Sequence[Expression]
+    mass: Expression = 0.0
+    """Kilograms of the body or of the whole module, and where its centre of mass is."""
+    centre: Expression = None
 
 
 def _length(v: Expression) -> Expression:
@@ -129,6 +134,18 @@ def radius(solid: Solid) -> Expression:
     if solid.kind == "capsule":
         return solid.size[0] + solid.size[1] / 2
     return ca.sqrt(solid.size[0] ** 2 + (solid.size[1] / 2) ** 2)
+
+
+def mass(solid: Solid) -> Expression:
+    """Kilograms of a solid shape at the density of water."""
+    size = solid.size
+    if solid.kind == "box":
+        return DENSITY * size[0] * size[1] * size[2]
+    ball = 4.0 / 3.0 * math.pi * size[0] ** 3
+    if solid.kind == "sphere":
+        return ca.SX(DENSITY * ball)
+    straight = math.pi * size[0] ** 2 * size[1]
+    return DENSITY * (straight + ball if solid.kind == "capsule" else straight)
 
 
 PAIRS: dict[str, Callable[[Solid, Solid], Expression]] = {"gap": gap, "inside": inside}

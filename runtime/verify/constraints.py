@@ -68,7 +68,7 @@ class _Checker:
         self._problem = problem
         self._motion = motion
         self._findings = findings
-        self._evaluate = Evaluator(shapes_of(problem), motion)
+        self._evaluate = Evaluator(shapes_of(problem), motion, problem.world)
 
     def at_switch(self, literal: ir.Fact, sample: int) -> None:
         """Measure the switch rows of a literal at the sample where it is added."""

@@ -10,11 +10,12 @@ import numpy as np
 
 from ...compiler import ir
 from .geometry import Array, Frames, Indices
+from .inertia import centre_of, mass_of
 from .kinematics import Motion
 from .shapes import Ruler, geometry, half_heights, round_radius, transform
 
 LETTERS = {"x": 0, "y": 1, "z": 2}
-LENGTHS = frozenset({"position", "gap", "top", "bottom", "inside", "radius"})
+LENGTHS = frozenset({"position", "centre", "gap", "top", "bottom", "inside", "radius"})
 
 
 class MeaninglessRow(Exception):
@@ -32,7 +33,8 @@ class Quantity:
 class Evaluator:
     """Evaluates terms with the variables of one ground literal, on some samples of a motion."""
 
-    def __init__(self, shapes: Mapping[str, ir.Shape | None], motion: Motion) -> None:
+    def __init__(self, shapes: Mapping[str, ir.Shape | None], motion: Motion, world: ir.World | None = None) -> None:
+        self._world = world
         self._shapes = shapes
         self._motion = motion
         self._ruler = Ruler()
@@ -63,6 +65,9 @@ class Evaluator:
                 return Quantity(self.frame(subject, names, index).position, unit)
             case "axis", (subject, ir.Letter() as letter):
                 return Quantity(self.frame(subject, names, index).rotation[:, :, LETTERS[letter.letter]], unit)
+            case ("mass" | "centre"), (subject,):
+                mass, centre = self._balance(_name(subject, names), index)
+                return Quantity(centre, unit) if node.name == "centre" else Quantity(np.full((len(index), 1), mass), "")
             case ("top" | "bottom"), (subject,):
                 sign = 1.0 if node.name == "top" else -1.0
                 frame = self.frame(subject, names, index)
@@ -78,6 +83,15 @@ class Evaluator:
                 return Quantity(self._inside(first, second, names, index), unit)
             case _:
                 return _numeric(node.name, [self.value(a, names, index) for a in node.args])
+
+    def _balance(self, name: str, index: Indices) -> tuple[float, Array]:
+        """Mass and centre of mass of a body, or of the module that an object is part of."""
+        module = name if name in self._motion.joint_frames else name.rpartition(".")[0]
+        if self._world is not None and module in self._world.modules:
+            return centre_of(self._world.modules[module].type, self._motion.joint_frames[module], index)
+        shape = self._shapes[name]
+        mass = 0.0 if shape is None else mass_of(shape)
+        return mass, self._motion.frames[name][index].position
 
     def _half_heights(self, name: str, frame: Frames) -> Array:
         shape = self._shapes[name]
