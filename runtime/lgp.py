@@ -18,10 +18,11 @@ from .bounds import EXPECTED, Bounds
 from .budget import Budget, OutOfTime
 from .motion.settings import MotionSettings
 from .plan import Plan, StatisticsRecord
-from .refusals import Refusals
+from .refusals import Refusals, fewer
 from .search.best_first import Candidate, SkeletonSearch
 from .search.roomy import Strain, Surcharge, roomier
 from .search.skeletons import build_skeleton
+from .skeleton import PhasePath, Skeleton
 
 BOUNDS = ("seq", "seq-path", "path")
 SEARCHES = ("astar", "wastar", "bfs", "guide")
@@ -74,19 +75,25 @@ class Outcome:
 
 
 def solve(
-    problem: Problem, options: SolveOptions, progress: Callable[[Progress], None] | None = None
+    problem: Problem,
+    options: SolveOptions,
+    progress: Callable[[Progress], None] | None = None,
+    found: Callable[[Plan], None] | None = None,
 ) -> Outcome:
-    """Search until `options.solutions` verified plans stand or the budget is spent; Ctrl-C ends with what was found."""
-    return _Run(problem, options, progress).run()
+    """Search until `options.solutions` verified plans stand or the budget is spent; Ctrl-C ends with what was found.
+    `found` gets every verified plan as soon as it stands."""
+    return _Run(problem, options, progress, found).run()
 
 
 class _Run:
     def __init__(
-        self, problem: Problem, options: SolveOptions, progress: Callable[[Progress], None] | None
-    ) -> None:
+        self, problem: Problem, options: SolveOptions, progress: Callable[[Progress], None] | None,
+        found: Callable[[Plan], None] | None,
+    ) -> None:  # fmt: skip
         self.problem = problem
         self.options = options
         self.report = progress
+        self.found = found
         self.budget = Budget(options.time)
         self.candidates = 0
         self.plans: list[Plan] = []
@@ -141,14 +148,9 @@ class _Run:
         skeleton = build_skeleton(self.problem, candidate.actions, search.successors)
         judgement = self.bounds.judge(skeleton, self.strain.along(candidate.numbers))
         if judgement.accepted:
-            self.accepted.append(candidate)
-            if judgement.paths is not None:
-                plan = self.bounds.believe(skeleton, candidate.actions, judgement.paths, self._statistics())
-                if plan.verdict is not None and plan.verdict.verified:
-                    self.plans.append(plan)
-                else:
-                    self.accepted.pop()
-                    self.distrusted.append(plan)
+            if judgement.paths is None or self._believed(skeleton, candidate, judgement.paths):
+                self.accepted.append(candidate)
+                self._tell("solved", f"plan {len(self.accepted)}: {len(candidate.actions)} actions")
             search.forbid_plan(candidate)
             return
         for conflict in judgement.conflicts:
@@ -159,10 +161,22 @@ class _Run:
             short = not self.again and conflict.bound in ("seq", EXPECTED) and conflict.last < MOST_REMEMBERED
             search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start and not short)
 
-    def _statistics(self) -> StatisticsRecord:
+    def _believed(self, skeleton: Skeleton, candidate: Candidate, paths: list[PhasePath]) -> bool:
+        """Whether the verifier believes a motion; then the plan is kept and handed on."""
+        plan = self.bounds.believe(skeleton, candidate.actions, paths, self._statistics([*self.accepted, candidate]))
+        if plan.verdict is None or not plan.verdict.verified:
+            self.distrusted.append(plan)
+            return False
+        self.plans.append(plan)
+        if self.found is not None:
+            self.found(plan)
+        return True
+
+    def _statistics(self, accepted: list[Candidate] | None = None) -> StatisticsRecord:
         search = self.search
-        cost = self.accepted[0].cost if self.accepted else 0.0
-        gap = None if self.first_bound is None or not self.accepted else max(0.0, cost - self.first_bound)
+        accepted = self.accepted if accepted is None else accepted
+        cost = min((c.cost for c in accepted), default=0.0)
+        gap = None if self.first_bound is None or not accepted else max(0.0, cost - self.first_bound)
         return StatisticsRecord(
             tree_nodes=search.tree_nodes if search else 0,
             expanded_nodes=search.expanded_nodes if search else 0,
@@ -177,15 +191,20 @@ class _Run:
 
     def _outcome(self, status: str) -> Outcome:
         statistics = self._statistics()
-        plans = [_with_statistics(plan, statistics) for plan in self.plans]
+        order = sorted(range(len(self.accepted)), key=lambda i: self.accepted[i].cost)
+        self.accepted = [self.accepted[i] for i in order]
+        plans = [_with_statistics(self.plans[i], statistics, self.accepted[k].cost) for k, i in enumerate(order)
+                 if i < len(self.plans)]  # fmt: skip
+        explanation = self.refusals.explain(status) if not self.accepted else []
         if self.accepted:
-            status = "solved" if status in ("solved", "exhausted", "infeasible") else status
+            missing = self.options.solutions - len(self.accepted)
+            explanation = [fewer(status, len(self.accepted), self.options.solutions)] if missing else []
+            status = "interrupted" if status == "interrupted" else "solved"
         elif self.distrusted:
             status, plans = "refused", self.distrusted
         actions = [str(a) for a in self.accepted[0].actions] if self.accepted else []
         if not actions and plans:
             actions = [phase.action for phase in plans[0].phases]
-        explanation = [] if self.accepted else self.refusals.explain(status)
         return Outcome(status, plans, statistics, explanation, actions, statistics.cost)
 
     def _tell(self, stage: str, message: str) -> None:
@@ -210,8 +229,10 @@ def _motion_settings(problem: Problem, options: SolveOptions) -> MotionSettings:
     return settings
 
 
-def _with_statistics(plan: Plan, statistics: StatisticsRecord) -> Plan:
-    """The plan with the figures of the whole run, but its own cost."""
+def _with_statistics(plan: Plan, statistics: StatisticsRecord, cost: float) -> Plan:
+    """The plan with the figures of the whole run, but its own cost and gap."""
     import msgspec
 
-    return msgspec.structs.replace(plan, statistics=statistics)
+    gap = None if statistics.gap is None else statistics.gap + cost - statistics.cost
+    own = msgspec.structs.replace(statistics, cost=cost, gap=gap, optimal=gap == 0.0)
+    return msgspec.structs.replace(plan, statistics=own)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..compiler.ir import Problem
 from ..langs.diagnostics import Diagnostic, Label
 from ..langs.source import Span
 from .bounds import Conflict
+from .lack import lacking
 from .plan import PlaceRecord, RefusalRecord
 from .skeleton import Skeleton, Violation
 
@@ -26,48 +29,66 @@ class Refusals:
         return [self._record(skeleton, conflict) for skeleton, conflict in self._found]
 
     def explain(self, status: str) -> list[Diagnostic]:
-        """S-diagnostics, most telling first: the refusals with the fewest actions, then the largest violation."""
+        """S-diagnostics, most telling first: the fewest actions, then those that were met most often, then
+        the smallest miss; one for each row of the program, and with whom it was met."""
+        if status == "infeasible":
+            return self._unreachable()
         if not self._found:
             return [self._nothing_found(status)]
-        ranked = sorted(
-            self._found,
-            key=lambda item: (item[1].last - item[1].first, -max((v.amount for v in item[1].violations), default=0.0)),
-        )
-        seen: set[tuple[str, str]] = set()
-        diagnostics: list[Diagnostic] = []
-        for skeleton, conflict in ranked:
-            action = str(skeleton.phases[conflict.last].action)
-            reason = self._reason(conflict)
-            if (action, reason) not in seen and len(diagnostics) < MOST_EXPLAINED:
-                seen.add((action, reason))
-                diagnostics.append(self._diagnostic(skeleton, conflict, action, reason))
-        return diagnostics
+        groups: dict[object, list[tuple[Skeleton, Conflict]]] = {}
+        for skeleton, conflict in self._found:
+            groups.setdefault(self._cause(skeleton, conflict), []).append((skeleton, conflict))
+        ranked = sorted(groups.values(), key=lambda g: (min(map(_length, g)), -len(g)))
+        told = [self._diagnostic(*min(group, key=_miss), len(group)) for group in ranked[:MOST_EXPLAINED]]
+        if len(ranked) > MOST_EXPLAINED:
+            more = sum(map(len, ranked[MOST_EXPLAINED:]))
+            told[-1] = replace(told[-1], note="; ".join(filter(None, (told[-1].note, f"{more} more refusals"))))
+        return told
+
+    def _cause(self, skeleton: Skeleton, conflict: Conflict) -> object:
+        """What refusals must share to be told as one: rules, bound, and the row or the kind of limit that is missed."""
+        rules = tuple(p.action.rule for p in skeleton.phases[conflict.first : conflict.last + 1])
+        if not conflict.violations:
+            return rules, conflict.bound
+        worst = conflict.violations[0]
+        return rules, conflict.bound, worst.span or worst.literal[0]
 
     def _nothing_found(self, status: str) -> Diagnostic:
-        if status == "infeasible":
-            return Diagnostic(
-                "S0001",
-                "no sequence of actions reaches the goal: the symbolic search went through every reachable state",
-                help="look at the conditions of the rules that achieve the goal, and at the reach of the robots",
-            )
+        if status == "interrupted":
+            return Diagnostic("S0005", "the run was interrupted before a sequence of actions was judged")
         return Diagnostic(
-            "S0004",
-            "the budget ended before a skeleton was judged",
+            "S0003",
+            "the budget ended before a sequence of actions was judged",
             help="give more with --time or --nodes, or a smaller instance",
         )
 
-    def _diagnostic(self, skeleton: Skeleton, conflict: Conflict, action: str, reason: str) -> Diagnostic:
-        rule = self.problem.rules.get(skeleton.phases[conflict.last].action.rule)
-        context = " from the start" if conflict.from_start else ""
+    def _unreachable(self) -> list[Diagnostic]:
+        return [
+            Diagnostic(
+                "S0001",
+                "no sequence of actions reaches the goal: the search went through every state that can be reached",
+                note=lack or None,
+                help="look at the conditions of the rules that achieve the goal, and at the reach of the robots",
+            )
+            for lack in lacking(self.problem)[:MOST_EXPLAINED] or [""]
+        ]
+
+    def _diagnostic(self, skeleton: Skeleton, conflict: Conflict, count: int) -> Diagnostic:
+        action = skeleton.phases[conflict.last].action
+        rule = self.problem.rules.get(action.rule)
+        where = " from the start" if conflict.from_start and conflict.first < conflict.last else ""
         span = self._span(conflict)
         labels = (Label(rule.span, "the rule of this action"),) if rule is not None and rule.span else ()
         earlier = ", ".join(str(p.action) for p in skeleton.phases[conflict.first : conflict.last])
+        notes = [f"straight after {earlier}{where}"] if earlier else []
+        if count > 1:
+            notes.append(f"this was met in {count} such sequences; the smallest miss is shown")
         return Diagnostic(
             "S0002",
-            f"{action}{context} was refused by {_BOUND_NAMES[conflict.bound]}: {reason}",
+            f"{_BOUND_NAMES[conflict.bound]} refuses {action}: {self._reason(conflict)}",
             span or (rule.span if rule else None),
             labels if span else (),
-            note=f"the actions before it: {earlier}" if earlier else None,
+            note="; ".join(notes) or None,
         )
 
     def _reason(self, conflict: Conflict) -> str:
@@ -77,6 +98,8 @@ class Refusals:
 
     def _span(self, conflict: Conflict) -> Span | None:
         for violation in conflict.violations[:1]:
+            if violation.span is not None:
+                return violation.span
             motion = self.problem.motions.get(violation.literal[0])
             if motion is not None:
                 return motion.span
@@ -93,6 +116,21 @@ class Refusals:
             unit=worst.unit if worst else "",
             place=PlaceRecord(span.file, span.line, span.column) if span else None,
         )
+
+
+def fewer(status: str, found: int, wanted: int) -> Diagnostic:
+    """Says that a run ended with fewer plans than were asked for."""
+    reasons = {"budget": ("S0003", "the budget ended"), "interrupted": ("S0005", "the run was interrupted")}
+    code, reason = reasons.get(status, ("S0002", "no further sequence of actions passed"))
+    return Diagnostic(code, f"{reason} after {found} of {wanted} plans")
+
+
+def _length(item: tuple[Skeleton, Conflict]) -> int:
+    return item[1].last - item[1].first
+
+
+def _miss(item: tuple[Skeleton, Conflict]) -> tuple[int, float]:
+    return _length(item), max((v.amount for v in item[1].violations), default=float("inf"))
 
 
 _BOUND_NAMES = {"seq": "P_seq", "seq-path": "P_seqPath", "path": "P_path"}

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..compiler.ir import Action, Fact, Problem
+from ..langs.source import Span
 
 Array = NDArray[np.float64]
 
@@ -82,13 +83,15 @@ class PhasePath:
 class Violation:
     """One row that a bound could not satisfy: the phase (from 0), the literal or kind of limit, the figure and unit.
 
-    `literal` is a motion literal, or ("collision", a, b), ("limit", module, joint), ("self", …).
+    `literal` is a motion literal, or ("collision", a, b), ("limit", module, joint), ("self", …). `span` is where the
+    row is written, for a motion literal.
     """
 
     phase: int
     literal: Fact
     amount: float
     unit: str
+    span: Span | None = field(default=None, compare=False)
 
 
 @dataclass(slots=True)

@@ -52,11 +52,13 @@ class Task:
         solver: str | None = None,
         slices: int | None = None,
         progress: Callable[[Progress], None] | None = None,
+        found: Callable[[Plan], None] | None = None,
     ) -> Result:
         """Plan the task. What is None here comes from the task's `options` block, else from the defaults.
 
         `bound` is "seq", "seq-path" or "path"; `search` "astar", "wastar", "bfs" or "guide"; `time` seconds
-        (`math.inf`: no limit); `nodes` of the search tree; `solver` "algn" or "ipopt"; `slices` per phase.
+        (`math.inf`: no limit); `nodes` of the search tree; `solver` "algn" or "ipopt"; `slices` per phase. `found` gets
+        every verified plan as soon as it stands.
         Raises `tamplang.runtime.native.MissingLibrary` when a system library is missing.
         """
         from .runtime.lgp import SolveOptions, solve
@@ -74,7 +76,12 @@ class Task:
             seed=self.problem.seed,
             slices=slices or given.slices,
         )
-        outcome = solve(self.problem, options, progress)
+
+        def hand_on(record: PlanRecord) -> None:
+            if found is not None:
+                found(Plan(record))
+
+        outcome = solve(self.problem, options, progress, hand_on)
         return Result(
             outcome.status,
             tuple(Plan(record) for record in outcome.plans),

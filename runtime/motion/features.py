@@ -86,7 +86,8 @@ class Features:
         for number, (row, names, row_units) in enumerate(self._rows_of(literal[0])):
             if row.when == when:
                 objects = tuple(binding.get(n, n) for n in names)
-                self._bind(literal, number, row, names, objects, slices, Label(phase, literal, row_units), scale)
+                label = Label(phase, literal, row_units, row.span)
+                self._bind(literal, number, row, names, objects, slices, label, scale)
 
     def _bind(
         self, literal: Fact, number: int, row: ir.Row, names: tuple[str, ...], objects: tuple[str, ...],

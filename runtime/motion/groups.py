@@ -12,17 +12,20 @@ import numpy as np
 
 from ...compiler.ir import Fact
 from ...compiler.motion.stages import Stage
+from ...langs.source import Span
 from ..skeleton import Array
 from .layout import Indices
 
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """Whom one instance speaks for: the phase, counted from 0, the literal or limit, the unit of each row."""
+    """Whom one instance speaks for: the phase, counted from 0, the literal or limit, the unit of each row, and where
+    the rows are written."""
 
     phase: int
     literal: Fact
     units: tuple[str, ...]
+    span: Span | None = None
 
 
 class Group(Protocol):

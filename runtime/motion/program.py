@@ -217,12 +217,12 @@ class Program:
 
     def violations(self, x: Array, above: float) -> list[Violation]:
         """Rows violated by more than `above`, largest first; for each phase and literal only its worst row."""
-        worst: dict[tuple[int, tuple[str, ...]], tuple[float, str]] = {}
+        worst: dict[tuple[int, tuple[str, ...]], Violation] = {}
         for label, amounts in self.rows(x):
             row = int(amounts.argmax())
             amount = float(amounts[row])
             key = (label.phase, label.literal)
-            if amount > above and amount > worst.get(key, (0.0, ""))[0]:
-                worst[key] = (amount, label.units[min(row, len(label.units) - 1)])
-        found = [Violation(phase, literal, amount, unit) for (phase, literal), (amount, unit) in worst.items()]
-        return sorted(found, key=lambda v: (-v.amount, v.phase, v.literal))
+            if amount > above and (key not in worst or amount > worst[key].amount):
+                unit = label.units[min(row, len(label.units) - 1)]
+                worst[key] = Violation(label.phase, label.literal, amount, unit, label.span)
+        return sorted(worst.values(), key=lambda v: (-v.amount, v.phase, v.literal))

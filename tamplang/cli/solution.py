@@ -12,7 +12,7 @@ from .progress import counted
 from .sources import as_objects, as_text
 
 if TYPE_CHECKING:
-    from ..api import Result
+    from ..api import Plan, Result
     from ..compiler.ir import Problem
     from ..runtime.plan import StatisticsRecord
 
@@ -23,6 +23,18 @@ class Written:
 
     plans: tuple[Path, ...]
     report: Path | None
+
+
+class Keeper:
+    """Writes plans as they are found, so that none is lost; `write` puts them in order at the end. Raises OSError."""
+
+    def __init__(self, plan_file: Path) -> None:
+        self.plan_file = plan_file
+        self.count = 0
+
+    def __call__(self, plan: Plan) -> None:
+        self.count += 1
+        plan.save(numbered(self.plan_file, self.count))
 
 
 def write(result: Result, plan_file: Path, report_file: Path | None) -> Written:

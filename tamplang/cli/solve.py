@@ -13,7 +13,7 @@ from .libraries import load_libraries, needing_libraries
 from .outputs import checked_output, numbered
 from .parameters import parameters_option
 from .progress import shown_progress
-from .solution import result_json, result_lines, write
+from .solution import Keeper, result_json, result_lines, write
 from .sources import reading_sources, show_diagnostics
 from .status import OF_OUTCOME
 
@@ -58,7 +58,7 @@ def solve(
     if horizon is not None:
         raise click.UsageError("--horizon (receding horizon) is not available yet")
     if jobs > 1:
-        raise click.UsageError("--jobs above 1 (several processes) is not available yet")
+        raise click.UsageError("--jobs above 1 is not available yet; `tamplang sweep` solves several instances side by side")
     from ..api import Task
     from ..compiler.pipeline import compile_problem
 
@@ -80,6 +80,7 @@ def solve(
                 solutions=solutions,
                 solver=solver,
                 progress=progress,
+                found=Keeper(plan_file),
             )
         written = write(result, plan_file, report_file)
     if as_json:
