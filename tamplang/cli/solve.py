@@ -58,7 +58,7 @@ def solve(
     if horizon is not None:
         raise click.UsageError("--horizon (receding horizon) is not available yet")
     if jobs > 1:
-        raise click.UsageError("--jobs above 1 is not available yet; `tamplang sweep` solves several instances side by side")
+        raise click.UsageError("--jobs above 1 is not available yet; `sweep --jobs` solves instances side by side")
     from ..api import Task
     from ..compiler.pipeline import compile_problem
 

@@ -26,7 +26,7 @@ def test_version(tamplang: Tamplang) -> None:
 def test_help_lists_every_command(tamplang: Tamplang) -> None:
     process = tamplang("--help")
     assert process.returncode == 0
-    for command in ("new", "check", "solve", "verify", "report", "compile", "explain", "fmt", "lsp", "bench"):
+    for command in ("new", "check", "solve", "sweep", "verify", "report", "compile", "explain", "fmt", "lsp", "bench"):
         assert f"\n  {command} " in process.stdout
 
 

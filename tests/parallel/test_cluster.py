@@ -78,3 +78,16 @@ def test_the_missing_package_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ClusterUnavailable) as caught:
         open_executor(cluster="tcp://127.0.0.1:9")
     assert "pip install 'tamplang[cluster]'" in caught.value.hint
+
+
+def test_a_cluster_that_goes_away_ends_the_sweep_with_what_is_finished(cluster: Any, tmp_path: Path) -> None:
+    path = tmp_path / "climb.sweep.jsonl"
+    address = cluster.scheduler_address
+    with start(tmp_path, *SMALL, "--seeds", "0..99", "--cluster", address) as process:
+        wait_until(lambda: process.poll() is not None or (path.exists() and path.read_text().count("\n")))
+        cluster.close()
+        _, err = process.communicate(timeout=60)
+    assert process.returncode == 1, err
+    assert "S0006" in err
+    assert f"the cluster at {address} is gone" in err
+    assert {record["status"] for record in lines(path)} == {"solved"}
