@@ -70,11 +70,13 @@ class Estimate:
         self.links = Links(successors.guards, self.costs)
         moving = {rule for family in self.families for rule in family.rules}
         self.counts_links = self.links.counted and not moving & self.links.rules
-        self.separate = not any(served[rule] for rule in moving | (self.links.rules if self.counts_links else set()))
         for landmark in self.landmarks:
             rules = {a.flat.rule.name for fact in landmark.facts for a in self._achievers(fact)}
             landmark.weight = min((self.costs[r] / max(served[r], 1) for r in rules), default=math.inf)
             self._locate(landmark)
+        counted = {rule for mark in self.landmarks for k, _ in mark.tables for rule in self.families[k].rules}
+        counted |= self.links.rules if self.counts_links else set()
+        self.separate = not any(served[rule] for rule in counted)
         self.text = self.source()
         names: dict[str, Any] = {"inf": math.inf, "stages": self.links.stages, "ALL": ((0, 0.0),)}
         names |= {f"table_{i}": table for i, table in enumerate(self._tables)}

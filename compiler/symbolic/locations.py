@@ -283,9 +283,9 @@ def reads_chains(flat: FlatRule) -> bool:
 
 
 def families(guards: Guards, costs: Mapping[str, float]) -> list[Family]:
-    """The location families of a problem that have more than one place and some key."""
+    """The location families of a problem that have some place and some key."""
     layout = guards.layout
     names = [p for p, kind in layout.kinds.items() if kind == FIELD]
     keyed = [name for name in names if any(k in layout.small for p, k in layout.fields if p == name)]
     made = [Family(guards, name, costs) for name in keyed]
-    return [f for f in made if len(f.places) > 1]
+    return [f for f in made if f.places]

@@ -1,0 +1,118 @@
+"""Our symbolic layer beside Fast Downward and pyperplan, on the same tasks through the PDDL export.
+
+    python -m venv /tmp/planners && /tmp/planners/bin/pip install up-fast-downward pyperplan
+    python benchmarks/planners.py --peers /tmp/planners [--sizes 8 64 256] [--limit 120] [--markdown FILE]
+
+CPU seconds end to end: ours from the text of the task to an optimal skeleton (the interpreter's start left out); Fast
+Downward from the PDDL to an optimal plan (A* with LM-cut) and to any plan (lazy greedy, FF); pyperplan to any plan
+(greedy, FF). The export itself is not charged to anyone. A peer that is not installed is left out with a line.
+"""
+
+from __future__ import annotations
+
+import argparse
+import resource
+import subprocess
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from tamplang.compiler.pipeline import compile_problem
+from tamplang.compiler.symbolic.pddl import to_pddl
+from tamplang.compiler.symbolic.successors import Successors
+from tamplang.runtime.budget import Budget
+from tamplang.runtime.search.best_first import SkeletonSearch
+
+EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
+TASKS = (("climb.tamp", {"crawlers": "2"}), ("rendezvous.tamp", {}))
+INSTALL = "python -m venv DIR && DIR/bin/pip install up-fast-downward pyperplan; then --peers DIR"
+OPTIMAL = ("--search", "astar(lmcut())")
+GREEDY = ("--evaluator", "h=ff()", "--search", "lazy_greedy([h], preferred=[h])")
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A planner: its name in the table, and its command line before the two PDDL files and after them."""
+
+    name: str
+    command: tuple[str, ...]
+    options: tuple[str, ...]
+
+
+def peers(root: Path) -> list[Peer]:
+    """Those that are installed in the virtual environment `root`."""
+    found = []
+    driver = next(root.glob("lib/python*/site-packages/up_fast_downward/downward/fast-downward.py"), None)
+    if driver is None:
+        print(f"Fast Downward is not installed in {root} and is left out ({INSTALL})")
+    else:
+        command = (str(root / "bin" / "python"), str(driver))
+        found += [Peer("FD optimal", command, OPTIMAL), Peer("FD greedy", command, GREEDY)]
+    pyperplan = root / "bin" / "pyperplan"
+    if pyperplan.exists():
+        found.append(Peer("pyperplan", (str(pyperplan), "-H", "hff", "-s", "gbf"), ()))
+    else:
+        print(f"pyperplan is not installed in {root} and is left out ({INSTALL})")
+    return found
+
+
+def ours(file: str, parameters: dict[str, str]) -> tuple[float, int]:
+    """CPU seconds from text to optimal skeleton, and its length."""
+    started = time.process_time()
+    problem, _ = compile_problem(EXAMPLES / file, None, parameters)
+    candidate = SkeletonSearch(problem, Successors(problem), "astar", Budget(60)).next()
+    assert candidate is not None and candidate.optimal
+    return time.process_time() - started, len(candidate.actions)
+
+
+def measure(peer: Peer, folder: Path, limit: float) -> str:
+    """CPU seconds of a planner and its children until a plan, or why there is none."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    command = [*peer.command, str(folder / "domain.pddl"), str(folder / "task.pddl"), *peer.options]
+    limited = ["bash", "-c", f'ulimit -t {limit:.0f}; exec "$@"', "planner", *command]
+    result = subprocess.run(limited, cwd=folder, capture_output=True, text=True, check=False)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    if "Plan length" in result.stdout + result.stderr:
+        return f"{seconds:.2f}"
+    return f"none in {limit:.0f}" if seconds >= 0.9 * limit else f"failed after {seconds:.2f}"
+
+
+def rows(sizes: list[str], found: list[Peer], limit: float) -> list[list[str]]:
+    table = []
+    ours(TASKS[0][0], {**TASKS[0][1], "n": "1"})
+    for file, parameters in TASKS:
+        for n in sizes:
+            given = {**parameters, "n": n}
+            best, length = min(ours(file, given) for _ in range(3))
+            with tempfile.TemporaryDirectory() as name:
+                folder = Path(name)
+                domain, task = to_pddl(compile_problem(EXAMPLES / file, None, given)[0])
+                (folder / "domain.pddl").write_text(domain)
+                (folder / "task.pddl").write_text(task)
+                times = [measure(peer, folder, limit) for peer in found]
+            ratios = [float(t.split()[-1]) / best for t, p in zip(times, found, strict=True) if p.name == "FD optimal"]
+            shown = [f"{'≥ ' if 'none' in times[0] else ''}{r:.0f}" for r in ratios] or ["–"]
+            table.append([f"{Path(file).stem} n={n}", str(length), f"{best:.3f}", *times, *shown])
+            print("  ".join(table[-1]), flush=True)
+    return table
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Our symbolic layer beside other planners.")
+    parser.add_argument("--peers", type=Path, default=Path("/tmp/planners"), help="virtual environment with the peers")
+    parser.add_argument("--sizes", nargs="+", default=["8", "64", "256"], help="numbers of stairs")
+    parser.add_argument("--limit", type=float, default=120.0, help="CPU seconds for each run of a peer")
+    parser.add_argument("--markdown", type=Path, help="write the table there as well")
+    given = parser.parse_args()
+    found = peers(given.peers)
+    head = ["task", "length", "ours s", *(f"{p.name} s" for p in found), "FD optimal / ours"]
+    print("  ".join(head))
+    table = [head, ["---"] * len(head), *rows(given.sizes, found, given.limit)]
+    if given.markdown:
+        given.markdown.write_text("".join(f"| {' | '.join(row)} |\n" for row in table))
+
+
+if __name__ == "__main__":
+    main()
