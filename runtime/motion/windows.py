@@ -50,35 +50,50 @@ def _repeat(
     return copy
 
 
+def _continue(
+    skeleton: Skeleton, last: int, known: Sequence[Configuration], ahead: Sequence[Configuration],
+    random: np.random.Generator,
+) -> list[Configuration]:  # fmt: skip
+    """A start for the switches behind `known` up to phase `last`: what the window before has found `ahead`, then
+    the gait repeated."""
+    from .sequence import NOISE
+
+    found = [*known, *ahead]
+    phases = range(len(found) - 1, last + 1)
+    for phase, guessed in zip(phases, guess(skeleton, phases, found[-1], random, NOISE), strict=True):
+        found.append(_repeat(skeleton, phase, found, guessed, random))
+    return found[len(known) :]
+
+
 def solve_windows(
     skeleton: Skeleton, settings: MotionSettings, random: np.random.Generator, budget: Budget, start: Configuration,
     tries: int | None = None,
 ) -> BoundResult:  # fmt: skip
-    """Windows of four phases that commit two, each started from the slice two phases back moved along with its
-    supports. On failure the search goes back further each time. Raises OutOfTime."""
-    from .sequence import NOISE, solve_span
+    """Windows of four phases that commit two, each started from what the one before has found ahead, and then from the
+    slice two phases back moved along with its supports. On failure the search goes back further each time, to start
+    anew. Raises OutOfTime."""
+    from .sequence import solve_span
 
     known = [start]
+    ahead: list[Configuration] = []
     iterations = setbacks = 0
     while len(known) <= len(skeleton):
         first = len(known) - 1
         last = min(first + WINDOW, len(skeleton)) - 1
-        warm: list[Configuration] = []
-        for phase, guessed in zip(
-            range(first, last + 1), guess(skeleton, range(first, last + 1), known[-1], random, NOISE), strict=True
-        ):
-            warm.append(_repeat(skeleton, phase, [*known, *warm], guessed, random))
+        warm = None if setbacks and not ahead else _continue(skeleton, last, known, ahead, random)
         result = solve_span(skeleton, first, last, settings, random, budget, known[-1], warm, tries=tries)
         iterations += result.iterations
         if result.feasible:
             kept = last - first + 1 if last == len(skeleton) - 1 else COMMIT
             known += result.configurations[1 : kept + 1]
+            ahead = result.configurations[kept + 1 :]
             continue
         setbacks += 1 if first else ANEW
         if setbacks > (tries or BACKTRACKS):
             result.iterations = iterations
             return result
         del known[max(1, first + 1 - COMMIT * (1 + setbacks // 2)) :]
+        ahead = []
     whole = SwitchProgram(skeleton, 0, len(skeleton) - 1, start, settings, frozen=False)
     cost = whole.program().cost(whole.pack(known))
     return BoundResult("seq", True, cost, 0.0, iterations, known, [], [])
