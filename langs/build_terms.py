@@ -215,10 +215,11 @@ class TermBuilder:
 
     def _grouped(self, tree: Branch) -> list[s.Parameter]:
         """`A B: port = x` gives a parameter for each name."""
-        names, rest = tokens(tree), branches(tree)
-        kind = self.type(rest[0])
-        default = self.term(rest[1]) if len(rest) > 1 else None
-        return [s.Parameter(str(n), kind, default, span=self.span(n)) for n in names]
+        names, (kind, *rest) = tokens(tree), branches(tree)
+        limits = self.type(rest.pop(0)) if rest and rest[0].data == "range_type" else None
+        default = self.term(rest[0]) if rest else None
+        allowed = limits if isinstance(limits, s.RangeType) else None
+        return [s.Parameter(str(n), self.type(kind), default, allowed, span=self.span(n)) for n in names]
 
     def type(self, tree: Branch) -> s.Type:
         span, children = self.span(tree), tree.children

@@ -231,10 +231,14 @@ def unknown_unit(source: Source, number: Token, found: Token) -> Diagnostic | No
 def unexpected(
     source: Source, found: Token, previous: Token | None, accepted: Sequence[str], keywords: Mapping[str, str]
 ) -> Diagnostic:
+    foreign = _foreign_sign(source, found)
+    if previous is not None and previous.type == "_DOTS" and foreign is None:
+        help = "write both ends, such as `1 .. length(c)` for the modules of a chain c"
+        return Diagnostic("E0017", "this range has no end", span_of(source.path, previous), help=help)
     words = expectations(accepted, previous, keywords)
     name = "the file ends here" if found.type == "$END" else f"unexpected `{found}`"
     behind = f": expected {words}" if words else ""
-    advice = _foreign_sign(source, found) or _advice(found, previous, accepted)
+    advice = foreign or _advice(found, previous, accepted)
     return Diagnostic("E0001", name + behind, span_of(source.path, found), help=advice)
 
 

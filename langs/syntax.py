@@ -143,11 +143,13 @@ Type = NamedType | ChainType | RangeType
 @dataclass(frozen=True, slots=True)
 class Parameter(Node):
     """One parameter or bound variable. `A B: port` gives two of them. `in` binders (`for i in 1 .. n`,
-    `for X in base`) are parameters too. `default` is None where there is none."""
+    `for X in base`) are parameters too. `default` is None where there is none; `allowed` bounds a value, as in
+    `n: int in 1 .. 64 = 8`."""
 
     name: str
     type: Type
     default: Term | None = None
+    allowed: RangeType | None = None
 
 
 @dataclass(frozen=True, slots=True)

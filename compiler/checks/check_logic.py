@@ -9,6 +9,7 @@ from ...langs import syntax
 from ...langs.source import Span
 from .. import ir
 from .binders import bind
+from .chain_bounds import check_chain_bounds
 from .context import Context
 from .effects import check_effects
 from .formulas import TRUE, check_formula
@@ -88,7 +89,9 @@ def _check_rule(context: Context, rule: syntax.RuleDecl) -> ir.Rule:
         if isinstance(cost, ir.Number) and cost.value < 0:
             context.findings.report("E0205", rule.cost.span, "the cost of a rule cannot be negative")
     condition = ir.And(tuple(c for c in conditions if c != TRUE))
-    return ir.Rule(rule.name, variables, condition, effects, cost, context.findings.word(rule.span, rule.name))
+    lowered = ir.Rule(rule.name, variables, condition, effects, cost, context.findings.word(rule.span, rule.name))
+    check_chain_bounds(context, lowered)
+    return lowered
 
 
 def check_placements(context: Context) -> tuple[Placement, ...]:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from ...langs import syntax
 from ...langs.diagnostics import did_you_mean
+from ...langs.recovery import PLACEHOLDER
 from .. import ir
 from .context import Context
 from .kinds import UNKNOWN, Kind
@@ -19,6 +20,8 @@ def check_name(context: Context, scope: Scope, term: syntax.Name) -> Typed:
     entry = scope.entries.get(term.name)
     if entry is not None:
         return _used_at(entry, term)
+    if term.name == PLACEHOLDER:
+        return BROKEN
     if term.name in scope.objects.families:
         return check_object(context, scope, term, term.name, [])
     if term.name == "prune":

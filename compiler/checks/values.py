@@ -95,6 +95,8 @@ def parameter_entries(
             context.findings.report("E0309", where, f"`{parameter.name}` is bound twice")
             continue
         kind = parameter_kind(context, parameter.type, objects)
+        if parameter.allowed is not None:
+            _check_allowed(context, parameter, kind)
         if parameter.default is not None:
             _value_of(context, Scope("scene", dict(entries)), parameter, parameter.default, kind)
         entries[parameter.name] = Entry(Typed(ir.Var(parameter.name, where), kind), where)
@@ -124,6 +126,40 @@ def parameter_kind(context: Context, node: syntax.Type, objects: bool) -> Kind:
     return UNKNOWN
 
 
+def _check_allowed(context: Context, parameter: syntax.Parameter, kind: Kind) -> None:
+    """The range of a parameter: two plain values of its kind, in order."""
+    assert parameter.allowed is not None
+    ends = parameter.allowed.first, parameter.allowed.last
+    if not kind.is_scalar:
+        if kind.known:
+            context.findings.report("E0208", parameter.allowed.span, f"{kind} has no range")
+        return
+    first, last = (number(context, Scope("scene"), e, kind, "an end of a range") for e in ends)
+    for end in ends:
+        if plain_value(end) is None:
+            context.findings.report("E0208", end.span, "the ends of this range are plain numbers, with a unit")
+    if first is not None and last is not None and first > last:
+        context.findings.report("E0205", parameter.allowed.span, f"this range is empty: {first:g} .. {last:g}")
+
+
+def plain_value(term: syntax.Term) -> float | None:
+    """The value of a number in the text, which may have a minus before it."""
+    if isinstance(term, syntax.Negate) and isinstance(term.operand, syntax.Number):
+        return -term.operand.value
+    return term.value if isinstance(term, syntax.Number) else None
+
+
+def outside(parameter: syntax.Parameter, value: float) -> str | None:
+    """What the range of a parameter says against a value, or None."""
+    if parameter.allowed is None:
+        return None
+    first, last = plain_value(parameter.allowed.first), plain_value(parameter.allowed.last)
+    if first is None or last is None or first <= value <= last:
+        return None
+    unit = {"length": " m", "angle": " rad"}.get(getattr(parameter.type, "name", ""), "")
+    return f"parameter `{parameter.name}` must be {first:g} .. {last:g}{unit}, not {value:g}{unit}"
+
+
 def _value_of(context: Context, scope: Scope, parameter: syntax.Parameter, term: syntax.Term, kind: Kind) -> Typed:
     what = f"parameter `{parameter.name}`"
     if kind.name == "object":
@@ -134,6 +170,10 @@ def _value_of(context: Context, scope: Scope, parameter: syntax.Parameter, term:
             return BROKEN
         return typed
     typed = check_scalar(context, scope, term, kind, what)
+    wrong = None if typed.value is None else outside(parameter, typed.value)
+    if wrong is not None:
+        context.findings.report("E0205", term.span, wrong)
+        return BROKEN
     whole = isinstance(parameter.type, syntax.NamedType) and parameter.type.name == "int"
     if whole and typed.value is not None and typed.value != int(typed.value):
         context.findings.report("E0205", term.span, f"{what} must be a whole number, not {typed.value:g}")

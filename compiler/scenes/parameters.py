@@ -9,6 +9,7 @@ from pathlib import PurePath
 
 from ...langs import syntax
 from ...langs.diagnostics import did_you_mean
+from ..checks.values import outside
 from ..library import Library
 
 UNITS: Mapping[str, Mapping[str, float]] = {
@@ -58,6 +59,9 @@ def parameter_values(task: syntax.TaskDecl, given: Mapping[str, str]) -> dict[st
             raise UsageError(f"task `{task.name}` has no parameter `{name}`; {did_you_mean(name, types) or listed}")
         values[name] = parse_value(name, types[name], text)
     for parameter in task.parameters:
+        wrong = outside(parameter, values[parameter.name]) if parameter.name in values else None
+        if wrong is not None:
+            raise UsageError(wrong)
         if parameter.default is None and parameter.name not in values:
             raise UsageError(f"parameter `{parameter.name}` of task `{task.name}` has no default and needs a value")
     return values

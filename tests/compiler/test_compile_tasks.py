@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import time
@@ -208,3 +209,24 @@ def test_stages_print() -> None:
         assert line in text.splitlines()
     tree = format_ast(parse(Source("t", "type a < object\n"))[0])
     assert "TypeDecl name='a' parent='object' doc=''" in tree
+
+
+RANGED = "task t(n: int in 1 .. 4 = 2, size: length in 1 cm .. 1 m = 1 m) { goal n = 2 and size = 1 m }"
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"n": "0"}, "parameter `n` must be 1 .. 4, not 0"),
+        ({"n": "-3"}, "parameter `n` must be 1 .. 4, not -3"),
+        ({"size": "2 m"}, "parameter `size` must be 0.01 .. 1 m, not 2 m"),
+    ],
+)
+def test_values_outside_of_the_range_of_a_parameter(parameters: dict[str, str], message: str) -> None:
+    with pytest.raises(UsageError, match=re.escape(message)):
+        compile_text(RANGED, parameters=parameters)
+
+
+def test_values_inside_of_the_range_of_a_parameter() -> None:
+    problem, _ = compile_text(RANGED, parameters={"n": "4", "size": "20 cm"})
+    assert problem.parameters == {"n": 4, "size": 0.2}
