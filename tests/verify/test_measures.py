@@ -187,6 +187,14 @@ def test_a_held_thing_that_turns_in_place_slips(hop: Plan) -> None:
     assert ["c.B", "ball"] in [f.between for f in failures if f.kind == "slip_rad"]
 
 
+def measure_motion(plan: Plan, findings: Findings) -> None:
+    """The measures of the motion alone, which a plan whose modules are not those of its scene never gets to."""
+    sources = [Source(s.path, s.text) for s in plan.task.sources]
+    problem = compile_sources(sources, plan.task.name, {}, plan.task.seed)[0]
+    motion = motion_of(plan, {m.name: Kinematics(m) for m in plan.modules})
+    check_motion(problem, plan, replay(problem, plan, findings), motion, findings)
+
+
 @pytest.mark.parametrize("joint", [0, 1, 3])
 @pytest.mark.parametrize("side", ["lower", "upper"])
 def test_both_limits_of_a_joint_are_measured(hop: Plan, joint: int, side: str) -> None:
@@ -195,7 +203,15 @@ def test_both_limits_of_a_joint_are_measured(hop: Plan, joint: int, side: str) -
     sign = 1 if side == "lower" else -1
     data["modules"][0]["joints"][joint][side] = (min(values) if side == "lower" else max(values)) + 0.1 * sign
     plan, findings = msgspec.convert(data, Plan), Findings()
-    problem = compile_sources([Source(s.path, s.text) for s in hop.task.sources], "hop", {}, hop.task.seed)[0]
-    motion = motion_of(plan, {m.name: Kinematics(m) for m in plan.modules})
-    check_motion(problem, plan, replay(problem, plan, findings), motion, findings)
+    measure_motion(plan, findings)
     assert findings.measures["joint_limit_rad"].amount == pytest.approx(0.1, abs=1e-3)
+
+
+def test_the_splines_keep_the_limits_too(hop: Plan) -> None:
+    data = msgspec.to_builtins(hop)
+    highest = max(row[1] for row in data["tracks"][0]["joints"])
+    data["modules"][0]["joints"][1]["upper"] = highest + 0.1
+    data["splines"][1]["values"][5][1] = highest + 0.2
+    plan, findings = msgspec.convert(data, Plan), Findings()
+    measure_motion(plan, findings)
+    assert findings.measures["joint_limit_rad"].amount >= 0.1 - 1e-9
