@@ -1,0 +1,67 @@
+"""A robot mounts a plate and carries things to where neither could alone; a thing too high is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tamplang.compiler.pipeline import compile_problem
+from tamplang.runtime.lgp import SolveOptions, solve
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "mobile_manipulator.tamp"
+
+
+def test_one_object_is_carried() -> None:
+    problem, _ = compile_problem(EXAMPLE, None, {"objects": "1"}, 0)
+    outcome = solve(problem, SolveOptions(time=120.0))
+    assert outcome.status == "solved"
+    assert [action.partition("(")[0] for action in outcome.actions] == ["mount", "grasp", "place"]
+    verdict = outcome.plans[0].verdict
+    assert verdict is not None and verdict.verified
+
+
+def test_trays_too_high_are_refused() -> None:
+    problem, _ = compile_problem(EXAMPLE, None, {"objects": "1", "height": "2 m"}, 0)
+    outcome = solve(problem, SolveOptions(time=120.0))
+    assert outcome.status in ("exhausted", "infeasible")
+    assert outcome.explanation
+
+
+DRIVE = """
+import std.crawler
+import std.rules
+import std.mobile
+
+task park() {
+    object floor: box(8 m, 8 m, 0.1 m) at (0, 0, -0.05 m)
+    place bay: box(0.2 m, 0.2 m, 0.01 m) at (1.5 m, 0.4 m, 0.005 m)
+    mobileBase plate: W on floor at (0, -0.8 m)
+    goal (parked plate.M bay)
+}
+"""
+
+UNMOUNT = """
+import std.crawler
+import std.rules
+import std.mobile
+
+task ferry() {
+    object floor: box(8 m, 8 m, 0.1 m) at (0, 0, -0.05 m)
+    base here: box(0.4 m, 0.4 m, 0.04 m) at (0, 0, 0.02 m)
+    base there: box(0.4 m, 0.4 m, 0.04 m) at (3 m, 0, 0.02 m)
+    crawler c: A on here
+    mobileBase plate: W on floor at (0, -0.8 m)
+    goal exists A: gripper { (on there A) }
+}
+"""
+
+
+@pytest.mark.parametrize(("text", "rules"), [(DRIVE, ["drive"]), (UNMOUNT, ["mount", "unmount"])])
+def test_plates_park_and_ferry(text: str, rules: list[str], tmp_path: Path) -> None:
+    path = tmp_path / "task.tamp"
+    path.write_text(text)
+    problem, _ = compile_problem(path, None, {}, 0)
+    outcome = solve(problem, SolveOptions(time=120.0))
+    assert outcome.status == "solved"
+    assert [action.partition("(")[0] for action in outcome.actions] == rules
