@@ -19,7 +19,6 @@ import json
 import os
 import platform
 import re
-import resource
 import statistics
 import subprocess
 import sys
@@ -42,6 +41,8 @@ Record = dict[str, Any]
 PEER = Path.home() / ".cache" / "tamplang" / "peer" / "bin" / "python"
 COLLISIONS = "path with collisions"
 FEASIBLE_MISS = 1e-6
+INSET = 0.03
+"""By how much P_seq keeps away from joint limits, radians: what it refuses for that alone is told apart."""
 PEER_LIMIT = 200.0
 """Wall seconds for one run of the peer."""
 
@@ -140,14 +141,14 @@ def random_step(seed: int) -> Record:
     prepared = ours.climb(case)
     answer = ours.solve(prepared, "seq", seed)
     paths = answer.pop("paths", None)
-    miss = judge.nearest_miss(case)
-    kept = bool(paths) and judge.judge(case, *ours.motion(prepared, paths), 1, False)[0]
-    wrong = ""
-    if answer["feasible"] and not kept:
-        wrong = "acceptance"
-    elif not answer["feasible"] and miss < FEASIBLE_MISS:
-        roomy = judge.nearest_miss(case, inset=0.03) < FEASIBLE_MISS
-        wrong = "refusal" if roomy else "limit"
+    wrong, miss = "", None
+    if answer["feasible"]:
+        kept = bool(paths) and judge.judge(case, *ours.motion(prepared, paths), 1, False)[0]
+        wrong = "" if kept else "acceptance"
+    else:
+        miss = judge.nearest_miss(case)
+        if miss < FEASIBLE_MISS:
+            wrong = "refusal" if judge.nearest_miss(case, inset=INSET) < FEASIBLE_MISS else "limit"
     return {**answer, "judged": not wrong, "wrong": wrong, "miss": miss}
 
 
@@ -161,12 +162,19 @@ def growth(steps: int, seed: int) -> Record:
 def alone(steps: int, seed: int) -> None:
     """What `growth` runs: its record on standard output."""
     warm_up()
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    before = memory("VmRSS")
+    Path("/proc/self/clear_refs").write_text("5")  # the peak counts from now on
     prepared = ours.climb(cases.climb(steps, seed))
     answer = ours.solve(prepared, COLLISIONS, seed)
-    answer["megabytes"] = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
+    answer["megabytes"] = memory("VmHWM") - before
     answer["judged"] = bool(answer.pop("paths", None))
     print(json.dumps(answer))
+
+
+def memory(field: str) -> float:
+    """A figure of this process in megabytes, as Linux tells it."""
+    status = Path("/proc/self/status").read_text()
+    return int(next(line.split()[1] for line in status.splitlines() if line.startswith(f"{field}:"))) / 1024
 
 
 def warm_up() -> None:
@@ -175,6 +183,7 @@ def warm_up() -> None:
         prepared = ours.BUILDERS[kind](CASES[kind](2, 0))
         for bound in ("seq", "path", COLLISIONS):
             ours.solve(prepared, bound, 0)
+    ours.solve(ours.climb_together(cases.climb(1, 0), 2), COLLISIONS, 0)
 
 
 CASES: dict[str, Callable[[int, int], cases.Case]] = {"climb": cases.climb, "pick": cases.pick}

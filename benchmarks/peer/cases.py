@@ -66,12 +66,13 @@ def too_far(steps: int, seed: int, distance: float = 1.5) -> Case:
 
 
 def single_step(seed: int) -> Case:
-    """One step onto a box anywhere around, near and far alike."""
+    """One step onto a box anywhere around that leaves room for the crawler as it stands at the start."""
     random = np.random.default_rng([seed, 999])
-    distance, angle = random.uniform(0.35, 1.5), random.uniform(-np.pi, np.pi)
-    height = random.uniform(-0.4, 0.6)
-    across = [distance * np.cos(angle), distance * np.sin(angle), height]
-    return Case("climb", 1, seed, [[0.0, 0.0, 0.0], [round(float(v), 5) for v in across]])
+    while True:
+        distance, angle, height = random.uniform((0.35, -np.pi, -0.4), (1.5, np.pi, 0.6))
+        x, y = distance * np.cos(angle), distance * np.sin(angle)
+        if abs(x) > 0.4 or abs(y) > 0.85:
+            return Case("climb", 1, seed, [[0.0, 0.0, 0.0], [round(float(v), 5) for v in (x, y, height)]])
 
 
 def pick(items: int, seed: int) -> Case:
