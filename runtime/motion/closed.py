@@ -23,7 +23,7 @@ from .solver import PATH, project
 SLIP = 1e-4
 """The largest drift of a kept pose along the resampled path, metres or radians."""
 FACTORS = (1, 2, 4, 8)
-"""How many times as many slices a path may need for that."""
+"""How many times as many slices a path may need for that, and for joints that move far."""
 STARTS = 3
 """How many starts a phase gets: a straight one twice, the second time with a wider margin, then a bumped one."""
 CLOSURE = 1e-8
@@ -117,9 +117,9 @@ def accepted(
             finer = _denser(skeleton, phase, path, before, after, settings, factor, budget)
         motion = dense(problem, mode, finer, before)
         drift = slip(problem, mode, motion, before)
-        if drift <= SLIP:
+        found = [*steps(problem, phase, finer)]
+        if drift <= SLIP and not found:
             break
-    found = [*steps(problem, phase, finer)]
     if drift > SLIP:
         found.append(Violation(phase, ("drift",), drift, "m"))
     if settings.collisions:

@@ -203,6 +203,8 @@ def solve_path(
     for number in range(BUMPS + 1):
         result, x = attempt(path, path.pack(slices), settings, budget, PATH if number == 0 else RESUME)
         iterations += result.iterations
+        if result.feasible:
+            _check(path, result, settings, budget)
         if best is None or _worst(result) < _worst(best):
             best = result
         if result.feasible or number == BUMPS:
@@ -211,6 +213,18 @@ def solve_path(
     assert best is not None
     best.seconds, best.iterations = time.monotonic() - began, iterations
     return best
+
+
+def _check(path: PathProgram, result: BoundResult, settings: MotionSettings, budget: Budget) -> None:
+    """The swept check of every phase, as P_seqPath makes it."""
+    from .closed import accepted
+
+    for k, phase in enumerate(path.phases):
+        ends = result.configurations[k], result.configurations[k + 1]
+        result.paths[k], wrong = accepted(path.skeleton, phase, result.paths[k], *ends, settings, budget)
+        result.violations += wrong
+    result.violations.sort(key=lambda v: -v.amount)
+    result.feasible = not result.violations
 
 
 def _worst(result: BoundResult) -> float:

@@ -183,14 +183,30 @@ def solve_sequence_path(
     if not result.violations:
         for k, group in enumerate(groups):
             result.iterations += _solve(group, np.random.default_rng([seed, k]), budget)
-        result.violations += [v for group in groups for v in _failures(group, skeleton.problem.world)]
+        failures = [v for group in groups for v in _failures(group, skeleton.problem.world)]
+        result.violations += [v for v in failures if v.literal[0] != "step"]
+        coarse = {v.phase for v in failures if v.literal[0] == "step"}
         result.cost = float(sum(group.cost.sum() for group in groups))
         result.paths = _paths(skeleton, groups, trees, states, settings.slices)
+        _refine(skeleton, result, states, sorted(coarse), settings, budget)
         _solve_others(skeleton, result, states, others, settings, seed, budget)
         result.feasible = not result.violations
     result.violations.sort(key=lambda v: (-v.amount, v.phase))
     result.seconds = time.perf_counter() - started
     return result
+
+
+def _refine(
+    skeleton: Skeleton, result: BoundResult, states: Sequence[tuple[Configuration, Configuration]],
+    coarse: Sequence[int], settings: MotionSettings, budget: Budget,
+) -> None:  # fmt: skip
+    """More slices for phases in which nothing is wrong but that joints move far from one slice to the next."""
+    from ..closed import accepted
+
+    for phase in coarse:
+        found = accepted(skeleton, phase, result.paths[phase], *states[phase], settings, budget)
+        result.paths[phase], wrong = found
+        result.violations += wrong
 
 
 def _solve_others(
