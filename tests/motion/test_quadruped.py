@@ -37,3 +37,7 @@ def test_planner_and_verifier_agree_on_the_centre_of_mass() -> None:
     mass, theirs = centre_of(module.type, frames, np.arange(5))
     assert np.abs(ours - theirs).max() < 1e-9
     assert 4.0 < mass < 10.0
+
+
+def test_three_legs_are_too_few() -> None:
+    assert tamplang.load(QUADRUPED, crawlers=3).solve(time=20.0).status == "infeasible"
