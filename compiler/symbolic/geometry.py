@@ -51,6 +51,7 @@ class Geometry:
         self._all_plain = bool(self._plain.all())
         self._pairs: dict[tuple[str, int, int, float], float] = {}
         self._rows: dict[tuple[str, int, float], list[float]] = {}
+        self._tables: dict[tuple[Any, ...], Array] = {}
         self._reaches: dict[tuple[str, str, str], float] = {}
 
     def radius(self, i: Any) -> Any:
@@ -105,22 +106,38 @@ class Geometry:
                 row = self._rows[kind, i, inset] = self._formula(kind, np.array(i), everything, inset).tolist()
             plain = self._plain[i] and self._plain[j]
             return row[j] if plain else self._exact(kind, i, j, inset)
-        i, j = np.broadcast_arrays(np.asarray(i), np.asarray(j))
+        i, j = np.asarray(i), np.asarray(j)
+        if i.ndim < 2 or j.ndim < 2:
+            return self._table(kind, i, j, inset)
+        key = (kind, inset, i.shape, j.shape, i.tobytes(), j.tobytes())
+        if key not in self._tables:
+            self._tables[key] = self._table(kind, i, j, inset)
+        return self._tables[key]
+
+    def _table(self, kind: str, i: Indices, j: Indices, inset: float) -> Array:
         values = self._formula(kind, i, j, inset)
         if not self._all_plain:
+            i, j = np.broadcast_arrays(i, j)
             for at in np.argwhere(~(self._plain[i] & self._plain[j])):
                 cell = tuple(at)
                 values[cell] = self._exact(kind, int(i[cell]), int(j[cell]), inset)
         return values
 
     def _formula(self, kind: str, i: Indices, j: Indices, inset: float) -> Array:
-        if kind == "stride":
-            apart = np.abs(self._top[i] - self._top[j])
-            faces = np.maximum(self._face[i] - inset, 0.0) + np.maximum(self._face[j] - inset, 0.0)
-            apart[..., :2] = np.maximum(apart[..., :2] - faces, 0.0)
-            return np.asarray(np.sqrt((apart * apart).sum(-1)))
-        apart = np.maximum(np.abs(self._centre[i] - self._centre[j]) - self._half[i] - self._half[j], 0.0)
-        surface: Array = np.maximum(np.sqrt((apart * apart).sum(-1)) - self._round[i] - self._round[j], 0.0)
+        stride = kind == "stride"
+        places = self._top if stride else self._centre
+        total: Any = 0.0
+        for axis in range(3):
+            apart = np.abs(places[i, axis] - places[j, axis])
+            if not stride:
+                apart = np.maximum(apart - self._half[i, axis] - self._half[j, axis], 0.0)
+            elif axis < 2:
+                faces = np.maximum(self._face[i, axis] - inset, 0.0) + np.maximum(self._face[j, axis] - inset, 0.0)
+                apart = np.maximum(apart - faces, 0.0)
+            total = total + apart * apart
+        if stride:
+            return np.asarray(np.sqrt(total))
+        surface: Array = np.maximum(np.sqrt(total) - self._round[i] - self._round[j], 0.0)
         return surface
 
     def _exact(self, kind: str, i: int, j: int, inset: float) -> float:
