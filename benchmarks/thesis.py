@@ -189,6 +189,11 @@ def markdown(rows: Sequence[Row], runs: Runs, seeds: int) -> str:
     chosen = {task: [run for seed, run in found.items() if int(seed) < seeds] for task, found in runs.items()}
     peak = max((int(str(run["peak_mb"])) for found in chosen.values() for run in found), default=0)
     text = [
+        "# The experiments of the thesis, and beyond",
+        "",
+        "Made by `tamplang bench thesis --markdown docs/benchmarks-thesis.md`: one process per row and seed, one after "
+        "the other, on one core, with path bound, collisions and verification.",
+        "",
         f"{today()}, {machine()}, seeds 0 to {seeds - 1}; at most {peak} MB. Times are medians over seeds; the goal "
         f"is a {FACTOR}th of the thesis' time (a {ASPIRED}th is aspired to) where that is above {LONG:g} s, else "
         f"{SHORT_GOAL:g} s without process start. Rows without heuristics use the default search."

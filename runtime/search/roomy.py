@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 WIDTH = 400
 """States per layer that are kept, least strained first."""
 POWER = 6
+MOST_STATES = 4000
+"""Pairs of state and action for which the search learns a strain that depends on the state."""
 LEAST, GROWTH, MOST = 0.5, 1.5, 64.0
 """The surcharge of an action at the strain at which it was refused: at first, how it grows, at most."""
 EQUAL = 1e-9
@@ -55,9 +57,14 @@ class Strain:
             self._known[key] = self._least(flat, env, state)
         return self._known[key]
 
-    def known(self, number: int) -> float:
-        """The strain of an action that has the same one in every state, else 0."""
-        return self.of(0, number) if self.successors.action(number).rule in self._fixed else 0.0
+    def cheap(self, state: int, number: int) -> float:
+        """The strain of an action as far as it can be told quickly: at once where the arguments settle it, else for the
+        first `MOST_STATES` pairs of state and action; 0 beyond."""
+        if self.successors.action(number).rule in self._fixed:
+            return self.of(0, number)
+        if (number, state) in self._known or len(self._known) < MOST_STATES:
+            return self.of(state, number)
+        return 0.0
 
     def along(self, numbers: Sequence[int]) -> tuple[float, ...]:
         """The strain of each action of a plan."""
@@ -128,7 +135,7 @@ class Surcharge:
         self.strain = strain
         self.weight = 0.0
         self._limits: dict[tuple[str, int], float] = {}
-        self._known: dict[int, float] = {}
+        self._keys: dict[int, tuple[str, int]] = {}
 
     def refused(self, numbers: Sequence[int], first: int, last: int) -> None:
         """Actions `first` … `last` of a plan were refused one after the other."""
@@ -142,19 +149,17 @@ class Surcharge:
             largest[key] = max(strain, largest.get(key, 0.0))
         for key, strain in largest.items():
             self._limits[key] = min(strain, self._limits.get(key, 1.0))
-        self._known.clear()
 
     def of(self, state: int, number: int) -> float:
         """The surcharge of an action."""
-        if number not in self._known:
-            limit = self._limits.get(self._key(number), 1.0)
-            strain = self.strain.known(number)
-            self._known[number] = self.weight * (strain / limit) ** POWER if limit > 0.0 else 0.0
-        return self._known[number]
+        limit = self._limits.get(self._key(number), 1.0)
+        return self.weight * (self.strain.cheap(state, number) / limit) ** POWER if limit > 0.0 else 0.0
 
     def _key(self, number: int) -> tuple[str, int]:
-        action = self.strain.successors.action(number)
-        return action.rule, sum(len(a.modules) for a in action.args if isinstance(a, Chain))
+        if number not in self._keys:
+            action = self.strain.successors.action(number)
+            self._keys[number] = action.rule, sum(len(a.modules) for a in action.args if isinstance(a, Chain))
+        return self._keys[number]
 
 
 @dataclass(frozen=True, slots=True)
