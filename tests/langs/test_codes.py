@@ -23,7 +23,7 @@ def test_codes_are_in_order_and_complete() -> None:
 
 
 def test_every_code_in_the_program_is_declared() -> None:
-    files = [f for room in ("langs", "compiler", "runtime", "tamplang") for f in (ROOT / room).glob("*.py")]
+    files = [f for room in ("langs", "compiler", "runtime", "tamplang") for f in (ROOT / room).rglob("*.py")]
     used = {c for f in files for c in re.findall(r'"([EWS]0\d{3})"', f.read_text(encoding="utf-8"))}
     assert used <= CODES.keys()
 
