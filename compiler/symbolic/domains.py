@@ -65,15 +65,19 @@ class Domains:
         """Predicates of which some effect deletes facts with ANY."""
         self._types: dict[str, Names] = {}
         self._at: dict[tuple[str, int], set[str]] = {}
+        self._final: dict[tuple[str, int], Names] = {}
         for predicate, *args in problem.init:
             for k, name in enumerate(args):
                 self._at.setdefault((predicate, k), set()).add(name)
         while self._grow():
             pass
+        self._final = {key: frozenset(names) for key, names in self._at.items()}
         self._settled = {r.rule.name: self._variable_domains(r) for r in self.flat}
         self.rules = tuple(r for r in self.flat if self._settled[r.rule.name] is not None)
 
     def at(self, predicate: str, position: int) -> Names:
+        if self._final:
+            return self._final.get((predicate, position), frozenset())
         return frozenset(self._at.get((predicate, position), ()))
 
     def of_type(self, name: str) -> Names:

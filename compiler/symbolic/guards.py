@@ -73,6 +73,7 @@ class Guards:
         self.static = Word(problem, layout.static)
         self._types: dict[str, tuple[str, ...]] = {}
         self._order = geometry.index
+        self._ordered: dict[frozenset[str], tuple[Value, ...]] = {}
 
     # --- terms ---------------------------------------------------------------------------------------------------
 
@@ -357,7 +358,10 @@ class Guards:
         if allowed is None:
             return everything
         members = self.layout.domains.of_type(variable.type.name)
-        return sorted(allowed & members, key=self._order.__getitem__)
+        key = allowed & members
+        if key not in self._ordered:
+            self._ordered[key] = tuple(sorted(key, key=self._order.__getitem__))
+        return self._ordered[key]
 
     def _allowed(self, name: str, formula: Formula, word: Word | None) -> frozenset[str] | None:
         """The objects that one conjunct leaves for a variable; None when it says nothing at once."""
