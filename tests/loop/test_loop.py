@@ -1,0 +1,100 @@
+"""The LGP loop: roomy plans, similar refusals, lack of reach, plans handed on as they are found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tamplang.api import Plan, load
+from tamplang.compiler.pipeline import compile_problem, compile_text
+from tamplang.compiler.symbolic.successors import Successors
+from tamplang.runtime.budget import Budget
+from tamplang.runtime.experience import Experience
+from tamplang.runtime.lgp import SolveOptions, solve
+from tamplang.runtime.search.best_first import SkeletonSearch
+from tamplang.runtime.search.roomy import POWER, Strain, Surcharge, roomier
+from tamplang.runtime.search.skeletons import build_skeleton
+
+EXAMPLES = Path(__file__).parent.parent.parent / "examples"
+GAP = """
+import std.crawler
+import std.rules
+
+task gap(gap: length = 3 m) {
+    base ground: box(2 m, 2 m, 0.05 m) at (0, 0, 0)
+    base island: box(1 m, 2 m, 0.05 m) at (1.5 m + gap, 0, 0)
+    object target: sphere(0.04 m) at (1.5 m + gap, 0, 0.5 m)
+    fact (grippable target)
+    crawler c: A on ground at (0.5 m, 0)
+    goal (held target)
+}
+"""
+
+
+def _search(n: int) -> SkeletonSearch:
+    problem, _ = compile_problem(EXAMPLES / "climb.tamp", None, {"n": str(n), "crawlers": "2"}, 0)
+    return SkeletonSearch(problem, Successors(problem), "astar", Budget(30.0))
+
+
+def test_a_roomier_plan_costs_the_same_and_strains_less() -> None:
+    search = _search(16)
+    candidate = search.next()
+    assert candidate is not None
+    strain = Strain(search.successors)
+    better = roomier(search, strain, candidate)
+    assert better.cost == candidate.cost
+    assert [a.rule for a in better.actions] == [a.rule for a in candidate.actions]
+
+    def total(numbers: tuple[int, ...]) -> float:
+        return sum(s**POWER for s in strain.along(numbers))
+
+    assert total(better.numbers) <= total(candidate.numbers)
+    assert all(0.0 <= s <= 1.0 + 1e-6 for s in strain.along(better.numbers))
+
+
+def test_refused_sequences_make_strained_actions_dearer() -> None:
+    search = _search(16)
+    candidate = search.next()
+    assert candidate is not None
+    strain = Strain(search.successors)
+    surcharge = Surcharge(strain)
+    last = len(candidate.numbers) - 1
+    surcharge.refused(candidate.numbers, last, last)
+    assert surcharge.weight == 0.0, "one action alone is forbidden, not dearer"
+    for _ in range(5):
+        surcharge.refused(candidate.numbers, 0, last)
+    search.surcharge = surcharge.of
+    following = search.next()
+    assert following is not None and following.cost >= candidate.cost
+    assert max(strain.along(following.numbers)) < max(strain.along(candidate.numbers))
+
+
+def test_what_was_refused_is_expected_to_be_refused_again_unless_there_is_more_room() -> None:
+    search = _search(8)
+    candidate = search.next()
+    assert candidate is not None
+    skeleton = build_skeleton(search.problem, candidate.actions, search.successors)
+    strains = Strain(search.successors).along(candidate.numbers)
+    experience = Experience(search.problem)
+    experience.refuse(skeleton.phases[:2], strains[:2], True)
+    assert experience.expected_refusals(skeleton.phases, strains) == [(0, 1, True)]
+    assert experience.expected_refusals(skeleton.phases, [s - 0.1 for s in strains]) == []
+    experience.forget()
+    assert experience.expected_refusals(skeleton.phases, strains) == []
+
+
+def test_lack_of_reach_is_told_in_metres() -> None:
+    problem, _ = compile_text(GAP)
+    outcome = solve(problem, SolveOptions(time=20.0))
+    assert outcome.status == "infeasible"
+    told = outcome.explanation[0]
+    assert told.code == "S0001" and told.note is not None
+    assert "target is 3.49 m from ground" in told.note and "m too little" in told.note
+
+
+def test_plans_are_handed_on_as_they_are_found() -> None:
+    found: list[Plan] = []
+    result = load(EXAMPLES / "climb.tamp", n=1, crawlers=1).solve(solutions=2, time=60, found=found.append)
+    assert result.status == "solved" and len(found) == len(result.plans) == 2
+    assert len({plan.actions for plan in found}) == 2
+    costs = [plan.record.statistics.cost for plan in result.plans]
+    assert costs == sorted(costs)
