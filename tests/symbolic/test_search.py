@@ -167,6 +167,16 @@ def test_a_forbidden_plan_is_not_proposed_again() -> None:
         search.forbid_plan(candidate)
 
 
+def test_a_refusal_ends_the_claim_of_optimality() -> None:
+    search = started(climb(6, 1))
+    first = search.next()
+    assert first is not None and first.optimal and len(first.actions) >= 3
+    search.forbid_actions(first, 1, 2, from_start=True)
+    second = search.next()
+    assert second is not None and not second.optimal
+    assert second.numbers[:3] != first.numbers[:3]
+
+
 def test_candidates_come_in_the_order_of_cost() -> None:
     search = started(climb(3, 2, rise=0.8))
     costs = []
