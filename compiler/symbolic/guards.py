@@ -360,8 +360,7 @@ class Guards:
         members = self.layout.domains.of_type(variable.type.name)
         key = allowed & members
         if key not in self._ordered:
-            names: list[Value] = [*sorted(key, key=self._order.__getitem__)]
-            self._ordered[key] = tuple(names)
+            self._ordered[key] = (*sorted(key, key=self._order.__getitem__),)
         return self._ordered[key]
 
     def _allowed(self, name: str, formula: Formula, word: Word | None) -> frozenset[str] | None:
