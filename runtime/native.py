@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import importlib
+import os
 from types import ModuleType
 
+_SINGLE_THREADED = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 _PACKAGES = {"libgomp.so": "libgomp1", "libGL.so": "libgl1", "libstdc++.so": "libstdc++6"}
 
 
@@ -40,3 +42,10 @@ def load_pinocchio() -> ModuleType:
 def load_coal() -> ModuleType:
     """Coal (distances between shapes). Raises MissingLibrary."""
     return load_native("coal", "coal")
+
+
+def use_one_thread() -> None:
+    """Keep the numerical libraries, if they are not loaded yet, from threads of their own: the matrices here are too
+    small for them, they steal time from other processes, and they change the last digits of results."""
+    for variable in _SINGLE_THREADED:
+        os.environ[variable] = "1"

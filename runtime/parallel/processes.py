@@ -12,12 +12,12 @@ from multiprocessing import connection, get_context, parent_process, resource_tr
 from queue import SimpleQueue
 from typing import Any, ParamSpec, TypeVar
 
+from ..native import use_one_thread
 from .side import Side, WorkerLost, attempt, unpacked
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
-SINGLE_THREADED = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 ATTEMPTS = 2
 """How often work is started before it is given up as lost."""
 
@@ -105,13 +105,6 @@ class _Worker:
             if self._process is not None:
                 self._process.kill()
                 self._process.join()
-
-
-def use_one_thread() -> None:
-    """Keep the numerical libraries, if they are not loaded yet, from threads of their own: these steal time from the
-    other processes, and change the last digits of results."""
-    for variable in SINGLE_THREADED:
-        os.environ[variable] = "1"
 
 
 def _serve(pipe: Any) -> None:

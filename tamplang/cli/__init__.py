@@ -10,6 +10,7 @@ from io import TextIOWrapper
 
 import click
 
+from ..runtime.native import use_one_thread
 from .crash import report_crash
 from .status import ExitStatus
 
@@ -22,6 +23,7 @@ def main() -> None:
     # A reader that closes the pipe, such as `head`, ends the process without a word, as it does other Unix commands.
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     sys.excepthook = report_crash
+    use_one_thread()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # for terminals that cannot show every character

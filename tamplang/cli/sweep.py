@@ -71,9 +71,7 @@ def sweep(
     """
     if cluster is not None and jobs is not None:
         raise click.UsageError("--jobs and --cluster exclude each other")
-    from ..runtime.parallel.processes import use_one_thread
 
-    use_one_thread()
     with reading_sources(as_json=as_json):
         todo = _instances(file, task, parameters, seeds, options, plans is not None)
     path = out if out is not None else Path(f"{todo[0].program.task}.sweep.jsonl")
