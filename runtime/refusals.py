@@ -112,7 +112,7 @@ class Refusals:
             bound=conflict.bound,
             actions=[str(p.action) for p in skeleton.phases[conflict.first : conflict.last + 1]],
             reason=self._reason(conflict),
-            amount=worst.amount if worst else 0.0,
+            amount=float(worst.amount) if worst else 0.0,
             unit=worst.unit if worst else "",
             place=PlaceRecord(span.file, span.line, span.column) if span else None,
         )

@@ -289,4 +289,4 @@ class _Run:
         action = "" if parent is None else str(self.search.successors.action(parent[1]))
         self.records[key] = len(tree)
         above = -1 if parent is None else self.records.get(parent[0], -1)
-        tree.append(SearchNode(len(tree), above, action, estimate, status))
+        tree.append(SearchNode(len(tree), above, action, float(estimate), status))

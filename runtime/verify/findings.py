@@ -39,7 +39,7 @@ class Findings:
         place: PlaceRecord | None = None,
     ) -> None:
         """Refuse the plan for a reason that is no measure, or whose measure says too little."""
-        finite = amount if math.isfinite(amount) else 0.0
+        finite = float(amount) if math.isfinite(amount) else 0.0
         self.failures.append(FailureRecord(kind, message, finite, unit, time, place, list(between)))
 
     def measure(
@@ -54,7 +54,7 @@ class Findings:
     ) -> bool:
         """Record one figure of a kind in the table of limits; a failure when it is over. True when it is kept."""
         limit, unit = LIMITS[kind], unit_of(kind)
-        amount = amount if math.isfinite(amount) else UNMEASURABLE
+        amount = float(amount) if math.isfinite(amount) else UNMEASURABLE
         worst = self.measures.get(kind)
         if worst is None or amount > worst.amount:
             self.measures[kind] = MeasureRecord(kind, amount, limit, unit, time, list(between), place)
