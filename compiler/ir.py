@@ -75,7 +75,7 @@ class Number:
 
 @dataclass(frozen=True, slots=True)
 class Object:
-    """A ground object, by its name: `stair[3]`, `c[1].A`, `c[1]`."""
+    """A ground object, by its name: `item[3]`, `c[1].A`, `c[1]`."""
 
     name: str
     span: Span | None = field(default=None, compare=False, repr=False)

@@ -7,8 +7,8 @@ slices; kept poses are measured at the same samples.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -158,12 +158,24 @@ def _joint_poses(module: Module, motion: Resampled) -> dict[int, Array]:
 def _module_parts(problem: Problem, motion: Resampled) -> Iterator[_Part]:
     for module in problem.world.modules.values():
         frames = _joint_poses(module, motion)
+        ends: dict[int, list[_Part]] = {}
         for end in module.type.effectors:
             if end.shape is not None:
                 poses = compose(frames[end.joint], np.asarray(end.placement))
-                yield _part(module.name, f"{module.name}.{end.name}", end.shape, poses)
+                ends.setdefault(end.joint, []).append(_part(module.name, f"{module.name}.{end.name}", end.shape, poses))
+        for parts in ends.values():
+            yield from parts
         for link in module.type.links:
-            yield _part(module.name, module.name, link.shape, compose(frames[link.joint], np.asarray(link.placement)))
+            part = _part(module.name, module.name, link.shape, compose(frames[link.joint], np.asarray(link.placement)))
+            yield _outside(part, ends.get(link.joint, []))
+
+
+def _outside(link: _Part, ends: Sequence[_Part]) -> _Part:
+    """A link without the spheres that lie inside an effector rigid with it: what touches them touches the effector."""
+    bare = np.ones(len(link.radii), bool)
+    for end in ends:
+        bare &= _distance(link.centres[:1], end.shape, end.poses[:1])[0] > STILL - link.radii
+    return replace(link, centres=link.centres[:, bare], radii=link.radii[bare])
 
 
 def _body_parts(problem: Problem, motion: Resampled, start: Configuration) -> Iterator[_Part]:

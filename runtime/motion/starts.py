@@ -11,6 +11,7 @@ from ...compiler.ir import Body, Module, Pose, Problem
 from ...compiler.motion.collision import bounding_radius, keeps_pose
 from ..skeleton import Array, Configuration, Skeleton
 from .movement import followers
+from .places import outline, places
 
 LIMIT = 0.1
 """Radians by which guesses keep away from joint limits."""
@@ -47,12 +48,6 @@ def _height(body: Body) -> float:
     return body.shape.size[2] / 2 if body.shape.kind == "box" else bounding_radius(body.shape)
 
 
-def _outline(body: Body) -> Array:
-    """Lengths in x and y of the top of a body that lies in its own axes."""
-    width = 2 * body.shape.size[0]
-    return np.array(body.shape.size[:2] if body.shape.kind == "box" else (width, width))
-
-
 class Guess:
     """Guesses one slice after the other: feet that are kept stay, feet that are set down go on top of their base."""
 
@@ -63,6 +58,7 @@ class Guess:
         self.noise = noise
         self.current = start.copy()
         self.feet: dict[str, Pose] = {}
+        self.places = places(skeleton)
 
     def _relations(self, facts: frozenset[tuple[str, ...]]) -> list[tuple[str, str]]:
         return [pair for pair in (keeps_pose(self.problem, f) for f in sorted(facts)) if pair]
@@ -88,9 +84,14 @@ class Guess:
         x, y, z = self.current.bodies[base][:3]
         return (float(x), float(y), float(z) + _height(body) + lift, *turn)
 
-    def _aside(self, base: str) -> Array:
-        """A shift on the middle of a base: two things that lie in the very same place do not push each other away."""
-        return SPREAD * self.random.uniform(-0.5, 0.5, 2) * _outline(self.problem.world.bodies[base])
+    def _aside(self, base: str, phase: int, thing: str) -> Array:
+        """Where on a base: as laid out, or shifted at random from its middle, as two things that lie in the very same
+        place do not push each other away."""
+        planned = self.places.get((phase, thing))
+        if planned is not None:
+            return planned
+        side = outline(self.problem.world.bodies[base])
+        return self.current.bodies[base][:2] + SPREAD * self.random.uniform(-0.5, 0.5, 2) * side
 
     def advance(self, phase: int) -> Configuration:
         """The guess for the switch of the next phase; call for rising phases."""
@@ -121,7 +122,7 @@ class Guess:
             elif follower in world.bodies and base in world.bodies:
                 body = world.bodies[follower]
                 self.current.bodies[follower][:] = self._above(base, _height(body), body.pose[3:])
-                self.current.bodies[follower][:2] += self._aside(base)
+                self.current.bodies[follower][:2] = self._aside(base, phase, follower)
         self._dock(mode, placed)
         for leader, follower in self._relations(mode):
             if follower in carried and follower not in {b for _, b in self._relations(added)}:

@@ -14,15 +14,17 @@ from ..skeleton import Array, Configuration, Skeleton
 from .clearance import ClearanceGroup
 from .collisions import Collisions, Margins, refresh
 from .features import Features, differences, homing, limits, norms
-from .groups import Group
+from .groups import Group, LinearGroup
 from .layout import Layout
 from .movement import carrier, followers, involved, next_mode
+from .places import places
 from .program import Program
 from .settings import MotionSettings
 from .solver import Options, Outcome, project, solve
 
 HOMING = 0.1
 VELOCITY = 0.3
+PLACE = 3.0
 REFRESHES = 4
 """How often pairs that came near during a solve are taken in and the solve is resumed."""
 NEIGHBOUR = 0.006
@@ -98,7 +100,19 @@ class SwitchProgram:
             limits(self.problem, self.layout, self.settings.limit_margin, phase_of),
             homing(self.problem, self.layout, HOMING),
             differences(self.layout, self.layout.modules, steps, (-1.0, 1.0), VELOCITY),
+            self._tidy(),
         ]
+
+    def _tidy(self) -> LinearGroup:
+        """½ PLACE² Σ (xy − place)² over the things that are put down where many are laid out."""
+        columns, targets = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
+        planned = places(self.skeleton)
+        for (phase, name), place in planned.items():
+            slice_ = phase - self.phases[0] + 1
+            if phase in self.phases and self.layout.is_unknown(slice_, name):
+                columns.append(self.layout.slot(slice_, name)[:2])
+                targets.append(place)
+        return LinearGroup("cost", np.concatenate(columns)[:, None], np.ones((1, 1)), np.concatenate(targets), [], PLACE)
 
     @cached_property
     def _clearance(self) -> list[ClearanceGroup]:

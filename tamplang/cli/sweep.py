@@ -66,7 +66,7 @@ def sweep(
 ) -> int:
     """Solve the TASK of FILE for all combinations of parameters and seeds.
 
-    Parameters take several values: -p n=8,16,32 -p crawlers=1..4. Instances whose results are in the results file
+    Parameters take several values: -p n=8,16,32 -p width=1m,2m. Instances whose results are in the results file
     already are not solved again.
     """
     if cluster is not None and jobs is not None:
