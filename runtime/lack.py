@@ -3,8 +3,28 @@ that is, and how far the scene's robots reach at most."""
 
 from __future__ import annotations
 
-from ..compiler.ir import And, Exists, Forall, Formula, Literal, Not, Object, ObjectType, Or, Problem, Var
+from collections.abc import Iterator, Sequence
+
+from ..compiler.ir import (
+    And,
+    Compare,
+    Effect,
+    EffectItem,
+    Exists,
+    Forall,
+    Formula,
+    Function,
+    Literal,
+    Not,
+    Object,
+    ObjectType,
+    Or,
+    Problem,
+    Rule,
+    Var,
+)
 from ..compiler.symbolic.geometry import Geometry
+from ..compiler.symbolic.normal_form import parts
 
 
 def lacking(problem: Problem) -> list[str]:
@@ -23,6 +43,44 @@ def lacking(problem: Problem) -> list[str]:
             text = f"{name} is {distance:.2f} m from {support}, the nearest that robots can come to"
             sentences.append((distance - reach, f"{text}; {robots} {reach:.2f} m: {distance - reach:.2f} m too little"))
     return [text for _, text in sorted(sentences, reverse=True)]
+
+
+def achievers(problem: Problem) -> list[tuple[Rule, Compare | None]]:
+    """The rules that can make literals of the goal true, each with the first comparison of lengths that it needs."""
+    wanted: set[str] = set()
+    for literal in (part for part in parts(problem.goal) if isinstance(part, Literal)):
+        wanted |= {part.predicate for part in _expanded(problem, literal) if isinstance(part, Literal)}
+    found = []
+    for rule in problem.rules.values():
+        if any(effect.literal.predicate in wanted for effect in _added(rule.effects)):
+            found.append((rule, _measured(problem, rule)))
+    return found
+
+
+def _added(items: Sequence[EffectItem]) -> Iterator[Effect]:
+    for item in items:
+        if not isinstance(item, Effect):
+            yield from _added(item.effects)
+        elif not item.negated and not item.literal.motion:
+            yield item
+
+
+def _measured(problem: Problem, rule: Rule) -> Compare | None:
+    """The first comparison in a rule's condition, or in what it is derived from, that a place in the scene decides."""
+    for part in _expanded(problem, rule.condition):
+        if isinstance(part, Compare) and part.operator in ("<", "<="):
+            inner = [p for p in parts(part) if isinstance(p, Function)]
+            if any(function.name in ("distance", "stride") for function in inner):
+                return part
+    return None
+
+
+def _expanded(problem: Problem, formula: Formula) -> Iterator[object]:
+    """Everything in a formula, with the bodies of derived predicates behind their literals."""
+    for part in parts(formula):
+        yield part
+        if isinstance(part, Literal) and part.predicate in problem.derived:
+            yield from _expanded(problem, problem.derived[part.predicate].body)
 
 
 def _within(geometry: Geometry, supports: list[str], problem: Problem, reach: float) -> list[str]:

@@ -8,7 +8,7 @@ from ..compiler.ir import Problem
 from ..langs.diagnostics import Diagnostic, Label
 from ..langs.source import Span
 from .bounds import Conflict
-from .lack import lacking
+from .lack import achievers, lacking
 from .plan import PlaceRecord, RefusalRecord
 from .skeleton import Skeleton, Violation
 
@@ -63,10 +63,18 @@ class Refusals:
         )
 
     def _unreachable(self) -> list[Diagnostic]:
+        """What the proof says, at the rules that achieve the goal and at the bounds on length that they need."""
+        rules = achievers(self.problem)
+        names = " or ".join(f"`{rule.name}`" for rule, _ in rules)
+        blamed = f"; what achieves it is {names}, never applicable where it would help" if rules else ""
+        bounds = [(rule, bound.span) for rule, bound in rules if bound is not None and bound.span is not None]
+        labels = [Label(span, f"a bound that `{rule.name}` needs") for rule, span in bounds]
         return [
             Diagnostic(
                 "S0001",
-                "no sequence of actions reaches the goal: the search went through every state that can be reached",
+                f"no sequence of actions reaches the goal: every state that can be reached was seen{blamed}",
+                rules[0][0].span if rules else None,
+                tuple(labels),
                 note=lack or None,
                 help="look at the conditions of the rules that achieve the goal, and at the reach of the robots",
             )

@@ -89,6 +89,8 @@ def test_lack_of_reach_is_told_in_metres() -> None:
     told = outcome.explanation[0]
     assert told.code == "S0001" and told.note is not None
     assert "target is 3.49 m from ground" in told.note and "m too little" in told.note
+    assert "`grasp`" in told.message and told.span is not None and told.span.file == "std/rules.tamp"
+    assert [label.span.file for label in told.labels] == ["std/logic.tamp"]
 
 
 def test_plans_are_handed_on_as_they_are_found() -> None:
