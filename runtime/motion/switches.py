@@ -24,7 +24,8 @@ from .solver import Options, Outcome, project, solve
 
 HOMING = 0.1
 VELOCITY = 0.3
-PLACE = 3.0
+PLACE = 8.0
+"""How strongly things are drawn to the places that are laid out for them, against homing and velocity."""
 REFRESHES = 4
 """How often pairs that came near during a solve are taken in and the solve is resumed."""
 NEIGHBOUR = 0.006
@@ -112,7 +113,8 @@ class SwitchProgram:
             if phase in self.phases and self.layout.is_unknown(slice_, name):
                 columns.append(self.layout.slot(slice_, name)[:2])
                 targets.append(place)
-        return LinearGroup("cost", np.concatenate(columns)[:, None], np.ones((1, 1)), np.concatenate(targets), [], PLACE)
+        slots = np.concatenate(columns).reshape(-1, 1)
+        return LinearGroup("cost", slots, np.ones((1, 1)), np.concatenate(targets), [], PLACE)
 
     @cached_property
     def _clearance(self) -> list[ClearanceGroup]:
