@@ -15,7 +15,7 @@ from .budget import Budget, OutOfTime
 from .experience import Experience
 from .motion.path import solve_path
 from .motion.phases import UnsupportedPhase, solve_sequence_path
-from .motion.sequence import LONGEST, solve_sequence, window_feasible
+from .motion.sequence import LONGEST, judged_alone, solve_sequence, window_feasible
 from .motion.settings import MotionSettings
 from .plan import BoundRecord, Plan, StatisticsRecord
 from .skeleton import BoundResult, Configuration, PhasePath, Skeleton, Violation
@@ -169,17 +169,19 @@ class Bounds:
         ]
 
     def _refused_actions(self, skeleton: Skeleton, strains: Sequence[float]) -> list[Conflict]:
-        """Conflicts of all single actions that P_seq refuses, wherever they start."""
+        """Conflicts of all single actions that P_seq refuses, wherever they start. The most strained go first: those
+        that are less so then need no solve."""
         conflicts = []
-        for k, phase in enumerate(skeleton.phases):
-            if k and self.experience.expects_success(phase, strains[k]):
+        for k in sorted(range(len(skeleton)), key=lambda k: (-strains[k], k)):
+            phase = skeleton.phases[k]
+            if k and (self.experience.expects_success(phase, strains[k]) or not judged_alone(skeleton, k)):
                 continue
             result = self._window(skeleton, k, k)
             if not result.feasible:
                 conflicts.append(Conflict("seq", k, k, k == 0, tuple(result.violations)))
             elif k:
                 self.experience.accept(phase, strains[k])
-        return conflicts
+        return sorted(conflicts, key=lambda conflict: conflict.first)
 
     def _window(self, skeleton: Skeleton, first: int, last: int) -> BoundResult:
         """P_seq of some phases alone. From the start itself names matter, elsewhere interchangeable ones do not."""
@@ -219,6 +221,8 @@ class Bounds:
             else:
                 end, violations = middle, result.violations
         for first in range(end - 1, max(0, end - LONGEST_WINDOW - 1), -1):
+            if not judged_alone(skeleton, first):
+                continue
             window = self._window(skeleton, first, end - 1)
             if not window.feasible:
                 return Conflict("seq", first, end - 1, False, tuple(window.violations))

@@ -7,8 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...compiler.motion.collision import keeps_pose
 from ..budget import Budget
 from ..skeleton import BoundResult, Configuration, Skeleton, Violation, start_configuration
+from .movement import carrier, followers, robots
 from .settings import MotionSettings
 from .solver import Options
 from .starts import guess
@@ -207,6 +209,21 @@ def window_feasible(
     origin = start_configuration(skeleton.problem)
     random = np.random.default_rng(seed)
     return solve_span(skeleton, first, last, settings, random, budget, origin, free=first > 0)
+
+
+def judged_alone(skeleton: Skeleton, phase: int) -> bool:
+    """Whether P_seq can be asked about phases from `phase` on alone, with an unknown state before. Not where a robot
+    is fixed to the world more than once: starts at random seldom close its loops, and what holds looks refused."""
+    if phase == 0:
+        return True
+    problem, mode = skeleton.problem, skeleton.phases[phase].mode
+    world, carried, robot = problem.world, followers(problem, mode), robots(problem, mode)
+    anchors: dict[str, set[str]] = {}
+    for pair in (keeps_pose(problem, literal) for literal in sorted(mode)):
+        for own, other in (pair, pair[::-1]) if pair else ():
+            if carrier(problem, own) in robot and other in world.bodies and other not in carried:
+                anchors.setdefault(robot[carrier(problem, own)], set()).add(own)
+    return all(len(own) < 2 for own in anchors.values())
 
 
 def refine(
