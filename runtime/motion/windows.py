@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 
 from ...compiler.motion.collision import keeps_pose
 from ..budget import Budget
-from ..skeleton import Array, BoundResult, Configuration, Skeleton
+from ..skeleton import Array, BoundResult, Configuration, Skeleton, start_configuration
+from .movement import followers
 from .settings import MotionSettings
 from .starts import guess, shake
 from .switches import SwitchProgram
@@ -20,6 +23,9 @@ ANEW = 3
 """What a new start of the first window counts for."""
 PERIOD = 2
 """Gaits repeat after two phases."""
+STRETCHED, MOST = 1.2, 3
+"""Before the windows, phases are tried alone that span this many times what the usual one of their rule does, at most
+so many."""
 
 
 def _support(skeleton: Skeleton, phase: int, configuration: Configuration) -> Array | None:
@@ -65,14 +71,65 @@ def _continue(
     return found[len(known) :]
 
 
+def _stretch(skeleton: Skeleton, phase: int) -> float:
+    """The largest distance between the resting bodies to which a phase and its switch fix something, in metres."""
+    problem, bodies = skeleton.problem, skeleton.problem.world.bodies
+    mode, added = skeleton.phases[phase].mode, skeleton.phases[phase].added
+    carried = followers(problem, mode)
+    kept = (keeps_pose(problem, literal) for literal in sorted(mode | added))
+    names = sorted({name for pair in kept if pair for name in pair if name in bodies and name not in carried})
+    return max((math.dist(bodies[a].pose[:3], bodies[b].pose[:3]) for a, b in combinations(names, 2)), default=0.0)
+
+
+def _outliers(skeleton: Skeleton) -> list[int]:
+    """The phases that span much more than others of their rule, the farthest first."""
+    spans = [_stretch(skeleton, phase) for phase in range(len(skeleton))]
+    by_rule: dict[str, list[float]] = {}
+    for phase, span in zip(skeleton.phases, spans, strict=True):
+        by_rule.setdefault(phase.action.rule, []).append(span)
+    usual = {rule: float(np.median(found)) for rule, found in by_rule.items()}
+    far = [k for k, phase in enumerate(skeleton.phases) if spans[k] > STRETCHED * usual[phase.action.rule]]
+    return sorted(far, key=lambda k: -spans[k])[:MOST]
+
+
+class _Alone:
+    """Phases tried alone, from an unknown state: what is refused so no window can do."""
+
+    def __init__(self, skeleton: Skeleton, settings: MotionSettings, budget: Budget, tries: int | None) -> None:
+        self.skeleton, self.settings, self.budget, self.tries = skeleton, settings, budget, tries
+        self.iterations = 0
+        self._done: set[int] = set()
+
+    def refused(self, phase: int) -> BoundResult | None:
+        """The refusal of a phase; None where it can be done, was asked for before, or cannot be judged alone."""
+        from .sequence import judged_alone, solve_span
+
+        if phase == 0 or phase in self._done or not judged_alone(self.skeleton, phase):
+            return None
+        self._done.add(phase)
+        origin, random = start_configuration(self.skeleton.problem), np.random.default_rng(phase)
+        result = solve_span(
+            self.skeleton, phase, phase, self.settings, random, self.budget, origin, free=True, tries=self.tries
+        )  # fmt: skip
+        self.iterations += result.iterations
+        return None if result.feasible else result
+
+
 def solve_windows(
     skeleton: Skeleton, settings: MotionSettings, random: np.random.Generator, budget: Budget, start: Configuration,
     tries: int | None = None,
 ) -> BoundResult:  # fmt: skip
     """Windows of four phases that commit two, each started from what the one before has found ahead, and then from the
     slice two phases back moved along with its supports. On failure the search goes back further each time, to start
-    anew. Raises OutOfTime."""
+    anew. Phases that span the most, and those that a window blames, are tried alone first. Raises OutOfTime."""
     from .sequence import solve_span
+
+    alone = _Alone(skeleton, settings, budget, tries)
+    for phase in _outliers(skeleton):
+        refusal = alone.refused(phase)
+        if refusal is not None:
+            refusal.iterations = alone.iterations
+            return refusal
 
     known = [start]
     ahead: list[Configuration] = []
@@ -88,12 +145,16 @@ def solve_windows(
             known += result.configurations[1 : kept + 1]
             ahead = result.configurations[kept + 1 :]
             continue
+        refusal = alone.refused(result.violations[0].phase) if result.violations else None
+        if refusal is not None:
+            refusal.iterations = iterations + alone.iterations
+            return refusal
         setbacks += 1 if first else ANEW
         if setbacks > (tries or BACKTRACKS):
-            result.iterations = iterations
+            result.iterations = iterations + alone.iterations
             return result
         del known[max(1, first + 1 - COMMIT * (1 + setbacks // 2)) :]
         ahead = []
     whole = SwitchProgram(skeleton, 0, len(skeleton) - 1, start, settings, frozen=False)
     cost = whole.program().cost(whole.pack(known))
-    return BoundResult("seq", True, cost, 0.0, iterations, known, [], [])
+    return BoundResult("seq", True, cost, 0.0, iterations + alone.iterations, known, [], [])
