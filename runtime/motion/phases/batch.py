@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ....compiler.ir import World
 from ....compiler.motion.collision import CHECK_MARGIN, PhaseContacts
 from ...skeleton import Array, Configuration
-from .geometry import Geometry, Part
+from .geometry import NEVER, Geometry, Part
 from .kinematics import Indices
 from .tree import PhaseTree, joint_values
 
@@ -95,10 +95,19 @@ class Batch:
         result._fine, result._rows = self._fine, self._rows[index]
         return result
 
-    @property
-    def fine(self) -> Geometry:
-        """The geometry that accepts a path; made when asked for, as it is large."""
-        return self._fine.take(self._rows)
+    def fine(self, columns: slice) -> Geometry:
+        """The geometry that accepts a path, at some of its times; made when asked for, as it is large."""
+        return self._fine.take(self._rows, columns)
+
+    def fine_shares(self, first: Indices, second: Indices | None, phase: Indices) -> Array:
+        """Shares `(m, times)` of sphere and obstacle, or of pairs when there is no `second`, each in one phase."""
+        if second is None:
+            return self._fine.pair_share[first, self._rows[phase]]
+        return self._fine.obstacle_share[first, second, self._rows[phase]]
+
+    def body_shares(self) -> list[Array]:
+        """Shares `(spheres, phases, times)` of the carried bodies, at all fine times."""
+        return [share[:, self._rows] for share in self._fine.body_shares]
 
     def with_ends(self, inner: Array) -> Array:
         """The whole path of its inner slices `(phases, slices - 1, joints)`."""
@@ -128,7 +137,7 @@ def excess_clearance(batch: Batch, values: Array, columns: slice) -> Array:
 
 def _blocks(batch: Batch, values: Array, columns: slice) -> list[tuple[Array, Array]]:
     """Per kind of pair: the least excess clearance per phase, and all of it."""
-    fine = batch.fine
+    fine = batch.fine(columns)
     obstacles, pairs, bodies = fine.clearances(values)
     exact = fine.exact
     kinds = [
@@ -138,7 +147,7 @@ def _blocks(batch: Batch, values: Array, columns: slice) -> list[tuple[Array, Ar
     ]
     result = []
     for clearance, share, whole in kinds:
-        excess = clearance - required(share[..., columns], whole)
+        excess = clearance - required(share, whole)
         axes = tuple(a for a in range(excess.ndim) if a != excess.ndim - 2)
         result.append((excess.min(axis=axes, initial=np.inf), excess))
     return result
@@ -151,7 +160,47 @@ def worst_clash(batch: Batch, phase: int, values: Array, columns: slice) -> Clas
     kind = int(np.argmin([least[0] for least, _ in blocks]))
     excess = blocks[kind][1]
     entry = tuple(int(i) for i in np.unravel_index(int(excess.argmin()), excess.shape))
-    return Clash(one.fine.name_pair(0, kind, entry), float(-excess.min()))
+    return Clash(one.fine(columns).name_pair(0, kind, entry), float(-excess.min()))
+
+
+AT_SLICES = slice(None, None, REFINEMENT)
+
+
+def _departure(points: Array) -> Array:
+    """How far points `(…, 3, phases, fine times)` go from where they are at a slice, until another one is nearer:
+    `(…, phases, slices + 1)`."""
+    times = np.arange(points.shape[-1])
+    away = points - points[..., (times + REFINEMENT // 2) // REFINEMENT * REFINEMENT]
+    first = np.maximum(times[AT_SLICES] - REFINEMENT // 2, 0)
+    return np.asarray(np.sqrt(np.maximum.reduceat((away * away).sum(axis=-3), first, axis=-1)))
+
+
+def swept_clearance(batch: Batch, values: Array) -> Array:
+    """The `excess_clearance` at all fine times. What could not come nearer between the slices than something else
+    comes at a slice is measured at the slices only: a distance changes by no more than its spheres move."""
+    fine = batch.fine(AT_SLICES)
+    points, frames = fine.place(values)
+    moved = _departure(points)
+    obstacles, pairs = fine.to_others(points[..., AT_SLICES])
+    whole, (one, other) = fine.exact[fine.pairs].all(axis=1), fine.pairs.T
+    least = np.minimum(
+        (obstacles - required(fine.obstacle_share, fine.exact)).min(axis=(0, 1, 3), initial=np.inf),
+        (pairs - required(fine.pair_share, whole)).min(axis=(0, 2), initial=np.inf),
+    )
+    near = (obstacles - moved[:, None]).min(axis=3) - CHECK_MARGIN < least
+    a, o, k = np.nonzero(near & (fine.obstacle_share[..., 0] > NEVER))
+    excess = fine.shapes.distance_at(points[a, :, k], o, k) - fine.radius[a, 0]
+    excess -= required(batch.fine_shares(a, o, k), fine.exact[a])
+    np.minimum.at(least, k, excess.min(axis=1))
+    near = (pairs - moved[one] - moved[other]).min(axis=2) - CHECK_MARGIN < least
+    p, k = np.nonzero(near & (fine.pair_share[..., 0] > NEVER))
+    apart = points[one[p], :, k] - points[other[p], :, k]
+    excess = np.sqrt((apart * apart).sum(axis=1)) - fine.touching[p, 0]
+    np.minimum.at(least, k, (excess - required(batch.fine_shares(p, None, k), whole[p])).min(axis=1))
+    for body, clearance, share in zip(fine.bodies, fine.to_bodies(points, frames), batch.body_shares(), strict=True):
+        excess = clearance - required(share, fine.exact[body.meets])
+        least = np.minimum(least, excess.min(axis=(0, 2), initial=np.inf))
+    return np.asarray(least)
 
 
 @dataclass(slots=True)
@@ -177,7 +226,7 @@ def sweep(batch: Batch, paths: Array, chunk: int = 4) -> Sweep:
     beyond = np.maximum(values - joints.upper[:, None], joints.lower[:, None] - values)
     step = np.abs(np.diff(paths, axis=1)) - joints.step[:, None]
     clearance = np.concatenate([
-        excess_clearance(batch.take(index), values[index], slice(None))
+        swept_clearance(batch.take(index), values[index])
         for index in (np.arange(k, min(k + chunk, len(batch))) for k in range(0, len(batch), chunk))
     ])
     return Sweep(clearance, beyond.max(axis=(1, 2), initial=-np.inf), step.max(axis=(1, 2), initial=-np.inf))

@@ -164,29 +164,41 @@ class Geometry:
         for share in (self.obstacle_share, self.pair_share, *self.body_shares):
             share[...] = NEVER
 
-    def take(self, index: Indices) -> Geometry:
-        """The geometry of some of the phases, possibly repeated."""
+    def take(self, index: Indices, columns: slice = slice(None)) -> Geometry:
+        """The geometry of some of the phases, possibly repeated, with the shares at some of the times."""
         result = object.__new__(Geometry)
         result.parts = [self.parts[i] for i in index]
         result.kinematics, result.points = self.kinematics.take(index), self.points.take(index)
         result.radius, result.moved_by, result.pairs = self.radius, self.moved_by, self.pairs
         result.exact = self.exact
         result.touching, result.shapes = self.touching, self.shapes.take(index)
-        result.obstacle_share = self.obstacle_share[:, :, index]
-        result.pair_share = self.pair_share[:, index]
+        result.obstacle_share = self.obstacle_share[:, :, index, columns]
+        result.pair_share = self.pair_share[:, index, columns]
         result.bodies = [b.take(index) for b in self.bodies]
-        result.body_shares = [s[:, index] for s in self.body_shares]
+        result.body_shares = [s[:, index, columns] for s in self.body_shares]
         return result
+
+    def place(self, values: Array) -> tuple[Array, list[Frame]]:
+        """The spheres' centres `(spheres, 3, phases, times)` and the node frames for joint values
+        `(phases, times, joints)`."""
+        frames, _, _ = self.kinematics.frames(values)
+        return self.points.place(frames, *values.shape[:2]), frames
 
     def clearances(self, values: Array) -> tuple[Array, Array, list[Array]]:
         """Clearances for joint values `(phases, times, joints)`, shaped as the shares."""
-        phases, times, _ = values.shape
-        frames, _, _ = self.kinematics.frames(values)
-        points = self.points.place(frames, phases, times)
+        points, frames = self.place(values)
+        return *self.to_others(points), self.to_bodies(points, frames)
+
+    def to_others(self, points: Array) -> tuple[Array, Array]:
+        """Clearances of placed spheres `(spheres, 3, phases, times)` to obstacles and among themselves."""
         obstacles = self.shapes.distance(points)[0] - self.radius[:, None]
         apart = points[self.pairs[:, 0]] - points[self.pairs[:, 1]]
         pairs = np.sqrt((apart * apart).sum(axis=1)) - self.touching
-        return obstacles, pairs, [self._to_body(points, frames, k) for k in range(len(self.bodies))]
+        return obstacles, pairs
+
+    def to_bodies(self, points: Array, frames: list[Frame]) -> list[Array]:
+        """Clearances of placed spheres to each carried body."""
+        return [self._to_body(points, frames, k) for k in range(len(self.bodies))]
 
     def _to_body(self, points: Array, frames: list[Frame], k: int) -> Array:
         body = self.bodies[k]

@@ -86,6 +86,15 @@ class Shapes:
         value, excess = rounded_box_distance(offset, self.half, self.round if self.any_round else None)
         return value - self.rounding, offset, excess
 
+    def distance_at(self, points: Array, shape: NDArray[np.intp], phase: NDArray[np.intp]) -> Array:
+        """Signed distances `(m, times)` of moving points `(m, 3, times)`, each to one shape in one phase."""
+        offset = points - self.centre[shape, :, phase]
+        if self.turned:
+            offset = np.einsum("mij,mit->mjt", self.turn[shape, :, :, phase, 0], offset)
+        turned = self.round[shape, phase][..., None] if self.any_round else None
+        value = rounded_box_distance(offset[:, :, None], self.half[shape, :, phase][..., None], turned)[0]
+        return np.asarray(value[:, 0] - self.rounding[shape, phase])
+
     def normals(self, offset: Array, excess: Array, shape: NDArray[np.intp], phase: NDArray[np.intp]) -> Array:
         """World directions `(m, 3)` in which the distances grow, of `m` entries: their `offset` and `excess` `(m, 3)`,
         the shape and the phase they belong to."""
