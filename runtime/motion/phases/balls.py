@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....compiler.ir import World
 from ....compiler.motion.collision import ON_AXIS, PATH_MARGIN, Sphere, body_spheres, module_spheres, shape_distance
@@ -71,6 +72,23 @@ class Lineage:
             length += math.hypot(*ball.centre) if top >= 0 else 0.0
         return length + math.dist(ends[0], ends[1])
 
+    def lengths_between(self, balls: tuple[Ball, ...], first: NDArray[np.intp], second: NDArray[np.intp]) -> Array:
+        """The bound of `length_between` for many pairs of spheres, given by their indices `(m,)`: `(m,)`."""
+        nodes = np.array([b.node for b in balls]) + 1
+        centres = np.array([b.centre for b in balls])
+        result = np.empty(len(first))
+        kinds = nodes[first] * (len(self.tree.parents) + 1) + nodes[second]
+        for kind in np.unique(kinds):
+            rows = np.flatnonzero(kinds == kind)
+            i, k = first[rows], second[rows]
+            length, *tops = self.spans[balls[i[0]].node, balls[k[0]].node]
+            ends = []
+            for ball, top in zip((i, k), tops, strict=True):
+                ends.append(self.tree.before[top][:3, 3] if top >= 0 else centres[ball])
+                length = length + (np.linalg.norm(centres[ball], axis=1) if top >= 0 else 0.0)
+            result[rows] = length + np.linalg.norm(ends[0] - ends[1], axis=-1)
+        return result
+
     def held_still(self, ball: Ball) -> Array:
         """`(joints,)`: joints outward of a sphere that turn about an axis through it, one after the other."""
         result = np.zeros(len(self.tree.parents), bool)
@@ -132,12 +150,12 @@ def meeting_pairs(lineage: Lineage, balls: tuple[Ball, ...], bodies: bool) -> tu
     wanted &= ~(same_owner & carried[:, None])
     if not bodies:
         wanted &= ~(carried[:, None] | carried[None])
-    found = []
-    for i, k in zip(*np.nonzero(np.triu(wanted, 1)), strict=True):
-        touch = balls[i].radius + balls[k].radius + PATH_MARGIN
-        if not one_robot[i, k] or lineage.length_between(balls[i], balls[k]) >= 2 * touch:
-            found.append((int(i), int(k)))
-    return tuple(found)
+    first, second = np.nonzero(np.triu(wanted, 1))
+    radius = np.array([b.radius for b in balls])
+    touch = radius[first] + radius[second] + PATH_MARGIN
+    far = lineage.lengths_between(balls, first, second) >= 2 * touch
+    kept = ~one_robot[first, second] | far
+    return tuple(zip(first[kept].tolist(), second[kept].tolist(), strict=True))
 
 
 def obstacles_near(tree: PhaseTree, lineage: Lineage, balls: tuple[Ball, ...], margin: float) -> list[Obstacle]:

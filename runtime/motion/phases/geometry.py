@@ -79,6 +79,20 @@ def _shares(
                 out[np.ix_(rows, columns)] = NEVER if share is None else share
 
 
+def _pair_shares(
+    contact: PhaseContacts, tags: Sequence[str | None], pairs: Indices, times: Array, slices: int, out: Array
+) -> None:
+    """Fill `out` `(pairs, times)` likewise for pairs `(pairs, 2)` of spheres."""
+    names = sorted({t for t in tags if t is not None})
+    number = np.array([-1 if t is None else names.index(t) for t in tags], dtype=int)
+    first, second = number[pairs].T
+    for i, a in enumerate(names):
+        for j, b in enumerate(names):
+            share = taper(contact, pair(a, b), times, slices)
+            if share is None or share.min() < 1.0:
+                out[(first == i) & (second == j)] = NEVER if share is None else share
+
+
 @dataclass(slots=True)
 class _Carried:
     """One carried body per phase: the spheres that can meet it, its node and pose there `(phases, 4, 4)`, and its
@@ -132,11 +146,7 @@ class Geometry:
             others = [o.tag for o in part.obstacles]
             _shares(contact, tags, others, times, slices, self.obstacle_share[:, :, k])
             self.obstacle_share[[i for i, b in enumerate(part.balls) if b.node < 0], :, k] = NEVER
-            for i, (a, b) in enumerate(self.pairs):
-                first, second = tags[a], tags[b]
-                if first is not None and second is not None:
-                    share = taper(contact, pair(first, second), times, slices)
-                    self.pair_share[i, k] = NEVER if share is None else share
+            _pair_shares(contact, tags, self.pairs, times, slices, self.pair_share[:, k])
 
     def _set_bodies(self, contacts: Sequence[PhaseContacts], world: World, times: Array, slices: int) -> None:
         self.bodies: list[_Carried] = []
