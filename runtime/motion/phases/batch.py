@@ -189,7 +189,7 @@ def swept_clearance(batch: Batch, values: Array) -> Array:
     )
     near = (obstacles - moved[:, None]).min(axis=3) - CHECK_MARGIN < least
     a, o, k = np.nonzero(near & (fine.obstacle_share[..., 0] > NEVER))
-    excess = fine.shapes.distance_at(points[a, :, k], o, k) - fine.radius[a, 0]
+    excess = fine.shapes.distance_at(points[a, :, k], o, k)[0] - fine.radius[a, 0]
     excess -= required(batch.fine_shares(a, o, k), fine.exact[a])
     np.minimum.at(least, k, excess.min(axis=1))
     near = (pairs - moved[one] - moved[other]).min(axis=2) - CHECK_MARGIN < least

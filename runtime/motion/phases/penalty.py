@@ -95,13 +95,15 @@ def _slopes(
 
 def _obstacle_rows(margin: float, geometry: Geometry, points: Array, twists: tuple[Array, Array]) -> _Rows:
     times = points.shape[-1]
-    distance, offset, excess = geometry.shapes.distance(points)
     wanted = geometry.radius[:, None] + margin * geometry.obstacle_share[..., 1:-1]
-    missed = wanted - distance
-    a, o, k, t = np.nonzero(missed > 0.0)
-    normals = geometry.shapes.normals(offset[a, o, :, k, t], excess[a, o, :, k, t], o, k)
+    a, o, k, t = np.nonzero(geometry.shapes.boxed(points, wanted))
+    distance, offset, excess = geometry.shapes.distance_at(points[a, :, k, t][..., None], o, k)
+    missed = wanted[a, o, k, t] - distance[:, 0]
+    hit = np.flatnonzero(missed > 0.0)
+    a, o, k, t = a[hit], o[hit], k[hit], t[hit]
+    normals = geometry.shapes.normals(offset[hit, :, 0], excess[hit, :, 0], o, k)
     slope = _slopes(geometry, twists, a, points[a, :, k, t], normals, k, t)
-    return _Rows(missed[a, o, k, t], -slope, k * times + t)
+    return _Rows(missed[hit], -slope, k * times + t)
 
 
 def _pair_rows(margin: float, geometry: Geometry, points: Array, twists: tuple[Array, Array]) -> _Rows:

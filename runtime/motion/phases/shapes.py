@@ -86,14 +86,28 @@ class Shapes:
         value, excess = rounded_box_distance(offset, self.half, self.round if self.any_round else None)
         return value - self.rounding, offset, excess
 
-    def distance_at(self, points: Array, shape: NDArray[np.intp], phase: NDArray[np.intp]) -> Array:
-        """Signed distances `(m, times)` of moving points `(m, 3, times)`, each to one shape in one phase."""
+    def boxed(self, points: Array, wanted: Array) -> NDArray[np.bool_]:
+        """Which points `(points, 3, phases, times)` can be nearer than `wanted` `(points, count, phases, times)` to a
+        shape, by the box around it along the world's axes."""
+        half = self.half.copy()
+        half[:, 1] = np.where(self.round, half[:, 0], half[:, 1])
+        extent = np.einsum("oijbt,ojbt->oibt", np.abs(self.turn), half) + self.rounding[:, None]
+        near = np.abs(points[:, None, 2] - self.centre[:, 2]) < extent[:, 2] + wanted
+        for i in range(2):
+            near &= np.abs(points[:, None, i] - self.centre[:, i]) < extent[:, i] + wanted
+        return np.asarray(near)
+
+    def distance_at(
+        self, points: Array, shape: NDArray[np.intp], phase: NDArray[np.intp]
+    ) -> tuple[Array, Array, Array]:
+        """Signed distances `(m, times)` of moving points `(m, 3, times)`, each to one shape in one phase, with offset
+        and excess `(m, 3, times)` as in `distance`."""
         offset = points - self.centre[shape, :, phase]
         if self.turned:
             offset = np.einsum("mij,mit->mjt", self.turn[shape, :, :, phase, 0], offset)
         turned = self.round[shape, phase][..., None] if self.any_round else None
-        value = rounded_box_distance(offset[:, :, None], self.half[shape, :, phase][..., None], turned)[0]
-        return np.asarray(value[:, 0] - self.rounding[shape, phase])
+        value, excess = rounded_box_distance(offset[:, :, None], self.half[shape, :, phase][..., None], turned)
+        return value[:, 0] - self.rounding[shape, phase], offset, excess[:, :, 0]
 
     def normals(self, offset: Array, excess: Array, shape: NDArray[np.intp], phase: NDArray[np.intp]) -> Array:
         """World directions `(m, 3)` in which the distances grow, of `m` entries: their `offset` and `excess` `(m, 3)`,
