@@ -170,12 +170,15 @@ def line(row: Row, runs: Sequence[Run]) -> str:
     ratio = f"{row.thesis[0] / wall:.1f}" if row.thesis is not None and good else "–"
     theirs = [f"{row.thesis[0]:g}", *map(str, row.thesis[1:])] if row.thesis is not None else ["–"] * 4
     worst = max((float(str(run["wall"])) for run in good), default=float("nan"))
-    ours = [
-        f"{wall:.2f}", f"{worst:.2f}", f"{inside:.2f}", f"{median(good, 'cpu'):.2f}",
-        f"{median(good, 'tree_nodes'):.0f}", f"{median(good, 'expanded_nodes'):.0f}", f"{median(good, 'length'):.0f}",
-        f"{len(good)}/{len(runs)}",
-    ]  # fmt: skip
+    counts = (median(good, name) for name in ("tree_nodes", "expanded_nodes", "length"))
+    seconds = (wall, worst, inside, median(good, "cpu"))
+    ours = [_number(x, 2) for x in seconds] + [_number(x, 0) for x in counts] + [f"{len(good)}/{len(runs)}"]
     return f"| {' | '.join((row.task, *theirs, *ours, ratio, goal, met))} |"
+
+
+def _number(value: float, digits: int) -> str:
+    """A dash where no run gave a figure."""
+    return "–" if value != value else f"{value:.{digits}f}"
 
 
 HEADINGS = (

@@ -226,6 +226,18 @@ def test_a_refused_pair_is_avoided_anywhere() -> None:
     assert not search.readmit()
 
 
+def test_a_refused_beginning_is_forbidden_to_its_last_action() -> None:
+    search = started(climb(6, 1))
+    first = search.next()
+    assert first is not None and len(first.actions) >= 3
+    search.forbid_actions(first, 0, 1, from_start=True)
+    second = search.next()
+    assert second is not None and second.numbers[:2] != first.numbers[:2]
+    search.forbid_actions(second, 0, 0, from_start=True)
+    third = search.next()
+    assert third is not None and third.numbers[0] != second.numbers[0]
+
+
 def test_a_refusal_holds_only_where_the_robot_stands() -> None:
     search = started(climb(6, 2, rise=1.3))
     bases = set()
