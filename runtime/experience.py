@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..compiler.ir import Action, Chain, Fact, Problem
-from .search.conflicts import Lifting, Names
+from ..compiler.ir import Fact, Problem
+from .search.conflicts import Lifting, Names, objects_of
 from .skeleton import Phase
 
 Kind = tuple[object, ...]
@@ -89,7 +89,7 @@ class Experience:
     def _relations(self, phases: Sequence[Phase]) -> list[Fact]:
         """The motion literals before a window that tie its modules, and what is tied to them, to anything."""
         modules = self.problem.world.modules
-        concerned = {_owner(name) for phase in phases for name in _objects(phase.action)} & modules.keys()
+        concerned = {_owner(name) for phase in phases for name in objects_of(phase.action)} & modules.keys()
         found: list[Fact] = []
         waiting = sorted(phases[0].mode)
         grown = True
@@ -107,15 +107,6 @@ def _owner(name: str) -> str:
     """The module of an effector; any other name stays."""
     return name.rpartition(".")[0] or name
 
-
-def _objects(action: Action) -> list[str]:
-    names: list[str] = []
-    for arg in action.args:
-        if isinstance(arg, Chain):
-            names += [part for line in arg.modules for part in line]
-        elif isinstance(arg, str):
-            names.append(arg)
-    return names
 
 
 def _at_least(strains: Sequence[float], refused: Sequence[float]) -> bool:

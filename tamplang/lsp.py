@@ -12,24 +12,12 @@ from pygls.workspace import TextDocument
 from . import __version__
 from .compiler.builtins import FUNCTIONS
 from .compiler.imports import load_sources, on_disk
-from .compiler.library import Library
+from .compiler.library import Library, Named
 from .langs import syntax
 from .langs.diagnostics import Diagnostic, SourceError
 from .langs.source import Source, Span
 
 NAME = re.compile(r"[^\W\d]\w*")
-Declared = (
-    syntax.TypeDecl
-    | syntax.PredicateDecl
-    | syntax.DerivedDecl
-    | syntax.FunctionDecl
-    | syntax.MotionDecl
-    | syntax.RuleDecl
-    | syntax.HeuristicDecl
-    | syntax.ModuleDecl
-    | syntax.SceneDecl
-    | syntax.TaskDecl
-)
 
 server = LanguageServer("tamplang", __version__)
 
@@ -96,7 +84,7 @@ def diagnostics_of(source: Source) -> tuple[Diagnostic, ...]:
     return check_sources([source])
 
 
-def declarations(library: Library, name: str) -> list[Declared]:
+def declarations(library: Library, name: str) -> list[Named]:
     """What `name` may mean: a predicate and a module type, say, may share one."""
     tables = (
         library.predicates,
@@ -109,7 +97,7 @@ def declarations(library: Library, name: str) -> list[Declared]:
         library.scenes,
         library.tasks,
     )
-    found: list[Declared] = [table[name] for table in tables if name in table]
+    found: list[Named] = [table[name] for table in tables if name in table]
     for file in library.files:
         found += [d for d in file.declarations if isinstance(d, syntax.TypeDecl) and d.name == name]
     return found

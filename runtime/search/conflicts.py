@@ -171,7 +171,7 @@ class NoGoods:
     def _concerned(self, state: int, action: Action) -> list[str]:
         """The objects of an action and all ends of the modules that are linked to its own, walking along the links."""
         links = self._links(state)
-        found = dict.fromkeys(_objects(action))
+        found = dict.fromkeys(objects_of(action))
         waiting = list(found)
         while waiting:
             name = waiting.pop(0)
@@ -238,7 +238,7 @@ class Lifting:
         return names[arg]
 
 
-def _objects(action: Action) -> list[str]:
+def objects_of(action: Action) -> list[str]:
     """The objects that an action names, in order."""
     found: list[str] = []
     for arg in action.args:
