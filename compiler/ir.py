@@ -420,9 +420,38 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True)
+class Course:
+    """How a body moves on its own. From time `start` (s) on its centre goes from where it is at time 0 through
+    `points` (world, metres) at `speed` (m/s; 0 jumps to the last point at once) and stays there, or goes back and
+    forth for ever when it `returns`. Its orientation stays."""
+
+    body: str
+    start: float
+    points: tuple[Vec3, ...]
+    speed: float
+    returns: bool
+    span: Span | None = field(default=None, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Breakdown:
+    """From `time` (s) on a module's joints are stuck where they are (`kind` "locked") or the module has left the scene
+    ("gone")."""
+
+    module: str
+    time: float
+    kind: str
+    span: Span | None = field(default=None, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
 class World:
+    """`courses` and `breakdowns` happen while a plan is executed; a planner sees the scene as it is at time 0."""
+
     modules: Mapping[str, Module]
     bodies: Mapping[str, Body]
+    courses: tuple[Course, ...] = ()
+    breakdowns: tuple[Breakdown, ...] = ()
 
     def effector(self, name: str) -> tuple[Module, Effector] | None:
         """The module and effector that object `name` denotes, or None when it is not an effector."""

@@ -86,7 +86,8 @@ class LiteralRecord(msgspec.Struct, frozen=True):
 class PhaseRecord(msgspec.Struct, frozen=True):
     """One action and the interval before its switch. `mode` holds the motion literals during the interval, `added`
     those that bind at the switch; `literals` holds the logic literals during the interval (supports, holdings,
-    connections and the like)."""
+    connections and the like). An interval that was not `completed` was broken off before its switch: the action had
+    no effect."""
 
     action: str
     rule: str
@@ -97,6 +98,40 @@ class PhaseRecord(msgspec.Struct, frozen=True):
     literals: list[LiteralRecord]
     mode: list[LiteralRecord]
     added: list[LiteralRecord]
+    completed: bool = True
+
+
+class CourseRecord(msgspec.Struct, frozen=True):
+    """A body that moves on its own: from time `start` on through `points` at `speed` (m/s; 0 jumps to the last point
+    at once), then at rest, or back and forth when it `returns`. Its orientation stays."""
+
+    body: str
+    start: float
+    points: list[list[float]]
+    speed: float
+    returns: bool
+
+
+class BreakdownRecord(msgspec.Struct, frozen=True):
+    """From `time` on a module's joints are stuck ("locked") or it has left the scene ("gone")."""
+
+    module: str
+    time: float
+    kind: str
+
+
+class WindowRecord(msgspec.Struct, frozen=True):
+    """One planning of a run with a receding horizon: at plan time `time`, before phase `phase`, for `reason`, in
+    `seconds` of computing. `actions` is the way to the goal as it was seen then, `motions` how many of them got their
+    motion; `unmet` are the parts of the goal that did not hold."""
+
+    time: float
+    phase: int
+    reason: str
+    seconds: float
+    actions: list[str]
+    motions: int
+    unmet: list[str]
 
 
 class TrackRecord(msgspec.Struct, frozen=True):
@@ -231,6 +266,9 @@ class Plan(msgspec.Struct, frozen=True):
     splines: list[SplineRecord]
     statistics: StatisticsRecord
     verdict: VerdictRecord | None = None
+    courses: list[CourseRecord] = []
+    breakdowns: list[BreakdownRecord] = []
+    windows: list[WindowRecord] = []
 
 
 def write_text_atomically(path: str | Path, text: str) -> None:
