@@ -8,6 +8,7 @@ radians; poses are `(x, y, z, qx, qy, qz, qw)` with a unit quaternion, in the wo
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -50,7 +51,8 @@ class RangeType:
 
 @dataclass(frozen=True, slots=True)
 class ValueType:
-    """`int`, `real`, `length`, `angle`: only for parameters of declarations, never for variables of a rule."""
+    """`int`, `real`, `length`, `angle`, `time`, `speed`: only for parameters of declarations, never for variables of a
+    rule."""
 
     name: str
 
@@ -347,7 +349,8 @@ class Shape:
 @dataclass(frozen=True, slots=True)
 class Joint:
     """`kind` is "revolute" or "prismatic". `parent` is the index of the joint whose moving frame carries it, -1 for
-    the module frame. The moving frame is parent · placement · motion(axis, q). Limits in rad or m, speed per s."""
+    the module frame. The moving frame is parent · placement · motion(axis, q). Limits in rad or m, greatest speed per
+    s, greatest acceleration per s²."""
 
     name: str
     kind: str
@@ -358,6 +361,7 @@ class Joint:
     upper: float
     home: float
     speed: float
+    acceleration: float = math.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -421,9 +425,10 @@ class Body:
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """How a body moves on its own. From time `start` (s) on its centre goes from where it is at time 0 through
-    `points` (world, metres) at `speed` (m/s; 0 jumps to the last point at once) and stays there, or goes back and
-    forth for ever when it `returns`. Its orientation stays."""
+    """How a body moves on its own. From time `start` (s) on its centre goes from where it is then through `points`
+    (world, metres) at `speed` (m/s; 0 jumps to the last point at once) and stays there, or goes back and forth for
+    ever when it `returns`. Its orientation stays. A later course of the same body ends an earlier one, on the way or
+    not; no two of one body have the same `start`. `courses.centre_at` says where that puts it."""
 
     body: str
     start: float
@@ -446,7 +451,8 @@ class Breakdown:
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """`courses` and `breakdowns` happen while a plan is executed; a planner sees the scene as it is at time 0."""
+    """`courses` (by body, then by start) and `breakdowns` (by time) happen while a plan is executed; a planner sees the
+    scene as it is at time 0."""
 
     modules: Mapping[str, Module]
     bodies: Mapping[str, Body]
@@ -499,6 +505,9 @@ class Problem:
     world: World
     options: Options
     sources: tuple[Source, ...]
+    touching: frozenset[tuple[str, str]] = frozenset()
+    """Pairs of objects, in alphabetical order, that may touch at the start though no motion literal speaks of it: a
+    robot in mid-run that has just let go."""
 
     def is_a(self, type_name: str, ancestor: str) -> bool:
         """Whether type `type_name` is `ancestor` or a subtype of it."""

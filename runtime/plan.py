@@ -269,6 +269,8 @@ class Plan(msgspec.Struct, frozen=True):
     courses: list[CourseRecord] = []
     breakdowns: list[BreakdownRecord] = []
     windows: list[WindowRecord] = []
+    complete: bool = True
+    """False for the executed beginning of a run that was broken off: it does not claim that the goal holds."""
 
 
 def write_text_atomically(path: str | Path, text: str) -> None:

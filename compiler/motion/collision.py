@@ -295,7 +295,7 @@ def contacts(skeleton: Skeleton) -> tuple[PhaseContacts, ...]:
     whatever touched when the phase before ended and is not kept touches at its start only. What no action concerns
     since then rests, and touches still."""
     result: list[PhaseContacts] = []
-    touching: frozenset[Pair] = _named(skeleton.problem.init_motion)
+    touching: frozenset[Pair] = _named(skeleton.problem.init_motion) | skeleton.problem.touching
     for phase in skeleton.phases:
         during = _kept(skeleton.problem, phase.mode)
         added = _named(phase.added)
