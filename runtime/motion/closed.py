@@ -142,7 +142,7 @@ def _denser(
         slices.append(Configuration(modules, bodies))
     slices.append(after)
     x = project(program.program(), program.pack(slices), CLOSURE, budget)
-    return replace(program.paths(program.unpack(x))[0], duration=path.duration)
+    return program.paths(program.unpack(x))[0]
 
 
 def _spline(rows: Array, factor: int) -> Array:

@@ -24,6 +24,7 @@ from .program import Program
 from .settings import MotionSettings
 from .solver import PATH, Options, project
 from .switches import run
+from .timing import shortest_duration
 
 ACCELERATION = 0.1
 HOMING = 0.2
@@ -157,21 +158,8 @@ class PathProgram:
             part = [slices[t] for t in self._slices(k)]
             modules = {n: _continuous([c.modules[n] for c in part]) for n in self.layout.modules}
             bodies = {n: _continuous([c.bodies[n] for c in part]) for n in self.layout.bodies if n in self.moving[k]}
-            found.append(PhasePath(modules, bodies, self._duration(modules)))
+            found.append(PhasePath(modules, bodies, shortest_duration(self.problem.world, modules)))
         return found
-
-    def _duration(self, modules: dict[str, Array]) -> float:
-        """Seconds in which no joint exceeds its speed."""
-        from scipy.interpolate import CubicSpline
-
-        longest = 0.1
-        for name, track in modules.items():
-            speeds = np.array([j.speed for j in self.problem.world.modules[name].type.joints])
-            if len(speeds):
-                spline = CubicSpline(np.linspace(0, 1, len(track)), track[:, 7:], bc_type="clamped")
-                rates = np.abs(spline(np.linspace(0, 1, 10 * len(track)), 1)).max(0)
-                longest = max(longest, float((rates / speeds).max()))
-        return longest
 
 
 def _continuous(slots: Sequence[Array]) -> Array:

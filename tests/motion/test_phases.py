@@ -117,11 +117,11 @@ def axis_points(frame: np.ndarray, link: Link) -> np.ndarray:
     return (frame @ pose_matrix(link.placement) @ local)[:3].T
 
 
-def test_a_free_phase_takes_the_shortest_second_and_ends_at_rest() -> None:
+def test_a_free_phase_takes_the_time_of_its_limits_and_ends_at_rest() -> None:
     result = solve(arm_scene(planar_arm(2), [], (0.0, 0.0), (0.3, -0.2)))
     assert result.feasible and result.bound == "seq-path" and len(result.paths) == 1
     path = result.paths[0]
-    assert path.duration == 1.0
+    assert 0.15 <= path.duration < 1.0
     assert path.modules["arm"].shape == (SETTINGS.slices + 1, 9)
     assert path.modules["arm"][0, 7:] == pytest.approx([0.0, 0.0])
     assert path.modules["arm"][-1, 7:] == pytest.approx([0.3, -0.2])
@@ -136,8 +136,8 @@ def test_slow_joints_take_longer() -> None:
     times = np.linspace(0, path.duration, SETTINGS.slices + 1)
     spline = CubicSpline(times, path.modules["arm"][:, 7:], bc_type="clamped")
     fastest = np.abs(spline(np.linspace(0, path.duration, 2001), 1)).max()
-    assert 0.44 < fastest <= 0.475 + 1e-9
-    assert path.duration * 10 == pytest.approx(round(path.duration * 10))
+    assert 0.49 < fastest <= 0.5
+    assert path.duration * 100 == pytest.approx(round(path.duration * 100))
 
 
 def test_a_path_that_tunnels_between_slices_is_caught() -> None:

@@ -19,6 +19,7 @@ from ....compiler.motion.collision import contacts
 from ...budget import Budget
 from ...skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton, Violation
 from ..settings import MotionSettings
+from ..timing import shortest_duration
 from .batch import Batch, excess_clearance, sweep, worst_clash
 from .geometry import make_parts
 from .kinematics import Indices, mounted_poses
@@ -33,9 +34,6 @@ NEARLY = 0.02
 """A path that misses its clearance by less, metres, is pushed away once more."""
 WIDER = Schedule(weight=1e4, widening=1.6)
 TO_THE_END = Schedule(weight=1e5, iterations=100, tolerance=1e-5)
-SPEED_SHARE = 0.95
-SHORTEST = 1.0
-"""Least duration of a phase, seconds."""
 
 
 @dataclass(slots=True)
@@ -308,19 +306,18 @@ def _paths(
     states: Sequence[tuple[Configuration, Configuration]], slices: int,
 ) -> list[PhasePath]:
     """Samples of everything in every phase: modules that rest in constant rows, bodies that are carried."""
-    motions = {
-        int(p): (g.paths[k], duration(g.batch, g.paths, k)) for g in groups for k, p in enumerate(g.batch.phases)
-    }
+    world = skeleton.problem.world
+    motions = {int(p): g.paths[k] for g in groups for k, p in enumerate(g.batch.phases)}
     paths = []
     for tree, (start, _) in zip(trees, states, strict=True):
-        values, seconds = motions.get(tree.phase, (np.zeros((slices + 1, 0)), SHORTEST))
+        values = motions.get(tree.phase, np.zeros((slices + 1, 0)))
         modules = {m: np.tile(state, (slices + 1, 1)) for m, state in start.modules.items()}
         for module, links in tree.links.items():
             modules[module][:, :7] = _poses(tree, links[-1], values, start.modules[module])
         for column, (module, joint) in enumerate(tree.variables):
             modules[module][:, 7 + joint] = values[:, column]
         bodies = {b: _poses(tree, mount, values, start.bodies[b]) for b, mount in tree.bodies.items()}
-        paths.append(PhasePath(modules, bodies, seconds))
+        paths.append(PhasePath(modules, bodies, shortest_duration(world, modules)))
     return paths
 
 
@@ -330,15 +327,3 @@ def _poses(tree: PhaseTree, mount: Mount, values: Array, before: Array) -> Array
     quaternions = np.concatenate([before[None, 3:7], poses[:, 3:]])
     flips = np.cumprod(np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0, -1.0, 1.0))
     return np.concatenate([poses[:, :3], poses[:, 3:] * flips[:, None]], axis=1)
-
-
-def duration(batch: Batch, paths: Array, phase: int) -> float:
-    """The shortest time of at least one second, in tenths, in which no joint exceeds its speed limit's share."""
-    from scipy.interpolate import CubicSpline
-
-    slices = batch.slices
-    a, b, c, _ = CubicSpline(np.arange(slices + 1), paths[phase], bc_type="clamped").c
-    turn = np.clip(np.where(np.abs(a) > 1e-12, -b / np.where(a == 0.0, 1.0, 3.0 * a), 0.0), 0.0, 1.0)
-    peaks = [np.abs((3.0 * a * u + 2.0 * b) * u + c).max(axis=0) for u in (0.0, 1.0, turn)]
-    slowest = float((np.max(peaks, axis=0) * slices / (SPEED_SHARE * batch.joints.speed[phase])).max(initial=0.0))
-    return max(SHORTEST, math.ceil(slowest * 10.0 - 1e-9) / 10.0)
