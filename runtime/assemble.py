@@ -44,12 +44,12 @@ def assemble(
     return record.Plan(
         format=record.FORMAT,
         versions=versions(),
-        task=_task(problem),
+        task=task_record(problem),
         modules=[module_record(m) for m in problem.world.modules.values()],
-        bodies=[_body(b) for b in problem.world.bodies.values()],
+        bodies=[body_record(b) for b in problem.world.bodies.values()],
         phases=phases,
-        final_mode=_literals(problem, skeleton.final_mode, {}),
-        times=_rows(np.concatenate([m.times for m in motions])) if motions else [0.0],
+        final_mode=literal_records(problem, skeleton.final_mode, {}),
+        times=rounded_row(np.concatenate([m.times for m in motions])) if motions else [0.0],
         tracks=[_track(m, motions) for m in problem.world.modules.values()],
         body_tracks=[_body_track(b, start.bodies[b], motions) for b in moving],
         splines=_splines(skeleton, paths),
@@ -80,12 +80,12 @@ def _resampled(problem: ir.Problem, skeleton: Skeleton, paths: Sequence[PhasePat
     return result
 
 
-def _rows(values: np.typing.NDArray[np.float64]) -> list[float]:
+def rounded_row(values: np.typing.NDArray[np.float64]) -> list[float]:
     rounded: list[float] = np.round(values, DIGITS).tolist()
     return rounded
 
 
-def _matrix(values: np.typing.NDArray[np.float64]) -> list[list[float]]:
+def rounded_rows(values: np.typing.NDArray[np.float64]) -> list[list[float]]:
     rounded: list[list[float]] = np.round(values, DIGITS).tolist()
     return rounded
 
@@ -93,7 +93,7 @@ def _matrix(values: np.typing.NDArray[np.float64]) -> list[list[float]]:
 def _track(module: ir.Module, motions: Sequence[Resampled]) -> record.TrackRecord:
     poses = [m.poses[module.name] for m in motions] or [np.array([module.pose])]
     joints = [m.joints[module.name] for m in motions] or [np.array([module.joints])]
-    return record.TrackRecord(module.name, _matrix(np.vstack(poses)), _matrix(np.vstack(joints)))
+    return record.TrackRecord(module.name, rounded_rows(np.vstack(poses)), rounded_rows(np.vstack(joints)))
 
 
 def _body_track(
@@ -107,7 +107,7 @@ def _body_track(
             poses = np.broadcast_to(pose, (len(motion.times), 7))
         rows.append(poses)
         pose = poses[-1]
-    return record.BodyTrackRecord(name, _matrix(np.vstack(rows)))
+    return record.BodyTrackRecord(name, rounded_rows(np.vstack(rows)))
 
 
 def _splines(skeleton: Skeleton, paths: Sequence[PhasePath]) -> list[record.SplineRecord]:
@@ -116,7 +116,7 @@ def _splines(skeleton: Skeleton, paths: Sequence[PhasePath]) -> list[record.Spli
         for name in skeleton.problem.world.modules:
             values = path.modules[name][:, 7:]
             knots = begin + np.linspace(0.0, path.duration, len(values))
-            result.append(record.SplineRecord(name, index, _rows(knots), _matrix(values)))
+            result.append(record.SplineRecord(name, index, rounded_row(knots), rounded_rows(values)))
         begin += path.duration
     return result
 
@@ -124,7 +124,7 @@ def _splines(skeleton: Skeleton, paths: Sequence[PhasePath]) -> list[record.Spli
 # --- the task ----------------------------------------------------------------------------------------------------
 
 
-def _task(problem: ir.Problem) -> record.TaskRecord:
+def task_record(problem: ir.Problem) -> record.TaskRecord:
     sources = [
         record.SourceRecord(s.path, s.text, hashlib.sha256(s.text.encode()).hexdigest()) for s in problem.sources
     ]
@@ -160,7 +160,7 @@ def module_record(module: ir.Module) -> record.ModuleRecord:
     )
 
 
-def _body(body: ir.Body) -> record.BodyRecord:
+def body_record(body: ir.Body) -> record.BodyRecord:
     return record.BodyRecord(body.name, body.type, _shape(body.shape), list(body.pose), body.movable)
 
 
@@ -194,16 +194,16 @@ def _phases(
                 place=place_of(rule.span) if rule else None,
                 start=round(float(motion.times[0]), DIGITS),
                 end=round(float(motion.times[-1]), DIGITS),
-                literals=_literals(problem, shown, before),
-                mode=_literals(problem, phase.mode, before),
-                added=_literals(problem, phase.added, places),
+                literals=literal_records(problem, shown, before),
+                mode=literal_records(problem, phase.mode, before),
+                added=literal_records(problem, phase.added, places),
             )
         )
         facts, previous = after, action
     return result
 
 
-def _literals(
+def literal_records(
     problem: ir.Problem, facts: frozenset[ir.Fact], places: Mapping[ir.Fact, Span | None]
 ) -> list[record.LiteralRecord]:
     """Literals in alphabetical order, each with the effect that added it, or else its declaration, as its place."""

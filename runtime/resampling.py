@@ -51,7 +51,8 @@ def resample(
     knots = np.linspace(0.0, path.duration, count + 1)
     times = np.linspace(0.0, path.duration, factor * count + 1)
     joints = {m: _spline(CubicSpline, knots, rows[:, 7:], times) for m, rows in path.modules.items()}
-    linker = _Linker(problem, joints, start, set(path.bodies), len(times))
+    own = {b: pose[None, :] for b, pose in start.bodies.items() if b not in path.bodies}
+    linker = Linker(problem, joints, start, own, len(times))
     linker.follow(kept_pairs(problem, mode))
     poses = {m: linker.poses.get(m) for m in path.modules}
     bodies = {b: linker.poses.get(b) for b in path.bodies}
@@ -79,19 +80,18 @@ def _between(knots: Array, poses: Array, times: Array) -> Array:
     return result
 
 
-class _Linker:
-    """Finds the poses of everything that is linked, through kept poses, to something at rest."""
+class Linker:
+    """Finds the `poses` of everything that is linked, through kept poses, to bodies whose `own` poses, `(1, 7)` or
+    `(count, 7)`, are known. `start` is the configuration in which linked things are as they are kept."""
 
     def __init__(
-        self, problem: Problem, joints: Mapping[str, Array], start: Configuration, moving: set[str], count: int
+        self, problem: Problem, joints: Mapping[str, Array], start: Configuration, own: Mapping[str, Array], count: int
     ) -> None:
         self._problem = problem
         self._joints = joints
         self._start = start
         self._count = count
-        self.poses: dict[str, Array] = {
-            b: pose[None, :] for b, pose in start.bodies.items() if b not in moving
-        }
+        self.poses: dict[str, Array] = dict(own)
 
     def follow(self, pairs: Sequence[tuple[str, str]]) -> None:
         """Take each pair of which one side is known, and find the other side's thing, until nothing is new."""
