@@ -24,8 +24,6 @@ FACTOR = 5
 """Samples of the plan file per sample of the planner."""
 DIGITS = 10
 """Decimals of metres, radians and seconds in the file."""
-NO_LIMIT = 1e9
-"""Stands for an infinite limit: JSON has no infinity."""
 PACKAGES = ("numpy", "casadi", "pin", "coal", "scipy")
 
 
@@ -138,7 +136,7 @@ def _shape(shape: ir.Shape) -> record.ShapeRecord:
 
 
 def _bounded(value: float) -> float:
-    return min(max(value, -NO_LIMIT), NO_LIMIT)
+    return min(max(value, -record.NO_LIMIT), record.NO_LIMIT)
 
 
 def module_record(module: ir.Module) -> record.ModuleRecord:
@@ -146,7 +144,7 @@ def module_record(module: ir.Module) -> record.ModuleRecord:
     joints = [
         record.JointRecord(
             j.name, j.kind, j.parent, list(j.placement), list(j.axis),
-            _bounded(j.lower), _bounded(j.upper), _bounded(j.speed),
+            _bounded(j.lower), _bounded(j.upper), _bounded(j.speed), _bounded(j.acceleration),
         )
         for j in module.type.joints
     ]  # fmt: skip

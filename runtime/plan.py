@@ -12,6 +12,8 @@ from pathlib import Path
 import msgspec
 
 FORMAT = "tamplang-plan/1"
+NO_LIMIT = 1e9
+"""Stands for an infinite limit: JSON has no infinity."""
 
 
 class PlanFileError(Exception):
@@ -32,6 +34,7 @@ class JointRecord(msgspec.Struct, frozen=True):
     lower: float
     upper: float
     speed: float
+    acceleration: float = NO_LIMIT
 
 
 class EffectorRecord(msgspec.Struct, frozen=True):

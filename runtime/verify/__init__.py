@@ -7,7 +7,8 @@ It shares no code with solver, search or constraint builder; of the compiler it 
     structure.py   sizes, finite numbers, unit quaternions, time stamps
     kinematics.py  Pinocchio forward kinematics of every sample
     constraints.py motion predicates at switches, during intervals, and what they keep constant
-    motion.py      start, continuity, splines, joint limits and speeds, rest
+    motion.py      start, continuity, splines, joint limits, rest
+    rates.py       speeds and accelerations of joints
     collision.py   penetration along the swept motion, by coal
     limits.py      the table of limits
 """

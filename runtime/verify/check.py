@@ -12,6 +12,7 @@ from .constraints import check_constraints
 from .findings import Findings, place_of
 from .kinematics import Kinematics, motion_of
 from .motion import check_motion
+from .rates import check_rates
 from .replay import replay
 from .scene import check_scene, check_sources
 from .structure import check_structure
@@ -86,6 +87,7 @@ def _examine(plan: Plan, problem: ir.Problem, findings: Findings) -> VerdictReco
         kinematics = {m.name: Kinematics(m) for m in plan.modules}
         motion = motion_of(plan, kinematics)
         check_motion(problem, plan, story, motion, findings)
+        check_rates(problem, plan, motion, findings)
         check_constraints(problem, plan, story, motion, findings)
         check_collisions(plan, motion, kinematics, findings)
     return findings.verdict()

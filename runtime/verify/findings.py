@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 from ...langs.source import Span
-from ..plan import FailureRecord, MeasureRecord, PlaceRecord, VerdictRecord
-from .limits import LIMITS, unit_of
+from ..plan import NO_LIMIT, FailureRecord, MeasureRecord, PlaceRecord, VerdictRecord
+from .limits import LIMITS, RATE_SLACK, RATES, unit_of
 
 
 def place_of(span: Span | None) -> PlaceRecord | None:
@@ -15,7 +15,7 @@ def place_of(span: Span | None) -> PlaceRecord | None:
     return None if span is None else PlaceRecord(span.file, span.line, span.column)
 
 
-UNMEASURABLE = 1e9
+UNMEASURABLE = 1e10
 """Stands for a figure that is infinite or no number: JSON has neither."""
 
 
@@ -51,14 +51,17 @@ class Findings:
         time: float | None = None,
         between: Sequence[str] = (),
         place: PlaceRecord | None = None,
+        limit: float | None = None,
     ) -> bool:
-        """Record one figure of a kind in the table of limits; a failure when it is over. True when it is kept."""
-        limit, unit = LIMITS[kind], unit_of(kind)
+        """Record one figure of a kind; a failure when it is over its limit in the table, for rates over `limit`. True when
+        it is kept."""
+        slack = 1.0 if limit is None else RATE_SLACK
+        limit, unit = LIMITS[kind] if limit is None else min(limit, NO_LIMIT), unit_of(kind)
         amount = float(amount) if math.isfinite(amount) else UNMEASURABLE
         worst = self.measures.get(kind)
-        if worst is None or amount > worst.amount:
+        if worst is None or amount * worst.limit > worst.amount * limit:
             self.measures[kind] = MeasureRecord(kind, amount, limit, unit, time, list(between), place)
-        if amount <= limit:
+        if amount <= limit * slack:
             return True
         figures = f"{amount:.3g} {unit}".rstrip() + f", limit {limit:g}"
         self.fail(kind, f"{message}: {figures}", amount=amount, unit=unit, time=time, between=between, place=place)
@@ -66,6 +69,6 @@ class Findings:
 
     def verdict(self) -> VerdictRecord:
         """What was found; verified when nothing failed."""
-        measures = [self.measures[k] for k in LIMITS if k in self.measures]
+        measures = [self.measures[k] for k in (*LIMITS, *RATES) if k in self.measures]
         worst = {m.kind: m.amount for m in measures}
         return VerdictRecord(not self.failures, worst, measures, self.failures, self.residuals)

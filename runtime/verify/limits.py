@@ -14,7 +14,6 @@ LIMITS: dict[str, float] = {
     "penetration_m": 1e-3,
     "joint_limit_rad": 1e-3,
     "joint_limit_m": 1e-3,
-    "joint_speed_ratio": 1.05,
     "start_m": 1e-6,
     "start_rad": 1e-6,
     "jump_m": 1e-5,
@@ -27,12 +26,16 @@ LIMITS: dict[str, float] = {
 }
 """position, gap, orientation, residual: rows of motion predicates at switches, by the unit of the row; during: the
 same while a literal holds. slip: change of what a `keep` row holds constant. penetration: overlap of two shapes.
-joint_speed_ratio: speed over the joint's own limit. start: first sample against the scene. jump: between the two
+start: first sample against the scene. jump: between the two
 samples at a switch. spline: stored joints against the stored splines. rest: motion of what nothing carries."""
 
-UNITS = {"m": "m", "rad": "rad", "s": "s", "ratio": "ratio"}
+RATES = ("joint_speed_rad_s", "joint_speed_m_s", "joint_acceleration_rad_s2", "joint_acceleration_m_s2")
+"""Figures whose limit is that of the joint; the worst is the one that comes closest to it, or is farthest above."""
+RATE_SLACK = 1.001
+"""By what factor a rate may be above its limit: stored figures are rounded."""
+UNITS = {"_rad_s2": "rad/s²", "_m_s2": "m/s²", "_rad_s": "rad/s", "_m_s": "m/s", "_m": "m", "_rad": "rad", "_s": "s"}
 
 
 def unit_of(kind: str) -> str:
     """The unit that the name of a measure ends with; "" for a plain number."""
-    return UNITS.get(kind.rpartition("_")[2], "")
+    return next((unit for end, unit in UNITS.items() if kind.endswith(end)), "")

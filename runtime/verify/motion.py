@@ -1,4 +1,4 @@
-"""The motion itself: start, continuity, splines, joint limits and speeds, and that what nothing carries stays put."""
+"""The motion itself: start, continuity, splines, joint limits, and that what nothing carries stays put."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from .kinematics import Motion
 from .limits import LIMITS
 from .replay import Story
 
-SPEED_SAMPLES = 10
-"""Speeds are read from a spline at so many points per knot interval."""
+SPLINE_SAMPLES = 10
+"""Limits are read from a spline at so many points per knot interval."""
 
 
 def check_motion(
@@ -26,7 +26,6 @@ def check_motion(
     _check_jumps(motion, findings)
     for module in plan.modules:
         _check_limits(module, motion.joints[module.name], motion.times, findings)
-        _check_speeds(module, motion, findings)
     _check_splines(plan, motion, findings)
     for name in sorted(motion.moving):
         if name in problem.world.bodies and not problem.world.bodies[name].movable:
@@ -81,29 +80,8 @@ def _check_limits(module: ModuleRecord, rows: Array, times: Array, findings: Fin
         )
 
 
-def _check_speeds(module: ModuleRecord, motion: Motion, findings: Findings) -> None:
-    """Differences of neighbouring samples: what a player of the samples would see."""
-    limits = np.array([j.speed for j in module.joints])
-    for first, last in motion.ranges:
-        steps = np.diff(motion.times[first : last + 1])
-        if not len(limits) or not len(steps):
-            continue
-        speeds = np.abs(np.diff(motion.joints[module.name][first : last + 1], axis=0)) / steps[:, None]
-        _record_speed(module, speeds / limits, motion.times[first:last], findings)
-
-
-def _record_speed(module: ModuleRecord, ratios: Array, times: Array, findings: Findings) -> None:
-    at, joint = np.unravel_index(int(np.argmax(ratios)), ratios.shape)
-    name = module.joints[int(joint)].name
-    message = f"joint {name} of {module.name} is faster than its limit"
-    findings.measure(
-        "joint_speed_ratio", float(ratios[at, joint]), message,
-        time=float(times[at]), between=[module.name, name],
-    )  # fmt: skip
-
-
 def _check_splines(plan: Plan, motion: Motion, findings: Findings) -> None:
-    """Stored joint values lie on the stored splines, whose speed keeps the limits, too."""
+    """Stored joint values lie on the stored splines, which keep the limits, too."""
     from scipy.interpolate import CubicSpline
 
     modules = {m.name: m for m in plan.modules}
@@ -121,9 +99,7 @@ def _check_splines(plan: Plan, motion: Motion, findings: Findings) -> None:
             "spline_rad", float(off[at, joint]), message,
             time=float(motion.times[first + at]), between=[module.name],
         )  # fmt: skip
-        times = np.linspace(knots[0], knots[-1], SPEED_SAMPLES * (len(knots) - 1) + 1)
-        limits = np.array([j.speed for j in module.joints])
-        _record_speed(module, np.abs(curve(times, 1)) / limits, times, findings)
+        times = np.linspace(knots[0], knots[-1], SPLINE_SAMPLES * (len(knots) - 1) + 1)
         _check_limits(module, curve(times), times, findings)
 
 

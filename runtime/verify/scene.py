@@ -8,12 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...compiler import ir
-from ..plan import BodyRecord, ModuleRecord, Plan, ShapeRecord
+from ..plan import NO_LIMIT, BodyRecord, ModuleRecord, Plan, ShapeRecord
 from .findings import Findings
 
 TOLERANCE = 1e-9
-NO_LIMIT = 1e9
-"""Stands for an infinite limit in a plan file."""
 
 
 def check_sources(plan: Plan, findings: Findings) -> bool:
@@ -70,6 +68,8 @@ def _module_differences(record: ModuleRecord, module: ir.Module) -> list[str]:
     else:
         for a, b in zip(record.joints, kind.joints, strict=True):
             numbers = _near([a.lower, a.upper, a.speed], _bounded(b.lower, b.upper, b.speed))
+            # Files from before there were accelerations do not state them; the motion must keep them all the same.
+            numbers = numbers and (a.acceleration == NO_LIMIT or _near([a.acceleration], _bounded(b.acceleration)))
             frame = _near(a.placement, b.placement) and _near(a.axis, b.axis)
             if not (numbers and frame and (a.kind, a.parent) == (b.kind, b.parent)):
                 found.append(f"joint {a.name}")

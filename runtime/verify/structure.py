@@ -111,9 +111,10 @@ def _check_module(module: ModuleRecord, findings: Findings) -> None:
         findings.fail("structure", f"{name} does not have {count} finite start values", between=[name])
     for index, joint in enumerate(module.joints):
         _check_poses([joint.placement], 1, f"placement of {name} {joint.name}", name, findings)
-        numbers = [*joint.axis, joint.lower, joint.upper, joint.speed]
-        good = _numbers([numbers], 6) and any(joint.axis) and joint.kind in ("revolute", "prismatic")
-        if not good or not -1 <= joint.parent < index or joint.lower > joint.upper or joint.speed <= 0:
+        numbers = [*joint.axis, joint.lower, joint.upper, joint.speed, joint.acceleration]
+        good = _numbers([numbers], 7) and any(joint.axis) and joint.kind in ("revolute", "prismatic")
+        good = good and min(joint.speed, joint.acceleration) > 0
+        if not good or not -1 <= joint.parent < index or joint.lower > joint.upper:
             findings.fail("structure", f"{name} has a joint {joint.name} that makes no sense", between=[name])
     for effector in module.effectors:
         where = f"{name}.{effector.name}"

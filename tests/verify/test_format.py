@@ -15,7 +15,7 @@ import pytest
 from tamplang.runtime import plan as record
 from tamplang.runtime.plan import Plan
 from tamplang.runtime.verify.kinematics import Kinematics, motion_of
-from tamplang.runtime.verify.limits import LIMITS
+from tamplang.runtime.verify.limits import LIMITS, RATES
 
 PAGE = (Path(__file__).parents[2] / "docs" / "plan-format.md").read_text(encoding="utf-8")
 
@@ -53,7 +53,7 @@ def test_every_field_and_measure_is_described() -> None:
     fields = {f for s in structs if s not in (msgspec.Struct, record.SearchNode) for f in s.__struct_fields__}
     words = set(re.findall(r"\w+", PAGE))
     assert fields - words == set()
-    assert set(LIMITS) - {"time_s"} <= words
+    assert {*LIMITS, *RATES} - {"time_s"} <= words
 
 
 def test_the_documented_limits_are_those_of_the_checker() -> None:

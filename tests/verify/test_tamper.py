@@ -287,7 +287,7 @@ CASES: list[tuple[Callable[[Data], None], str]] = [
     (stretch_quaternion, "quaternion"),
     (time_backwards, "times"),
     (no_times, "times"),
-    (hurry, "joint_speed_ratio"),
+    (hurry, "joint_speed_rad_s"),
     (drop_spline, "structure"),
     (change_spline, "spline_rad"),
     (move_resting_body, "rest"),

@@ -1,0 +1,89 @@
+"""Speeds and accelerations of joints: from the stored splines, exactly, and from the samples."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...compiler import ir
+from ..plan import NO_LIMIT, ModuleRecord, Plan
+from .findings import Findings
+from .geometry import Array
+from .kinematics import Motion
+
+WORDS = {"speed": "is faster than its limit", "acceleration": "speeds up or slows down harder than its limit"}
+ENDS = {("speed", "revolute"): "rad_s", ("speed", "prismatic"): "m_s",
+        ("acceleration", "revolute"): "rad_s2", ("acceleration", "prismatic"): "m_s2"}  # fmt: skip
+
+
+def check_rates(problem: ir.Problem, plan: Plan, motion: Motion, findings: Findings) -> None:
+    """Every joint keeps the limits that its module type gives, in every phase."""
+    modules = {m.name: m for m in plan.modules if m.joints}
+    for module in modules.values():
+        for first, last in motion.ranges:
+            _check_samples(problem, module, motion, first, last, findings)
+    for spline in plan.splines:
+        if spline.module in modules:
+            knots, values = np.asarray(spline.knots), np.asarray(spline.values)
+            _check_spline(problem, modules[spline.module], knots, values, findings)
+
+
+def _check_samples(
+    problem: ir.Problem, module: ModuleRecord, motion: Motion, first: int, last: int, findings: Findings
+) -> None:
+    """Differences of neighbouring samples: what a player of the samples would see."""
+    times, joints = motion.times[first : last + 1], motion.joints[module.name][first : last + 1]
+    steps = np.diff(times)[:, None]
+    if not len(steps):
+        return
+    speeds = np.diff(joints, axis=0) / steps
+    _record(problem, module, "speed", speeds, times[1:], findings)
+    if len(steps) > 1:
+        changes = 2.0 * np.diff(speeds, axis=0) / (steps[1:] + steps[:-1])
+        _record(problem, module, "acceleration", changes, times[1:-1], findings)
+
+
+def _check_spline(problem: ir.Problem, module: ModuleRecord, knots: Array, values: Array, findings: Findings) -> None:
+    """The acceleration of a cubic spline is linear between knots: it is greatest at one of them, and the speed there or
+    where the acceleration is zero."""
+    from scipy.interpolate import CubicSpline
+
+    curve = CubicSpline(knots, values, bc_type="clamped")
+    _record(problem, module, "acceleration", curve(knots, 2), knots, findings)
+    _record(problem, module, "speed", curve(knots, 1), knots, findings)
+    for index in range(len(module.joints)):
+        cubic, square = curve.c[0, :, index], curve.c[1, :, index]
+        bent = np.abs(cubic) > 1e-12
+        turns = knots[:-1] + np.where(bent, -square / np.where(bent, 3.0 * cubic, 1.0), 0.0)
+        turns = turns[(turns > knots[:-1]) & (turns < knots[1:])]
+        if len(turns):
+            rates = np.zeros((len(turns), len(module.joints)))
+            rates[:, index] = curve(turns, 1)[:, index]
+            _record(problem, module, "speed", rates, turns, findings)
+
+
+def _record(
+    problem: ir.Problem, module: ModuleRecord, what: str, rates: Array, times: Array, findings: Findings
+) -> None:
+    """Enter the greatest rate of each kind of joint, by its share of the limit; rates are `(times, joints)`."""
+    joints = problem.world.modules[module.name].type.joints
+    limits = np.array([min(NO_LIMIT, j.speed if what == "speed" else j.acceleration) for j in joints])
+    for kind in ("revolute", "prismatic"):
+        columns = [i for i, j in enumerate(joints) if j.kind == kind]
+        if columns:
+            _record_kind(module, joints, what, columns, np.abs(rates), limits, times, findings)
+
+
+def _record_kind(
+    module: ModuleRecord, joints: Sequence[ir.Joint], what: str, columns: Sequence[int], rates: Array, limits: Array,
+    times: Array, findings: Findings,
+) -> None:  # fmt: skip
+    shares = rates[:, columns] / limits[columns]
+    at, place = np.unravel_index(int(np.argmax(shares)), shares.shape)
+    joint = joints[columns[int(place)]]
+    message = f"joint {joint.name} of {module.name} {WORDS[what]}"
+    findings.measure(
+        f"joint_{what}_{ENDS[what, joint.kind]}", float(rates[at, columns[int(place)]]), message,
+        time=float(times[at]), between=[module.name, joint.name], limit=float(limits[columns[int(place)]]),
+    )  # fmt: skip

@@ -1,0 +1,94 @@
+"""Speeds and accelerations of joints, as the checker measures them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import msgspec
+import numpy as np
+import pytest
+
+from tamplang.compiler import ir
+from tamplang.compiler.pipeline import compile_text
+from tamplang.runtime.plan import Plan
+from tamplang.runtime.verify import check, verify
+
+from .motions import Maker
+
+TEXT = """
+import std.crawler
+predicate (waved c: module)
+rule wave(c: module) {
+    pre   not (waved c)
+    post  (waved c)
+}
+task wave() {
+    object slab: box(0.2 m, 0.2 m, 0.05 m) at (0, 0, 0)
+    crawler c: A on slab
+    goal (waved c)
+}
+"""
+
+
+def wave(joint: int = 6, seconds: float = 8.0) -> Plan:
+    """One joint turns by 3 rad, by a spline through 0, 1.5 and 3 rad."""
+    maker = Maker(TEXT, "wave")
+    maker.phase("wave", ("c",), [maker.now.modules["c"][7:] + 3.0 * np.eye(7)[joint]], seconds=seconds, samples=2)
+    return maker.plan()
+
+
+def limited(**limits: float) -> ir.Problem:
+    """The task with other limits of its joints."""
+    problem, _ = compile_text(TEXT, "wave.tamp", "wave")
+    crawler = problem.world.modules["c"]
+    kind = replace(crawler.type, joints=tuple(replace(j, **limits) for j in crawler.type.joints))
+    return replace(problem, world=replace(problem.world, modules={"c": replace(crawler, type=kind)}))
+
+
+def with_limits(plan: Plan, **limits: float) -> Plan:
+    """The plan file of the task with these limits."""
+    module = plan.modules[0]
+    joints = [msgspec.structs.replace(joint, **limits) for joint in module.joints]
+    return msgspec.structs.replace(plan, modules=[msgspec.structs.replace(module, joints=joints)])
+
+
+def test_rates_are_those_of_the_spline() -> None:
+    """Half way the speed is 3/4 of 3 rad in 4 s, and the acceleration at the ends is a quarter of twice that."""
+    worst = verify(wave()).worst
+    assert worst["joint_speed_rad_s"] == pytest.approx(0.5625)
+    assert worst["joint_acceleration_rad_s2"] == pytest.approx(0.28125)
+    assert "joint_speed_m_s" not in worst and "joint_acceleration_m_s2" not in worst
+
+
+@pytest.mark.parametrize(("name", "peak"), [("speed", 0.5625), ("acceleration", 0.28125)])
+def test_a_limit_is_kept_to_a_thousandth(name: str, peak: float) -> None:
+    for limit, kept in ((peak / 1.0005, True), (peak / 1.002, False)):
+        verdict = check(with_limits(wave(), **{name: limit}), limited(**{name: limit}))
+        assert verdict.verified is kept
+        assert [(f.kind.rpartition("_rad")[0], f.between) for f in verdict.failures[:1]] == (
+            [] if kept else [(f"joint_{name}", ["c", "j7"])]
+        )
+        measure = next(m for m in verdict.measures if m.kind.startswith(f"joint_{name}"))
+        assert measure.limit == pytest.approx(limit) and measure.unit in ("rad/s", "rad/s²")
+
+
+def test_a_file_that_states_another_limit_than_the_task_is_refused() -> None:
+    verdict = check(with_limits(wave(), acceleration=0.3), limited(acceleration=0.29))
+    assert {f.kind for f in verdict.failures} == {"scene"}
+
+
+def test_a_file_from_before_there_were_accelerations_is_judged_by_the_task() -> None:
+    data = msgspec.to_builtins(wave())
+    for joint in data["modules"][0]["joints"]:
+        del joint["acceleration"]
+    old = msgspec.convert(data, Plan)
+    assert check(old, limited(acceleration=0.3)).verified
+    assert {f.kind for f in check(old, limited(acceleration=0.2)).failures} == {"joint_acceleration_rad_s2"}
+
+
+def test_samples_that_jerk_are_refused_by_their_own_differences() -> None:
+    """Time stamps squeezed in the middle of the phase: positions on the way, but not at their time."""
+    data = msgspec.to_builtins(wave())
+    data["times"][5] = data["times"][4] + 1e-3
+    failures = verify(msgspec.convert(data, Plan)).failures
+    assert "joint_speed_rad_s" in {f.kind for f in failures}
