@@ -100,9 +100,18 @@ class Bounds:
         self.experience = Experience(problem)
         self.tries: int | None = QUICK
 
-    def judge(self, skeleton: Skeleton, strains: Sequence[float]) -> Judgement:
+    def restart(self, problem: Problem, seed: int, budget: Budget) -> None:
+        """Go on with the same task begun from another state (`horizon.state`): what was learnt of phases wherever they
+        start stays."""
+        self.problem, self.seed, self.budget = problem, seed, budget
+        self.tries = QUICK
+        self._windows.clear()
+        self.experience.leave_start()
+
+    def judge(self, skeleton: Skeleton, strains: Sequence[float], motions: int | None = None) -> Judgement:
         """Take a skeleton through the bounds; `strains` tells how close the conditions of each action are to their
-        limits (`search.roomy`). Raises OutOfTime."""
+        limits (`search.roomy`). With `motions` only so many phases get their motion, and P_seq looks farther ahead.
+        Raises OutOfTime."""
         expected = self.experience.expected_refusals(skeleton.phases, strains)
         if expected:
             return Judgement(False, conflicts=[Conflict(EXPECTED, *window, ()) for window in expected])
@@ -112,6 +121,9 @@ class Bounds:
             if sequence.feasible:
                 if self.finest == "seq":
                     return Judgement(True)
+                if motions is not None and motions < len(skeleton):
+                    skeleton = beginning(skeleton, motions)
+                    sequence = replace(sequence, configurations=sequence.configurations[: motions + 1])
                 if not skeleton.phases:
                     return Judgement(True, paths=[])
                 return self._paths(skeleton, sequence)
@@ -203,8 +215,7 @@ class Bounds:
         return result
 
     def _prefix(self, skeleton: Skeleton, length: int) -> BoundResult:
-        prefix = replace(skeleton, phases=skeleton.phases[:length], final_mode=skeleton.phases[length].mode)
-        return self._sequence(prefix, self.seed, None)
+        return self._sequence(beginning(skeleton, length), self.seed, None)
 
     def _shrink(self, skeleton: Skeleton, refused: BoundResult) -> Conflict:
         """A minimal contiguous conflict behind a refused P_seq, by deletion: first phases from the end, halving, then
@@ -284,6 +295,13 @@ class Bounds:
 
     def _count(self, bound: str, feasible: bool) -> None:
         self._counts[bound][0 if feasible else 1] += 1
+
+
+def beginning(skeleton: Skeleton, length: int) -> Skeleton:
+    """The first phases of a skeleton."""
+    if length >= len(skeleton):
+        return skeleton
+    return replace(skeleton, phases=skeleton.phases[:length], final_mode=skeleton.phases[length].mode)
 
 
 def _blame(bound: str, refused: BoundResult, blamed: Sequence[set[int]], phases: int) -> Conflict:

@@ -63,6 +63,10 @@ class Experience:
                         break
         return found
 
+    def leave_start(self) -> None:
+        """Drop the refusals that hold from the start only: the run goes on from another state."""
+        self._refused = {key: known for key, known in self._refused.items() if not key[1]}
+
     def forget(self) -> None:
         """Drop the refusals."""
         self._refused.clear()
@@ -87,9 +91,11 @@ class Experience:
         return actions, relations
 
     def _relations(self, phases: Sequence[Phase]) -> list[Fact]:
-        """The motion literals before a window that tie its modules, and what is tied to them, to anything."""
-        modules = self.problem.world.modules
-        concerned = {_owner(name) for phase in phases for name in objects_of(phase.action)} & modules.keys()
+        """The motion literals before a window that tie its modules and things, and what is tied to them, to
+        anything."""
+        world = self.problem.world
+        movers = world.modules.keys() | {name for name, body in world.bodies.items() if body.movable}
+        concerned = {_owner(name) for phase in phases for name in objects_of(phase.action)} & movers
         found: list[Fact] = []
         waiting = sorted(phases[0].mode)
         grown = True
@@ -97,7 +103,7 @@ class Experience:
             tied = [fact for fact in waiting if any(_owner(arg) in concerned for arg in fact[1:])]
             waiting = [fact for fact in waiting if fact not in tied]
             found += tied
-            more = {_owner(arg) for fact in tied for arg in fact[1:]} & modules.keys()
+            more = {_owner(arg) for fact in tied for arg in fact[1:]} & movers
             grown = not more <= concerned
             concerned |= more
         return found

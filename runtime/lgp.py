@@ -100,7 +100,7 @@ class _Run:
         self.accepted: list[Candidate] = []
         self.distrusted: list[Plan] = []
         self.first_bound: float | None = None
-        settings = _motion_settings(problem, options)
+        settings = motion_settings(problem, options)
         self.bounds = Bounds(problem, settings, options.bound, options.seed, self.budget, self._tell)
         self.refusals = Refusals(problem)
         self.search: SkeletonSearch | None = None
@@ -218,7 +218,7 @@ class _Run:
         )
 
 
-def _motion_settings(problem: Problem, options: SolveOptions) -> MotionSettings:
+def motion_settings(problem: Problem, options: SolveOptions) -> MotionSettings:
     settings = MotionSettings(solver=options.solver)
     slices = options.slices or problem.options.slices
     if slices is not None:

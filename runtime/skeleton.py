@@ -34,6 +34,8 @@ class Skeleton:
     problem: Problem
     phases: tuple[Phase, ...]
     final_mode: frozenset[Fact]
+    coming: tuple[tuple[str, str], ...] = ()
+    """Bodies, each with a thing that will be put down on it after the last phase: room must be left for it."""
 
     def __len__(self) -> int:
         return len(self.phases)

@@ -69,7 +69,8 @@ def places(skeleton: Skeleton) -> Places:
     world = skeleton.problem.world
     result: Places = {}
     for base, put_down in _put_down(skeleton).items():
-        things = list(dict.fromkeys(name for _, name in put_down))
+        later = [thing for body, thing in skeleton.coming if body == base]
+        things = list(dict.fromkeys([*(name for _, name in put_down), *later]))
         if len(things) < MANY:
             continue
         radius = max(float(np.hypot(*outline(world.bodies[name]))) / 2 for name in things)

@@ -1,0 +1,256 @@
+"""One window of a receding horizon (thesis, section 3.5): actions to the goal, motion for the first of them.
+
+`plan_window` looks for actions from the reached state to the goal, or to its next parts where that is long, and judges
+the motion of the first `horizon` of them. P_seq looks some phases farther ahead, so that a window seldom ends where it
+cannot go on. Conditions that measure the scene are read as it is when the window is planned; assembler and verifier do
+the same at every window.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+from ...compiler import ir
+from ...compiler.symbolic.successors import Successors
+from ..bounds import EXPECTED, Bounds, beginning
+from ..budget import Budget
+from ..lgp import SolveOptions, motion_settings
+from ..refusals import Refusals
+from ..search.best_first import Candidate, SkeletonSearch
+from ..search.roomy import Strain, Surcharge, roomier
+from ..search.skeletons import build_skeleton
+from ..skeleton import PhasePath, Skeleton
+from .goals import ordered, parts_of, told, unmet
+from .state import Reached, after, reached_problem
+
+LOOKAHEAD = 2
+"""P_seq looks so many phases beyond the window."""
+FEW_PARTS = 3
+"""Up to so many unmet parts of the goal are planned for at once from the first try on."""
+NODES, MORE_NODES = 3000, 30000
+"""Nodes that a search for the cheapest plan may expand, and then a hurried one."""
+CANDIDATES = 24
+"""Plans that are judged for one goal of one window."""
+
+PLANNED, DONE, STUCK, INFEASIBLE = "planned", "done", "stuck", "infeasible"
+
+
+@dataclass(frozen=True, slots=True)
+class Window:
+    """What planning from one state gave. `status` is "planned", "done" (the goal holds), "stuck" (every way was
+    refused) or "infeasible" (proved: no actions lead to the goal from here). `actions` is the way to the goal, or to
+    its next parts, as seen now; `skeleton`, which begins at `problem`, and `paths` are its first `len(paths)` phases;
+    `reached` is the state after them. `unmet` tells the parts of the goal that do not hold at the start of the window,
+    in the order in which they are planned for; `refused` counts refused candidates."""
+
+    status: str
+    problem: ir.Problem
+    actions: tuple[ir.Action, ...]
+    skeleton: Skeleton
+    paths: tuple[PhasePath, ...]
+    reached: Reached
+    seconds: float
+    unmet: tuple[str, ...]
+    refused: int
+    tree_nodes: int = 0
+    expanded_nodes: int = 0
+
+
+@dataclass(slots=True)
+class Memory:
+    """What windows hand on to later ones; of a size that does not grow with the number of windows."""
+
+    bounds: Bounds
+    refusals: Refusals
+    order: list[ir.Formula] = field(default_factory=list)
+    """The parts of the goal, in the order in which they should be reached."""
+    group: int = 1
+    """How many parts of the goal make a plan that is long enough."""
+
+
+def remember(
+    problem: ir.Problem, options: SolveOptions, budget: Budget, tell: Callable[[str, str], None] | None = None
+) -> Memory:
+    """The memory of a new run. Make a new one when a module has failed: what motion can do is another thing then."""
+    told_to = tell or (lambda stage, message: None)
+    bounds = Bounds(problem, motion_settings(problem, options), options.bound, options.seed, budget, told_to)
+    return Memory(bounds, Refusals(problem))
+
+
+def plan_window(
+    problem: ir.Problem,
+    reached: Reached,
+    options: SolveOptions,
+    horizon: int,
+    budget: Budget,
+    memory: Memory,
+    *,
+    seed: int | None = None,
+    forbidden: Sequence[tuple[ir.Action, ...]] = (),
+    lookahead: int = LOOKAHEAD,
+) -> Window:
+    """Plan from `reached` on: actions that do not begin with one of `forbidden`, motion for the first `horizon` of
+    them. `problem` is the task; its own start does not matter. Another `seed` gives other motions. Raises OutOfTime,
+    ReplayError, MissingLibrary."""
+    here = reached_problem(problem, reached)
+    memory.bounds.restart(here, options.seed if seed is None else seed, budget)
+    planner = _Planner(here, reached, options, horizon, budget, memory, tuple(forbidden), lookahead)
+    return planner.run()
+
+
+class _Planner:
+    """The planning of one window."""
+
+    def __init__(
+        self, problem: ir.Problem, reached: Reached, options: SolveOptions, horizon: int, budget: Budget,
+        memory: Memory, forbidden: tuple[tuple[ir.Action, ...], ...], lookahead: int,
+    ) -> None:  # fmt: skip
+        self.problem, self.reached, self.options = problem, reached, options
+        self.horizon, self.budget, self.memory = horizon, budget, memory
+        self.forbidden = list(forbidden)
+        self.lookahead = lookahead
+        self.began = time.monotonic()
+        self.refused = self.tree_nodes = self.expanded_nodes = 0
+        self.proved = False
+        self.unmet: list[ir.Formula] = []
+
+    def run(self) -> Window:
+        if not self.memory.order:
+            with self.memory.bounds.clock("compile"):
+                self.memory.order = ordered(Successors(self.problem), parts_of(self.problem))
+        self.unmet = unmet(self.problem, self.reached.facts, self.memory.order)
+        if not self.unmet:
+            return self._window(DONE)
+        for goal, method, nodes in self._goals():
+            found = self._try(goal, method, nodes)
+            if found is not None:
+                return found
+            if self.proved:
+                return self._window(INFEASIBLE)
+        return self._window(STUCK)
+
+    def _goals(self) -> Iterator[tuple[ir.Formula, str, int]]:
+        """What is planned for, by which method, with how many nodes: the whole goal where that is short, else what
+        holds already and the next parts of it, in growing groups."""
+        method = self.options.search
+        limits = [(method, NODES), ("wastar" if method == "astar" else method, MORE_NODES)]
+        count = len(self.unmet)
+        if count <= FEW_PARTS:
+            for name, nodes in limits:
+                yield self.problem.goal, name, nodes
+        size = min(self.memory.group, count)
+        while True:
+            for name, nodes in limits if size <= FEW_PARTS or size < count else limits[1:]:
+                yield self._protected(self.unmet[:size]), name, nodes
+            if size == count:
+                return
+            size = min(2 * size, count)
+
+    def _protected(self, parts: Sequence[ir.Formula]) -> ir.Formula:
+        """The parts of the goal that hold, and some that do not yet."""
+        held = [part for part in self.memory.order if part not in self.unmet]
+        return ir.And((*held, *parts))
+
+    def _try(self, goal: ir.Formula, method: str, nodes: int) -> Window | None:
+        """Candidates for one goal until one gets its motion."""
+        clock = self.memory.bounds.clock
+        with clock("compile"):
+            problem = replace(self.problem, goal=goal)
+            successors = Successors(problem)
+            search = SkeletonSearch(problem, successors, method, self.budget, nodes)
+        strain = Strain(successors)
+        surcharge = Surcharge(strain)
+        for actions in self.forbidden:
+            forbid(search, actions)
+        again = False
+        try:
+            for _ in range(CANDIDATES):
+                self.budget.check()
+                self.memory.bounds.tell("search", f"searching for a way to {len(self.unmet)} parts of the goal")
+                with clock("search"):
+                    candidate = search.next()
+                    if candidate is not None:
+                        candidate = roomier(search, strain, candidate)
+                if candidate is None:
+                    whole = len(self.unmet) <= FEW_PARTS or goal == self.problem.goal
+                    self.proved = search.status == "infeasible" and whole and not self.forbidden
+                    if search.status != "exhausted" or again or not search.readmit():
+                        return None
+                    again = True
+                    self.memory.bounds.try_harder()
+                    continue
+                if self._too_short(candidate, goal):
+                    return None
+                found = self._judge(search, strain, surcharge, candidate)
+                if found is not None:
+                    return found
+        finally:
+            self.tree_nodes += search.tree_nodes
+            self.expanded_nodes += search.expanded_nodes
+        return None
+
+    def _too_short(self, candidate: Candidate, goal: ir.Formula) -> bool:
+        """Whether a plan for some parts of the goal ends before the window does; then more parts are planned for."""
+        rest = isinstance(goal, ir.And) and any(part not in goal.operands for part in self.unmet)
+        if not rest or goal == self.problem.goal or len(candidate.actions) >= self.horizon + self.lookahead:
+            return False
+        self.memory.group = min(len(self.unmet), self.memory.group + 1)
+        return True
+
+    def _judge(
+        self, search: SkeletonSearch, strain: Strain, surcharge: Surcharge, candidate: Candidate
+    ) -> Window | None:
+        skeleton = build_skeleton(self.problem, candidate.actions, search.successors)
+        seen = beginning(skeleton, self.horizon + self.lookahead)
+        seen = replace(seen, coming=self._coming())
+        count = min(self.horizon, len(skeleton))
+        judgement = self.memory.bounds.judge(seen, strain.along(candidate.numbers[: len(seen)]), count)
+        if judgement.accepted:
+            return self._planned(candidate, beginning(seen, count), tuple(judgement.paths or ()))
+        self.refused += 1
+        for conflict in judgement.conflicts:
+            if conflict.bound != EXPECTED:
+                self.memory.refusals.add(seen, conflict)
+                surcharge.refused(candidate.numbers, conflict.first, conflict.last)
+                search.surcharge = surcharge.of if surcharge.weight else None
+            search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start)
+        return None
+
+    def _coming(self) -> tuple[tuple[str, str], ...]:
+        """Bodies of unmet parts of the goal with what may have to be put down on them."""
+        bodies = self.problem.world.bodies
+        found = []
+        for part in self.unmet:
+            if isinstance(part, ir.Literal):
+                named = [a.name for a in part.args if isinstance(a, ir.Object) and a.name in bodies]
+                still = [n for n in named if not bodies[n].movable]
+                found += [(base, thing) for base in still for thing in named if bodies[thing].movable]
+        return tuple(found)
+
+    def _planned(self, candidate: Candidate, skeleton: Skeleton, paths: tuple[PhasePath, ...]) -> Window:
+        reached = after(self.problem, skeleton, paths, begin=self.reached) if paths else self.reached
+        return replace(
+            self._window(PLANNED), actions=candidate.actions, skeleton=skeleton, paths=paths, reached=reached,
+            seconds=time.monotonic() - self.began,
+        )  # fmt: skip
+
+    def _window(self, status: str) -> Window:
+        return Window(
+            status, self.problem, (), Skeleton(self.problem, (), self.problem.init_motion), (), self.reached,
+            time.monotonic() - self.began, tuple(told(self.unmet)), self.refused, self.tree_nodes, self.expanded_nodes,
+        )  # fmt: skip
+
+
+def forbid(search: SkeletonSearch, actions: Sequence[ir.Action]) -> None:
+    """Forbid plans that begin with these actions, if they can be done at all."""
+    successors, state = search.successors, search.successors.initial
+    numbers = []
+    for action in actions:
+        found = next(((t, n) for t, n in successors.expand(state) if successors.action(n) == action), None)
+        if found is None:
+            return
+        state = found[0]
+        numbers.append(found[1])
+    search.no_goods.forbid_prefix(numbers)
