@@ -50,6 +50,8 @@ def format_ir(problem: ir.Problem) -> str:
         *(_module_type(m) for m in _module_types(problem.world)),
         _block("bodies", (_body(b) for b in problem.world.bodies.values())),
         _block("modules", (_module(m) for m in problem.world.modules.values())),
+        _block("courses", map(_course, problem.world.courses)),
+        _block("breakdowns", (f"{b.module}: {b.kind} at {b.time:g}" for b in problem.world.breakdowns)),
         _block("objects", (f"{n}: {t}" for n, t in problem.objects.items())),
         _block("start", (f"({' '.join(f)})" for f in sorted(problem.init))),
         _block("start motion", (f"[{' '.join(f)}]" for f in sorted(problem.init_motion))),
@@ -140,6 +142,11 @@ def _body(b: ir.Body) -> str:
 
 def _module(m: ir.Module) -> str:
     return f"{m.name}: {m.type.name} at {_numbers(m.pose)} joints {_numbers(m.joints)}"
+
+
+def _course(c: ir.Course) -> str:
+    way = ", ".join(map(_numbers, c.points))
+    return f"{c.body}: along {way} at {c.speed:g} from {c.start:g}" + " and back" * c.returns
 
 
 def _options(options: ir.Options) -> str:

@@ -276,6 +276,14 @@ class TreeBuilder(TermBuilder):
                 return s.GuideUse(str(children[0]), self._arguments(children[1]), span=span)
             case "goal_item":
                 return s.GoalItem(self._conjuncts(tree), span=span)
+            case "course_item":
+                return self._course(tree)
+            case "disturbance_item":
+                body, by, time = self.terms(children)
+                return s.DisturbanceItem(body, by, time, span=span)
+            case "breakdown_item":
+                module, time = self.terms(children[:2])
+                return s.BreakdownItem(module, time, str(children[2]), span=span)
         entries = [(str(o.children[0]), self.term(o.children[1])) for o in branches(tree, "option")]
         return s.OptionsItem(tuple(entries), span=span)
 
@@ -303,6 +311,17 @@ class TreeBuilder(TermBuilder):
             self.maybe_term(on),
             self.maybe_term(at),
             self.maybe_term(heading),
+            span=self.span(tree),
+        )
+
+    def _course(self, tree: Branch) -> s.CourseItem:
+        body, *points, speed, start, returns = tree.children
+        return s.CourseItem(
+            self.term(body),
+            self.terms(points),
+            self.term(speed),
+            self.maybe_term(start),
+            returns is not None,
             span=self.span(tree),
         )
 

@@ -125,7 +125,8 @@ class TermBuilder:
         if not math.isfinite(value):
             self.problem("E0009", f"the number `{text}` is too large", self.span(tree))
             value = 0.0
-        return s.Number(value, "speed" if slash else kind, text, span=self.span(tree))
+        rates = {"length": "speed", "angle": "angular speed"}
+        return s.Number(value, rates[kind] if slash else kind, text, span=self.span(tree))
 
     def text(self, token: Token) -> s.Text:
         return s.Text(str(token)[1:-1], span=self.span(token))

@@ -54,7 +54,7 @@ CODES: dict[str, CodeInfo] = {
         "goal (held targt)", "goal (held target)"),
     "E0102": CodeInfo("unknown type", "name",
         "Types are declared by `type` or `module`; object, effector, module and the value types int, real, "
-        "length, angle are built in.",
+        "length, angle, time, speed are built in.",
         "rule take(A: prot)", "rule take(A: port)"),
     "E0103": CodeInfo("unknown predicate", "name",
         "Literals in parentheses name a predicate declared by `predicate` or `derived`, here or in an "
@@ -221,6 +221,13 @@ CODES: dict[str, CodeInfo] = {
         "its collision shapes are box, sphere, cylinder, capsule or mesh."),
     "E0515": CodeInfo("mesh not found", "scene",
         "A collision shape of a URDF is a mesh whose file is missing or cannot be read."),
+    "E0516": CodeInfo("bad course", "scene",
+        "`moves` and `disturb` name a body, a speed above 0 and a time that is not negative; a body starts one course "
+        "at a time.",
+        "moves c.A along (0, 0, -10 cm) at 0 m/s", "moves stair[3] along (0, 0, -10 cm) at 1 cm/s"),
+    "E0517": CodeInfo("bad breakdown", "scene",
+        "`fail` names a module, a time that is not negative, and `locked` or `gone`.",
+        "fail target at 20 s: broken", "fail c[2] at 20 s: locked"),
     "S0001": CodeInfo("infeasible", "outcome", "It is proved that no sequence of actions reaches the goal."),
     "S0002": CodeInfo("exhausted", "outcome",
         "Every candidate sequence was refused by the motion solver; this is no proof."),
@@ -240,6 +247,10 @@ CODES: dict[str, CodeInfo] = {
     "W0004": CodeInfo("negative cycle", "warning", "Actions that cancel each other make the heuristic ever smaller."),
     "W0005": CodeInfo("unused parameter", "warning", "The declaration never uses this parameter."),
     "W0006": CodeInfo("mesh as a box", "warning", "Collisions of a mesh are checked with its bounding box."),
+    "W0007": CodeInfo("moves into something", "warning",
+        "A body that moves on its own gets into a thing that stands still at the start. Nothing stops it."),
+    "W0008": CodeInfo("scene that moves", "warning",
+        "`solve` plans for the scene as it is at time 0; what moves or fails later is not seen."),
 }
 
 

@@ -48,6 +48,9 @@ STATEMENTS = frozenset(
         "goal_item",
         "guide_use",
         "options_item",
+        "course_item",
+        "disturbance_item",
+        "breakdown_item",
     }
 )
 BLOCKS = frozenset(

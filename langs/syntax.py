@@ -21,7 +21,8 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Number(Node):
-    """`3`, `0.05 m`, `120 deg`: the value in SI, the kind ("" plain, "length", "angle", "time", "speed") and text."""
+    """`3`, `0.05 m`, `120 deg`: the value in SI, the kind ("" plain, "length", "angle", "time", "speed",
+    "angular speed") and text."""
 
     value: float
     kind: str
@@ -511,7 +512,40 @@ class OptionsItem(Node):
     entries: tuple[tuple[str, Term], ...]
 
 
-SceneItem = BodyItem | RobotItem | FactItem | ForItem | IfItem | SceneUse | GoalItem | GuideUse | OptionsItem
+@dataclass(frozen=True, slots=True)
+class CourseItem(Node):
+    """`moves stair[3] along (0, 0, -0.1 m), (5 cm, 0, -0.1 m) at 1 cm/s from 5 s and back`: the body moves on its own
+    through points that are measured from where it is when it starts; without `start` that is at once."""
+
+    body: Term
+    points: tuple[Term, ...]
+    speed: Term
+    start: Term | None
+    returns: bool
+
+
+@dataclass(frozen=True, slots=True)
+class DisturbanceItem(Node):
+    """`disturb target by (5 cm, 0, 0) at 12 s`: the body jumps."""
+
+    body: Term
+    by: Term
+    time: Term
+
+
+@dataclass(frozen=True, slots=True)
+class BreakdownItem(Node):
+    """`fail c[2] at 20 s: locked`: the module breaks down; `kind` is the word behind the colon."""
+
+    module: Term
+    time: Term
+    kind: str
+
+
+Happening = CourseItem | DisturbanceItem | BreakdownItem
+SceneItem = (
+    BodyItem | RobotItem | FactItem | ForItem | IfItem | SceneUse | GoalItem | GuideUse | OptionsItem | Happening
+)
 
 
 @dataclass(frozen=True, slots=True)

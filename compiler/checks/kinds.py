@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """`name` is number, length, angle, time, speed, vector, rows, pose, object, chain or unknown (after an error, to
-    keep quiet about what follows). `type` is the object type, or the element type of a chain; `ends` the type of a
-    chain's effectors."""
+    """`name` is number, length, angle, time, speed, angular speed, vector, rows, pose, object, chain or unknown
+    (after an error, to keep quiet about what follows). `type` is the object type, or the element type of a chain;
+    `ends` the type of a chain's effectors."""
 
     name: str
     type: str = ""
@@ -29,13 +29,14 @@ class Kind:
         return PHRASES[self.name]
 
 
-SCALARS = ("number", "length", "angle", "time", "speed")
+SCALARS = ("number", "length", "angle", "time", "speed", "angular speed")
 PHRASES = {
     "number": "a plain number",
     "length": "a length",
     "angle": "an angle",
     "time": "a time",
     "speed": "a speed",
+    "angular speed": "an angular speed",
     "vector": "a vector",
     "rows": "several lengths",
     "pose": "a pose",
@@ -51,8 +52,13 @@ NUMBER = Kind("number")
 LENGTH = Kind("length")
 ANGLE = Kind("angle")
 VECTOR = Kind("vector")
-VALUE_TYPES = {"int": NUMBER, "real": NUMBER, "length": LENGTH, "angle": ANGLE}
-EXAMPLES = {"length": "m", "angle": "rad", "time": "s", "speed": "rad/s"}
+TIME = Kind("time")
+SPEED = Kind("speed")
+ANGULAR_SPEED = Kind("angular speed")
+VALUE_TYPES = {"int": NUMBER, "real": NUMBER, "length": LENGTH, "angle": ANGLE, "time": TIME, "speed": SPEED}
+EXAMPLES = {"length": "m", "angle": "rad", "time": "s", "speed": "m/s", "angular speed": "rad/s"}
+RATES = {LENGTH: SPEED, ANGLE: ANGULAR_SPEED}
+"""What a kind becomes when it is divided by a time."""
 
 
 def size_of(kind: Kind) -> int:
@@ -76,7 +82,8 @@ def added(left: Kind, right: Kind, left_literal: bool, right_literal: bool) -> K
 
 
 def multiplied(left: Kind, right: Kind) -> Kind | None:
-    """The kind of a product: a plain number scales anything, a length scales a vector."""
+    """The kind of a product: a plain number scales anything, a length scales a vector, a time makes a way of a
+    speed."""
     if not (left.known and right.known):
         return UNKNOWN
     for one, other in ((left, right), (right, left)):
@@ -84,11 +91,14 @@ def multiplied(left: Kind, right: Kind) -> Kind | None:
             return other
         if one.name == "length" and other.name == "vector":
             return other
+        way = next((w for w, rate in RATES.items() if rate == one), None)
+        if way is not None and other == TIME:
+            return way
     return None
 
 
 def divided(left: Kind, right: Kind) -> Kind | None:
-    """The kind of a quotient: by a plain number, or of two values of one kind."""
+    """The kind of a quotient: by a plain number, of two values of one kind, or of a way, a time and a speed."""
     if not (left.known and right.known):
         return UNKNOWN
     if right.name == "number" and (left.is_scalar or left.name in ("vector", "rows")):
@@ -97,4 +107,6 @@ def divided(left: Kind, right: Kind) -> Kind | None:
         return NUMBER
     if left.name == "vector" and right.name == "length":
         return left
-    return None
+    if right == TIME:
+        return RATES.get(left)
+    return TIME if RATES.get(left) == right else None

@@ -172,7 +172,7 @@ def _apply(context: Context, scope: Scope, term: syntax.Call, name_span: Span) -
             context.findings.report(code, arg.span, expected, note=describe(term.function))
             return BROKEN
         overloads = fitting
-    kind = arguments[0].kind if builtin.result == "same" else Kind(builtin.result)
+    kind = Kind(overloads[0][0] if builtin.result == "same" else builtin.result)
     literal = all(a.literal for a in arguments)
     values = [a.value for a in arguments]
     if all(v is not None for v in values):

@@ -9,7 +9,7 @@ from ...langs.diagnostics import did_you_mean
 from ...langs.source import Span
 from .. import ir
 from .context import Context
-from .kinds import LENGTH, UNKNOWN, VALUE_TYPES, Kind
+from .kinds import EXAMPLES, LENGTH, UNKNOWN, VALUE_TYPES, Kind
 from .names import BROKEN, Entry, Scope, Typed
 from .terms import check_scalar, check_term, expect_kind
 
@@ -25,6 +25,7 @@ LINK_SHAPES: Mapping[str, tuple[str, ...]] = {
     "capsule": ("radius",),
     "cylinder": ("radius",),
 }
+PARAMETER_TYPES = ", ".join(VALUE_TYPES)
 
 
 def number(
@@ -111,7 +112,7 @@ def parameter_kind(context: Context, node: syntax.Type, objects: bool) -> Kind:
         if not objects:
             known = node.name in context.library.types
             if known:
-                context.findings.report("E0208", node.span, "parameters here are int, real, length or angle")
+                context.findings.report("E0208", node.span, f"parameters here are {PARAMETER_TYPES}")
             else:
                 context.findings.unknown("E0102", "type", node.name, node.span, VALUE_TYPES)
             return UNKNOWN
@@ -121,7 +122,7 @@ def parameter_kind(context: Context, node: syntax.Type, objects: bool) -> Kind:
             return UNKNOWN
         return Kind("object", name)
     context.findings.report(
-        "E0208", node.span, "parameters here are int, real, length, angle" + " or objects" * objects
+        "E0208", node.span, f"parameters here are {PARAMETER_TYPES}" + ", or objects" * objects
     )
     return UNKNOWN
 
@@ -156,7 +157,8 @@ def outside(parameter: syntax.Parameter, value: float) -> str | None:
     first, last = plain_value(parameter.allowed.first), plain_value(parameter.allowed.last)
     if first is None or last is None or first <= value <= last:
         return None
-    unit = {"length": " m", "angle": " rad"}.get(getattr(parameter.type, "name", ""), "")
+    name = getattr(parameter.type, "name", "")
+    unit = f" {EXAMPLES[name]}" if name in EXAMPLES else ""
     return f"parameter `{parameter.name}` must be {first:g} .. {last:g}{unit}, not {value:g}{unit}"
 
 

@@ -16,10 +16,12 @@ from ..checks.names import Entry, Scope, Typed
 from ..checks.relaxation import Relaxation, World, movable
 from ..checks.values import bind_arguments
 from .check_start import check_start
+from .happenings import breakdowns, courses
 from .initial import initial_state
 from .reachability import check_goal
 from .scene import BuiltScene, SceneBuilder
 from .scene_names import collect_objects
+from .ways import check_ways
 
 
 def instantiate(
@@ -37,8 +39,11 @@ def instantiate(
     init, init_motion = initial_state(context, built, lifted.placements, lifted.predicates, lifted.motions)
     if context.findings.errors > errors:
         return None
-    problem = _problem(lifted, context, task, entries, built, (init, init_motion), seed)
-    check_start(context.findings, problem.world, [(s.subject, s.support) for s in built.standing])
+    happenings = courses(context.findings, built.bodies, built.ways), breakdowns(context.findings, built.breakdowns)
+    problem = _problem(lifted, context, task, entries, built, (init, init_motion), happenings, seed)
+    carried = [(s.subject, s.support) for s in built.standing]
+    check_start(context.findings, problem.world, carried)
+    check_ways(context.findings, problem.world, carried)
     return problem
 
 
@@ -66,6 +71,7 @@ def _problem(
     entries: Mapping[str, Entry],
     built: BuiltScene,
     init: tuple[frozenset[ir.Fact], frozenset[ir.Fact]],
+    happenings: tuple[tuple[ir.Course, ...], tuple[ir.Breakdown, ...]],
     seed: int,
 ) -> ir.Problem:
     library = lifted.library
@@ -100,7 +106,7 @@ def _problem(
         init=init[0],
         init_motion=init[1],
         goal=goal,
-        world=ir.World(built.modules, bodies),
+        world=ir.World(built.modules, bodies, *happenings),
         options=built.options,
         sources=library.sources + library.urdfs,
     )

@@ -12,7 +12,7 @@ from ...langs import syntax
 from ...langs.diagnostics import did_you_mean
 from .. import ir
 from ..checks.context import Context
-from ..checks.kinds import ANGLE, LENGTH, SCALARS, Kind
+from ..checks.kinds import ANGLE, LENGTH, RATES, SCALARS, Kind
 from ..checks.names import Scope
 from ..checks.terms import check_term
 from ..checks.values import number, vector
@@ -160,7 +160,7 @@ def _speed(context: Context, scope: Scope, item: syntax.JointItem, kind: Kind) -
     if not typed.kind.known:
         return None
     unit_text = "rad/s" if kind == ANGLE else "m/s"
-    if typed.kind.name != "speed":
+    if typed.kind not in RATES.values():
         code = "E0203" if typed.kind.name in SCALARS else "E0208"
         context.findings.report(
             code,
@@ -169,8 +169,7 @@ def _speed(context: Context, scope: Scope, item: syntax.JointItem, kind: Kind) -
             help=f"write `2 {unit_text}`",
         )
         return None
-    linear = isinstance(item.speed, syntax.Number) and item.speed.text.rstrip().endswith("m/s")
-    if isinstance(item.speed, syntax.Number) and linear != (kind == LENGTH):
+    if typed.kind != RATES[kind]:
         context.findings.report("E0203", item.speed.span, f"joint `{item.name}` moves in {unit_text}")
         return None
     if typed.value is not None and typed.value <= 0:

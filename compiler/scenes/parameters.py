@@ -15,10 +15,12 @@ from ..library import Library
 UNITS: Mapping[str, Mapping[str, float]] = {
     "length": {"m": 1.0, "cm": 0.01, "mm": 0.001},
     "angle": {"rad": 1.0, "deg": math.pi / 180},
+    "time": {"s": 1.0, "min": 60.0},
+    "speed": {"m/s": 1.0, "cm/s": 0.01, "mm/s": 0.001},
     "int": {},
     "real": {},
 }
-QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-z]*)\s*")
+QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-z/]*)\s*")
 
 
 class UsageError(Exception):
@@ -68,7 +70,8 @@ def parameter_values(task: syntax.TaskDecl, given: Mapping[str, str]) -> dict[st
 
 
 def parse_value(name: str, kind: str, text: str) -> float | int:
-    """The value of a text such as `8`, `0.2 m` or `20 cm` for a parameter of type int, real, length or angle."""
+    """The value of a text such as `8`, `0.2 m` or `20 cm` for a parameter of type int, real, length, angle,
+    time or speed."""
     units = UNITS.get(kind, {})
     match = QUANTITY.fullmatch(text)
     if match is None:

@@ -21,6 +21,7 @@ from ..checks.terms import check_term
 from ..checks.values import bind_arguments, number, shape, vector
 from ..poses import make, yaw
 from .evaluate import truth
+from .happenings import Way, check_breakdown, check_way
 from .module_types import BuiltModule, build_module, effector_types, entries_key
 from .placing import Support, module_pose, top_of
 from .scene_names import base_and_indices, full_name
@@ -54,6 +55,8 @@ class BuiltScene:
     goals: list[ir.Formula] = field(default_factory=list)
     guide: tuple[syntax.HeuristicDecl, dict[str, Entry], Span] | None = None
     options: ir.Options = field(default_factory=ir.Options)
+    ways: list[Way] = field(default_factory=list)
+    breakdowns: list[ir.Breakdown] = field(default_factory=list)
 
 
 class SceneBuilder:
@@ -106,6 +109,12 @@ class SceneBuilder:
                 self.use_guide(scope, item)
             case syntax.OptionsItem():
                 self.built.options = check_options(self.context, scope, item, self.built.options)
+            case syntax.CourseItem() | syntax.DisturbanceItem():
+                way = check_way(self.context, scope, item)
+                self.built.ways += [way] if way is not None else []
+            case syntax.BreakdownItem():
+                breakdown = check_breakdown(self.context, scope, item)
+                self.built.breakdowns += [breakdown] if breakdown is not None else []
             case _:
                 raise AssertionError(type(item).__name__)
 

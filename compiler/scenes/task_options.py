@@ -9,7 +9,7 @@ from ...langs import syntax
 from ...langs.diagnostics import did_you_mean
 from .. import ir
 from ..checks.context import Context
-from ..checks.kinds import LENGTH, NUMBER, Kind
+from ..checks.kinds import LENGTH, NUMBER, TIME
 from ..checks.names import Scope
 from ..checks.values import number
 
@@ -18,7 +18,7 @@ WORDS = {
     "search": ("astar", "wastar", "bfs", "guide"),
     "solver": ("algn", "ipopt"),
 }
-NUMBERS = {"time": Kind("time"), "nodes": NUMBER, "slices": NUMBER, "margin": LENGTH}
+NUMBERS = {"time": TIME, "nodes": NUMBER, "slices": NUMBER, "margin": LENGTH}
 
 
 def check_options(context: Context, scope: Scope, item: syntax.OptionsItem, before: ir.Options) -> ir.Options:

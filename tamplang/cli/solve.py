@@ -61,13 +61,16 @@ def solve(
         raise click.UsageError("--jobs above 1 is not available yet; `sweep --jobs` solves instances side by side")
     from ..api import Task
     from ..compiler.pipeline import compile_problem
+    from ..compiler.scenes.happenings import unseen
 
     started = time.monotonic()
     with reading_sources(as_json=as_json):
         loaded = Task(*compile_problem(file, task, parameters, seed))
     compiled = time.monotonic() - started
-    if loaded.warnings:
-        show_diagnostics(loaded.warnings, loaded.problem.sources)
+    later = unseen(loaded.problem.world) if horizon is None else None
+    warnings = (*loaded.warnings, *((later,) if later is not None else ()))
+    if warnings:
+        show_diagnostics(warnings, loaded.problem.sources)
     plan_file, report_file = _files(file, loaded.problem.task, solutions, out, report)
     with needing_libraries():
         load_libraries()

@@ -59,7 +59,7 @@ def test_one_grammar_file_for_each_language() -> None:
         ("180 deg", math.pi, "angle"),
         ("2 min", 120.0, "time"),
         ("60 s", 60.0, "time"),
-        ("90 deg/s", math.pi / 2, "speed"),
+        ("90 deg/s", math.pi / 2, "angular speed"),
         ("2 cm/s", 0.02, "speed"),
         ("1e-3", 0.001, ""),
         ("1.5E3 m", 1500.0, "length"),
