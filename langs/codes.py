@@ -30,7 +30,7 @@ CODES: dict[str, CodeInfo] = {
         'import "scenes/rubble.tamp', 'import "scenes/rubble.tamp"'),
     "E0007": CodeInfo("unknown unit", "syntax",
         "Units are m, cm, mm for lengths, rad, deg for angles, s, min for times, and a length or angle per "
-        "second, such as rad/s, for speeds.",
+        "second, such as rad/s, for speeds, or per second squared, such as rad/s^2, for accelerations.",
         "sphere(5 inch)", "sphere(127 mm)"),
     "E0008": CodeInfo("nested too deeply", "syntax",
         "Brackets or operators are nested deeper than the reader follows."),
@@ -240,6 +240,8 @@ CODES: dict[str, CodeInfo] = {
     "S0007": CodeInfo("work lost", "outcome",
         "The process that had the work ended before it was done, and so did the one that took over; the system may "
         "have run out of memory."),
+    "S0008": CodeInfo("robot lost", "outcome",
+        "In mid-run a module left the scene that carried the rest of its robot, or that held something."),
     "W0001": CodeInfo("deletes what nothing adds", "warning",
         "No rule, fact or placement ever adds a literal that fits."),
     "W0002": CodeInfo("never read", "warning", "No condition, goal or derived predicate reads this predicate."),

@@ -58,9 +58,9 @@ def resample(
     bodies = {b: linker.poses.get(b) for b in path.bodies}
     return Resampled(
         begin + times,
-        {m: p if p is not None else _between(knots, path.modules[m][:, :7], times) for m, p in poses.items()},
+        {m: p if p is not None else between(knots, path.modules[m][:, :7], times) for m, p in poses.items()},
         joints,
-        {b: p if p is not None else _between(knots, path.bodies[b], times) for b, p in bodies.items()},
+        {b: p if p is not None else between(knots, path.bodies[b], times) for b, p in bodies.items()},
     )
 
 
@@ -70,7 +70,7 @@ def _spline(kind: type, knots: Array, values: Array, times: Array) -> Array:
     return np.asarray(kind(knots, values, bc_type="clamped")(times))
 
 
-def _between(knots: Array, poses: Array, times: Array) -> Array:
+def between(knots: Array, poses: Array, times: Array) -> Array:
     """Positions linear, quaternions linear and normalised, between samples of what nothing holds."""
     signs = np.cumprod(np.where(np.sum(poses[1:, 3:] * poses[:-1, 3:], axis=1) < 0, -1.0, 1.0))
     rows = poses.copy()

@@ -83,9 +83,17 @@ class Interpreter:
     ) -> Outcome:
         """The state after the action; deletions before additions. Raises Inapplicable, ReplayError."""
         rule = self.problem.rules[action.rule]
+        environment = {v.name: a for v, a in zip(rule.variables, action.args, strict=True)}
+        self._require(self.state(facts, previous), rule.condition, environment, action)
+        return self.effects(facts, motion, action, previous)
+
+    def effects(
+        self, facts: Facts, motion: Facts, action: ir.Action, previous: ir.Action | None = None
+    ) -> Outcome:
+        """The state after the action, whose condition is not asked. Raises ReplayError."""
+        rule = self.problem.rules[action.rule]
         state = self.state(facts, previous)
         environment = {v.name: a for v, a in zip(rule.variables, action.args, strict=True)}
-        self._require(state, rule.condition, environment, action)
         changes = _Changes()
         self._collect(state, rule.effects, environment, changes)
         return self._outcome(facts, motion, changes)

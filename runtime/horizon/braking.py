@@ -1,0 +1,65 @@
+"""Breaking off a motion: to rest along the same path, or at once."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...compiler import ir
+from ..skeleton import Array, PhasePath
+from .world import spline_values
+
+KNOT = 0.02
+"""Seconds between knots of a motion that is broken off."""
+QUICK = 0.25
+"""Seconds in which joints without a limit of acceleration come to rest from full speed."""
+SHORTEST = 0.05
+GENTLE = 4.0
+"""The brake changes speeds over so many times what the limit of acceleration asks for at least; what the path itself
+accelerates then fits in as well."""
+
+
+def braked(world: ir.World, path: PhasePath, seconds: float) -> PhasePath:
+    """The motion that follows `path` for `seconds` and then slows down along it until it rests, before its end."""
+    length = braking_time(world, path, seconds)
+    total = seconds + length
+    count = max(4, math.ceil(total / KNOT))
+    times = np.linspace(0.0, total, count + 1)
+    share = np.clip((times - seconds) / length, 0.0, 1.0)
+    along = np.minimum(times, seconds) + length * (share - share**3 + 0.5 * share**4)
+    return at_times(path, np.minimum(along, path.duration), total)
+
+
+def stopped(path: PhasePath, seconds: float) -> PhasePath:
+    """The motion that follows `path` for `seconds` and ends there."""
+    count = max(4, math.ceil(seconds / (0.5 * KNOT)))
+    return at_times(path, np.linspace(0.0, seconds, count + 1), seconds)
+
+
+def braking_time(world: ir.World, path: PhasePath, seconds: float) -> float:
+    """Seconds until rest, within the limits of acceleration."""
+    longest = SHORTEST
+    for name, rows in path.modules.items():
+        joints = world.modules[name].type.joints
+        if not joints:
+            continue
+        speeds = np.abs(spline_values(rows[:, 7:], path.duration, np.array([seconds]), 1))[0]
+        for speed, joint in zip(speeds, joints, strict=True):
+            limit = joint.acceleration if math.isfinite(joint.acceleration) else joint.speed / QUICK
+            longest = max(longest, GENTLE * float(speed) / limit)
+    return min(longest, 2.0 * max(path.duration - seconds, 1e-3))
+
+
+def at_times(path: PhasePath, times: Array, duration: float) -> PhasePath:
+    """A motion whose equidistant knots are the points of `path` at `times`."""
+    shares = np.linspace(0.0, path.duration, len(next(iter(path.modules.values()))))
+
+    def rows(poses: Array) -> Array:
+        return np.column_stack([np.interp(times, shares, column) for column in poses.T])
+
+    modules = {
+        name: np.hstack([rows(values[:, :7]), spline_values(values[:, 7:], path.duration, times)])
+        for name, values in path.modules.items()
+    }
+    return PhasePath(modules, {name: rows(poses) for name, poses in path.bodies.items()}, duration)

@@ -1,0 +1,87 @@
+"""The scene in which a window is planned: bodies where they are expected, robots carried along with what they stand on.
+
+A phase that ends at time t is planned as if everything stood still where it will be at t, so that what is touched then
+is met exactly. Its motion, relative to what the robot stands on, is carried out while that moves. What lets go of a
+body when the phase starts must begin clear of it: such a body is put where it is now as seen from that robot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ...compiler import ir
+from ...compiler.motion.collision import bounding_radius, reach
+from ...compiler.poses import joint_frames
+from ..motion.movement import carrier
+from ..resampling import kept_pairs
+from ..skeleton import Array, Configuration, Skeleton
+from ..transforms import compose, inverse
+from .state import Reached, reached_problem, touching
+from .world import carried
+
+SAME = 1e-4
+"""Metres that make no difference."""
+LET_GO = 0.01
+"""A body that is nearer to an end, metres, has just been let go."""
+
+
+def foreseen_problem(
+    problem: ir.Problem, reached: Reached, expected: Mapping[str, Array], met: frozenset[str]
+) -> ir.Problem:
+    """The task, begun from `reached` as it will be when bodies are at their `expected` poses `(7,)`.
+
+    Bodies in `met` are there even when a robot lets go of them now.
+    """
+    if not expected:
+        return reached_problem(problem, reached)
+    now = reached.configuration
+    joints = {name: state[None, 7:] for name, state in now.modules.items()}
+    own = {name: pose[None, :] for name, pose in expected.items()}
+    poses = carried(problem, reached.mode, joints, now, own)
+    modules = {name: np.concatenate([poses[name][0], state[7:]]) for name, state in now.modules.items()}
+    bodies = {name: poses[name][0] for name in now.bodies}
+    for end, body in _let_go(problem, reached, met):
+        module = carrier(problem, end)
+        shift = compose(modules[module][:7], inverse(now.modules[module][:7]))
+        bodies[body] = compose(shift, now.bodies[body])
+    return reached_problem(problem, replace(reached, configuration=Configuration(modules, bodies)))
+
+
+def displaced(problem: ir.Problem, reached: Reached, expected: Mapping[str, Array]) -> frozenset[str]:
+    """The bodies that a foreseen problem has elsewhere than they are expected, as a robot lets go of them."""
+    at = {**reached.configuration.bodies, **expected}
+    bodies = problem.world.bodies.items()
+    return frozenset(n for n, b in bodies if np.linalg.norm(at[n][:3] - np.array(b.pose[:3])) > SAME)
+
+
+def _let_go(problem: ir.Problem, reached: Reached, met: frozenset[str]) -> list[tuple[str, str]]:
+    """Ends with the bodies that they touch without being kept there; bodies that keep anything are left out."""
+    kept = {name for pair in kept_pairs(problem, reached.mode) for name in pair}
+    found = {}
+    for a, b in sorted(touching(problem.world, reached.configuration, LET_GO)):
+        for end, body in ((a, b), (b, a)):
+            if body in problem.world.bodies and body not in kept | met and problem.world.effector(end) is not None:
+                found[body] = end
+    return [(end, body) for body, end in found.items()]
+
+
+def concerned(skeleton: Skeleton, bodies: frozenset[str]) -> frozenset[str]:
+    """Those of `bodies` that the phases of a skeleton touch, stand on or come near."""
+    problem, world = skeleton.problem, skeleton.problem.world
+    names = {a for phase in skeleton.phases for literal in phase.mode | phase.added for a in literal[1:]}
+    modules = {carrier(problem, a) for phase in skeleton.phases for literal in phase.added for a in literal[1:]}
+    places: list[tuple[Array, float]] = []
+    for module in (world.modules[m] for m in sorted(modules) if m in world.modules):
+        frames = joint_frames(module.type, module.pose, module.joints)
+        for effector in module.type.effectors:
+            places.append((np.array(frames[effector.joint][:3]), reach(module.type, effector.name)))
+    near = set()
+    for name in sorted(bodies):
+        body = world.bodies[name]
+        centre, radius = np.array(body.pose[:3]), bounding_radius(body.shape)
+        if any(np.linalg.norm(centre - place) < length + radius for place, length in places):
+            near.add(name)
+    return frozenset(bodies & (names | near))
