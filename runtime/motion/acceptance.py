@@ -26,7 +26,8 @@ from ...compiler.motion.collision import (
 from ..resampling import Resampled, effector_poses, kept_pairs, resample
 from ..skeleton import Array, Configuration, PhasePath, Violation
 from ..transforms import compose, inverse, joint_frames, rotate
-from .phases.batch import CONTACT_TOLERANCE, EXACT_MARGIN, GREATEST_STEP
+from .phases.batch import GREATEST_STEP
+from .phases.shares import CONTACT_TOLERANCE, EXACT_MARGIN
 
 FACTOR = 5
 """Samples per knot of the spline."""

@@ -25,10 +25,11 @@ from tamplang.compiler.ir import (
 from tamplang.compiler.motion.collision import contacts, pose_matrix
 from tamplang.runtime.budget import Budget, OutOfTime
 from tamplang.runtime.motion.phases import Reason, UnsupportedPhase, polish, solve_sequence_path
-from tamplang.runtime.motion.phases.batch import Batch, sweep
+from tamplang.runtime.motion.phases.batch import Batch
 from tamplang.runtime.motion.phases.geometry import make_parts
 from tamplang.runtime.motion.phases.sampling import sampled_starts
 from tamplang.runtime.motion.phases.smoothing import Schedule, smooth_paths
+from tamplang.runtime.motion.phases.swept import sweep
 from tamplang.runtime.motion.phases.tree import link_frames, phase_tree
 from tamplang.runtime.motion.sequence import solve_sequence
 from tamplang.runtime.motion.settings import MotionSettings

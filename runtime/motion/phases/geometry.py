@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....compiler.ir import World
-from ....compiler.motion.collision import CHECK_MARGIN, PATH_MARGIN, PhaseContacts, pair, taper
+from ....compiler.motion.collision import CHECK_MARGIN, PATH_MARGIN, PhaseContacts, bounding_radius
 from ...skeleton import Array
 from .balls import Ball, Lineage, meeting_pairs, moving_balls, obstacles_near
 from .kinematics import Frame, Indices, Kinematics, Points
 from .shapes import Shapes, half_sizes, rounded_box_distance
+from .shares import NEVER, Kinds, cross_kinds
 from .tree import Obstacle, PhaseTree
 
-NEVER = -np.inf
 WORLD: Frame = (*(np.eye(3)[k][:, None, None] for k in range(3)), np.zeros((3, 1, 1)))
 
 
@@ -65,38 +65,10 @@ def _meets_body(tree: PhaseTree, lineage: Lineage, balls: tuple[Ball, ...], name
     return tuple(k for k, b in enumerate(balls) if moved[k] and b.owner != name)
 
 
-def _shares(
-    contact: PhaseContacts, first: Sequence[str | None], second: Sequence[str | None],
-    times: Array, slices: int, out: Array,
-) -> None:
-    """Fill `out` `(first, second, times)` with the share of the margin that each two objects keep, or NEVER."""
-    for a in {t for t in first if t is not None}:
-        for b in {t for t in second if t is not None}:
-            share = taper(contact, pair(a, b), times, slices)
-            if share is None or share.min() < 1.0:
-                rows = [k for k, t in enumerate(first) if t == a]
-                columns = [k for k, t in enumerate(second) if t == b]
-                out[np.ix_(rows, columns)] = NEVER if share is None else share
-
-
-def _pair_shares(
-    contact: PhaseContacts, tags: Sequence[str | None], pairs: Indices, times: Array, slices: int, out: Array
-) -> None:
-    """Fill `out` `(pairs, times)` likewise for pairs `(pairs, 2)` of spheres."""
-    names = sorted({t for t in tags if t is not None})
-    number = np.array([-1 if t is None else names.index(t) for t in tags], dtype=int)
-    first, second = number[pairs].T
-    for i, a in enumerate(names):
-        for j, b in enumerate(names):
-            share = taper(contact, pair(a, b), times, slices)
-            if share is None or share.min() < 1.0:
-                out[(first == i) & (second == j)] = NEVER if share is None else share
-
-
 @dataclass(slots=True)
 class _Carried:
-    """One carried body per phase: the spheres that can meet it, its node and pose there `(phases, 4, 4)`, and its
-    shape as in `shapes`."""
+    """One carried body per phase: the spheres that can meet it, its node and pose there `(phases, 4, 4)`, its shape as
+    in `shapes`, and the radius `(phases,)` of the sphere around it."""
 
     meets: Indices
     node: int
@@ -104,27 +76,33 @@ class _Carried:
     half: Array
     rounding: Array
     turned: NDArray[np.bool_]
+    extent: Array
 
     def take(self, index: Indices) -> _Carried:
         return _Carried(
-            self.meets, self.node, self.local[index], self.half[:, index], self.rounding[index], self.turned[index]
-        )
+            self.meets, self.node, self.local[index],
+            self.half[:, index], self.rounding[index], self.turned[index], self.extent[index],
+        )  # fmt: skip
+
+    def distance_at(self, axes: Array, away: Array, phase: Indices) -> Array:
+        """Signed distances `(m, times)` to the body in some phases `(m,)`, of points `(m, 3, times)` away from its
+        origin; its axes are `(axes, 3, phases, times)`."""
+        local = np.einsum("jimt,mit->mjt", axes[:, :, phase], away)[:, :, None]
+        half = self.half[:, phase].transpose(1, 0, 2)[:, :, None]
+        return np.asarray(rounded_box_distance(local, half, self.turned[phase, None])[0][:, 0] - self.rounding[phase])
 
 
 class Geometry:
-    """Phases of one structure at given times. `obstacle_share` `(spheres, obstacles, phases, times)`, `pair_share`
-    `(pairs, phases, times)` and one of `body_shares` per carried body `(spheres, phases, times)` tell which share of
-    the margin holds: 1, less next to contacts, NEVER where two things touch or rest all the time."""
+    """Phases of one structure. `obstacle_kinds` `(spheres, obstacles, phases)`, `pair_kinds` `(pairs, phases)` and one
+    of `body_kinds` per carried body `(spheres, phases)` tell how much of the margin holds, as in `shares`."""
 
-    def __init__(
-        self, parts: Sequence[Part], contacts: Sequence[PhaseContacts], world: World, times: Array, slices: int
-    ) -> None:
+    def __init__(self, parts: Sequence[Part], contacts: Sequence[PhaseContacts], world: World) -> None:
         self.parts = list(parts)
         self.kinematics = Kinematics([p.tree for p in parts])
         self.points = Points([p.balls for p in parts])
         balls = parts[0].balls
         self.radius = np.array([b.radius for b in balls])[:, None, None]
-        self.exact = np.array([b.exact for b in balls])
+        self.exact = np.array([b.exact for b in balls], dtype=np.intp)
         above = Lineage(parts[0].tree).above
         self.moved_by = above[[b.node + 1 for b in balls]]
         self.pairs = np.array(parts[0].pairs, dtype=int).reshape(-1, 2)
@@ -133,59 +111,63 @@ class Geometry:
         self.shapes = Shapes([
             [(o.shape, o.pose) for o in p.obstacles] + [None] * (count - len(p.obstacles)) for p in parts
         ])
-        self._set_shares(contacts, count, times, slices)
-        self._set_bodies(contacts, world, times, slices)
+        self._set_kinds(contacts, count)
+        self._set_bodies(contacts, world)
 
-    def _set_shares(self, contacts: Sequence[PhaseContacts], count: int, times: Array, slices: int) -> None:
+    def _set_kinds(self, contacts: Sequence[PhaseContacts], count: int) -> None:
         spheres, phases = len(self.radius), len(self.parts)
-        self.obstacle_share = np.ones((spheres, count, phases, len(times)))
-        self.pair_share = np.ones((len(self.pairs), phases, len(times)))
+        self.obstacle_kinds: Kinds = np.full((spheres, count, phases), NEVER, np.int8)
+        self.pair_kinds: Kinds = np.empty((len(self.pairs), phases), np.int8)
+        first, second = self.pairs.T
         for k, part in enumerate(self.parts):
             tags = [b.tag for b in part.balls]
             contact = contacts[part.tree.phase]
-            others = [o.tag for o in part.obstacles]
-            _shares(contact, tags, others, times, slices, self.obstacle_share[:, :, k])
-            self.obstacle_share[[i for i, b in enumerate(part.balls) if b.node < 0], :, k] = NEVER
-            _pair_shares(contact, tags, self.pairs, times, slices, self.pair_share[:, k])
+            self.obstacle_kinds[:, : len(part.obstacles), k] = cross_kinds(
+                contact, tags, [o.tag for o in part.obstacles]
+            )
+            self.obstacle_kinds[[i for i, b in enumerate(part.balls) if b.node < 0], :, k] = NEVER
+            self.pair_kinds[:, k] = cross_kinds(contact, tags, tags)[first, second]
 
-    def _set_bodies(self, contacts: Sequence[PhaseContacts], world: World, times: Array, slices: int) -> None:
+    def _set_bodies(self, contacts: Sequence[PhaseContacts], world: World) -> None:
         self.bodies: list[_Carried] = []
-        self.body_shares: list[Array] = []
+        self.body_kinds: list[Kinds] = []
         for i, (_, meets) in enumerate(self.parts[0].carried):
-            shares = np.ones((len(meets), len(self.parts), len(times)))
-            mounts, halves, roundings, turned = [], [], [], []
+            kinds = np.empty((len(meets), len(self.parts)), np.int8)
+            mounts, halves, roundings, turned, extents = [], [], [], [], []
             for k, part in enumerate(self.parts):
                 name = part.carried[i][0]
                 tags = [part.balls[m].tag for m in meets]
-                _shares(contacts[part.tree.phase], tags, [name], times, slices, shares[:, None, k])
+                kinds[:, k] = cross_kinds(contacts[part.tree.phase], tags, [name])[:, 0]
                 mounts.append(part.tree.bodies[name])
                 half, rounding, is_turned = half_sizes(world.bodies[name].shape)
                 halves.append(half)
                 roundings.append(rounding)
                 turned.append(is_turned)
+                extents.append(bounding_radius(world.bodies[name].shape))
             self.bodies.append(_Carried(
                 np.array(meets, dtype=np.intp), mounts[0][0], np.array([m[1] for m in mounts]),
                 np.array(halves).T[:, :, None], np.array(roundings)[:, None], np.array(turned)[:, None],
+                np.array(extents),
             ))
-            self.body_shares.append(shares)
+            self.body_kinds.append(kinds)
 
     def ignore_collisions(self) -> None:
         """Let everything pass through everything."""
-        for share in (self.obstacle_share, self.pair_share, *self.body_shares):
-            share[...] = NEVER
+        for kinds in (self.obstacle_kinds, self.pair_kinds, *self.body_kinds):
+            kinds[...] = NEVER
 
-    def take(self, index: Indices, columns: slice = slice(None)) -> Geometry:
-        """The geometry of some of the phases, possibly repeated, with the shares at some of the times."""
+    def take(self, index: Indices) -> Geometry:
+        """The geometry of some of the phases, possibly repeated."""
         result = object.__new__(Geometry)
         result.parts = [self.parts[i] for i in index]
         result.kinematics, result.points = self.kinematics.take(index), self.points.take(index)
         result.radius, result.moved_by, result.pairs = self.radius, self.moved_by, self.pairs
         result.exact = self.exact
         result.touching, result.shapes = self.touching, self.shapes.take(index)
-        result.obstacle_share = self.obstacle_share[:, :, index, columns]
-        result.pair_share = self.pair_share[:, index, columns]
+        result.obstacle_kinds = self.obstacle_kinds[:, :, index]
+        result.pair_kinds = self.pair_kinds[:, index]
         result.bodies = [b.take(index) for b in self.bodies]
-        result.body_shares = [s[:, index, columns] for s in self.body_shares]
+        result.body_kinds = [kinds[:, index] for kinds in self.body_kinds]
         return result
 
     def place(self, values: Array) -> tuple[Array, list[Frame]]:
@@ -195,9 +177,11 @@ class Geometry:
         return self.points.place(frames, *values.shape[:2]), frames
 
     def clearances(self, values: Array) -> tuple[Array, Array, list[Array]]:
-        """Clearances for joint values `(phases, times, joints)`, shaped as the shares."""
+        """Clearances for joint values `(phases, times, joints)`: of spheres to obstacles
+        `(spheres, obstacles, phases, times)`, of pairs `(pairs, phases, times)`, and to each carried body
+        `(spheres, phases, times)`."""
         points, frames = self.place(values)
-        return *self.to_others(points), self.to_bodies(points, frames)
+        return *self.to_others(points), [self.to_body(points, frames, k) for k in range(len(self.bodies))]
 
     def to_others(self, points: Array) -> tuple[Array, Array]:
         """Clearances of placed spheres `(spheres, 3, phases, times)` to obstacles and among themselves."""
@@ -206,16 +190,19 @@ class Geometry:
         pairs = np.sqrt((apart * apart).sum(axis=1)) - self.touching
         return obstacles, pairs
 
-    def to_bodies(self, points: Array, frames: list[Frame]) -> list[Array]:
-        """Clearances of placed spheres to each carried body."""
-        return [self._to_body(points, frames, k) for k in range(len(self.bodies))]
-
-    def _to_body(self, points: Array, frames: list[Frame], k: int) -> Array:
+    def body_frame(self, shape: tuple[int, ...], frames: list[Frame], k: int) -> tuple[Array, Array]:
+        """Axes `(axes, 3, phases, times)` and origin `(3, phases, times)` of a carried body; `shape` is that of the
+        origin."""
         body = self.bodies[k]
         frame = frames[body.node] if body.node >= 0 else WORLD
-        carrier = np.stack([np.broadcast_to(a, points.shape[1:]) for a in frame])
+        carrier = np.stack([np.broadcast_to(a, shape) for a in frame])
         axes = np.einsum("kibt,bkj->jibt", carrier[:3], body.local[:, :3, :3])
-        origin = np.einsum("kibt,bk->ibt", carrier[:3], body.local[:, :3, 3]) + carrier[3]
+        return axes, np.einsum("kibt,bk->ibt", carrier[:3], body.local[:, :3, 3]) + carrier[3]
+
+    def to_body(self, points: Array, frames: list[Frame], k: int) -> Array:
+        """Clearances `(spheres, phases, times)` of placed spheres to a carried body."""
+        body = self.bodies[k]
+        axes, origin = self.body_frame(points.shape[1:], frames, k)
         offset = np.einsum("jibt,nibt->njbt", axes, points[body.meets] - origin)
         distance = rounded_box_distance(offset, body.half, body.turned)[0]
         return np.asarray(distance - body.rounding - self.radius[body.meets])

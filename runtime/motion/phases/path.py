@@ -20,11 +20,12 @@ from ...budget import Budget
 from ...skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton, Violation
 from ..settings import MotionSettings
 from ..timing import shortest_duration
-from .batch import Batch, excess_clearance, sweep, worst_clash
+from .batch import Batch, excess_clearance, worst_clash
 from .geometry import make_parts
 from .kinematics import Indices, mounted_poses
 from .sampling import sampled_starts
 from .smoothing import Schedule, path_cost, smooth_paths
+from .swept import sweep
 from .tree import Mount, PhaseTree, UnsupportedPhase, arrive, phase_tree, pose_vector
 
 LEVELS = ((1, 0.0), (8, 0.5), (24, 0.8))

@@ -8,12 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...skeleton import Array
-from .batch import Batch
+from .batch import Batch, Looks
 from .geometry import Geometry
 from .kinematics import Indices
+from .shares import NEVER
 
 LIMIT_WEIGHT = 1e3
 """Weight of the squared excess over a joint limit."""
+NEGLIGIBLE = 0.02
+"""Slices that count less at a time between others get nothing of the Hessian there."""
 
 
 @dataclass(slots=True)
@@ -46,33 +49,69 @@ class _Rows:
 
 
 def penalty(batch: Batch, inner: Array, weight: float, widening: float = 1.0) -> Penalty:
-    """Half the weighted squares of what is missed at the inner slices `(phases, slices - 1, joints)`, against
-    `widening` times the margin."""
-    phases, times, joints = inner.shape
-    geometry = batch.coarse
-    frames, angular, linear = geometry.kinematics.frames(inner)
-    points = geometry.points.place(frames, phases, times)
-    twists = (_stacked(angular, phases, times), _stacked(linear, phases, times))
-    margin = widening * batch.margin
-    rows = [_obstacle_rows(margin, geometry, points, twists), _pair_rows(margin, geometry, points, twists)]
+    """Half the weighted squares of what is missed by the inner slices `(phases, slices - 1, joints)`, at the times that
+    the batch looks at, against `widening` times the margin."""
+    phases, slices, joints = inner.shape
+    rows = _missed(batch, inner, widening * batch.margin)
     over = np.maximum(inner - (batch.joints.upper - batch.joints.inset)[:, None], 0.0)
     over += np.minimum(inner - (batch.joints.lower + batch.joints.inset)[:, None], 0.0)
     value = 0.5 * LIMIT_WEIGHT * (over**2).sum(axis=(1, 2))
     gradient = LIMIT_WEIGHT * over
-    hessian = np.zeros((phases, times, joints, joints))
+    hessian = np.zeros((phases, slices, joints, joints))
     diagonal = np.arange(joints)
     hessian[:, :, diagonal, diagonal] += LIMIT_WEIGHT * (over != 0.0)
-    amount = np.concatenate([r.amount for r in rows])
-    if len(amount):
-        slope, place = np.concatenate([r.slope for r in rows]), np.concatenate([r.place for r in rows])
-        value += 0.5 * weight * np.bincount(place // times, amount**2, phases)
-        order = np.argsort(place, kind="stable")
-        amount, slope, place = amount[order], slope[order], place[order]
-        found, first = np.unique(place, return_index=True)
-        gradient.reshape(-1, joints)[found] += weight * np.add.reduceat(slope * amount[:, None], first)
-        squares = np.add.reduceat(slope[:, :, None] * slope[:, None, :], first)
-        hessian.reshape(-1, joints, joints)[found] += weight * squares
+    if len(rows.amount):
+        times = batch.looks.shares.shape[1]
+        value += 0.5 * weight * np.bincount(rows.place // times, rows.amount**2, phases)
+        order = np.argsort(rows.place, kind="stable")
+        amount, slope = rows.amount[order], rows.slope[order]
+        found, first = np.unique(rows.place[order], return_index=True)
+        pull = weight * np.add.reduceat(slope * amount[:, None], first)
+        squares = weight * np.add.reduceat(slope[:, :, None] * slope[:, None, :], first)
+        _spread(batch.looks, found, pull, squares, gradient, hessian)
     return Penalty(value, gradient, hessian)
+
+
+def _spread(looks: Looks, place: Indices, pull: Array, squares: Array, gradient: Array, hessian: Array) -> None:
+    """Add gradients `(m, joints)` and Hessians at looked-at places to those of the inner slices. The Hessian of a time
+    between slices is spread over the slices around it, without what couples them, so that it is none too small."""
+    joints = gradient.shape[2]
+    if looks.weights is None:
+        gradient.reshape(-1, joints)[place] += pull
+        hessian.reshape(-1, joints, joints)[place] += squares
+        return
+    phase, time = np.divmod(place, len(looks.weights))
+    weights = looks.weights[time, 1:-1]
+    size = np.abs(weights)
+    size = np.where(size > NEGLIGIBLE, size * size.sum(axis=1, keepdims=True), 0.0)
+    row, slice_ = np.nonzero(np.abs(weights) > 0.0)
+    np.add.at(gradient, (phase[row], slice_), weights[row, slice_][:, None] * pull[row])
+    row, slice_ = np.nonzero(size)
+    np.add.at(hessian, (phase[row], slice_), size[row, slice_][:, None, None] * squares[row])
+
+
+def most_missed(batch: Batch, inner: Array) -> Array:
+    """By how much the worst pair of each phase misses the margin, metres; 0: none."""
+    rows = _missed(batch, inner, batch.margin)
+    result = np.zeros(len(batch))
+    np.maximum.at(result, rows.place // batch.looks.shares.shape[1], rows.amount)
+    return result
+
+
+def _missed(batch: Batch, inner: Array, margin: float) -> _Rows:
+    values = inner
+    if batch.looks.weights is not None:
+        values = np.einsum("ts,bsj->btj", batch.looks.weights, batch.with_ends(inner))
+    phases, times, _ = values.shape
+    geometry, shares = batch.coarse, margin * batch.looks.shares
+    frames, angular, linear = geometry.kinematics.frames(values)
+    points = geometry.points.place(frames, phases, times)
+    twists = (_stacked(angular, phases, times), _stacked(linear, phases, times))
+    rows = [_obstacle_rows(margin, shares, geometry, points, twists), _pair_rows(shares, geometry, points, twists)]
+    return _Rows(
+        np.concatenate([r.amount for r in rows]), np.concatenate([r.slope for r in rows]),
+        np.concatenate([r.place for r in rows]),
+    )  # fmt: skip
 
 
 def _stacked(vectors: list[Array], phases: int, times: int) -> Array:
@@ -93,25 +132,27 @@ def _slopes(
     return np.asarray(slope * geometry.moved_by[spheres])
 
 
-def _obstacle_rows(margin: float, geometry: Geometry, points: Array, twists: tuple[Array, Array]) -> _Rows:
+def _obstacle_rows(
+    margin: float, shares: Array, geometry: Geometry, points: Array, twists: tuple[Array, Array]
+) -> _Rows:
     times = points.shape[-1]
-    wanted = geometry.radius[:, None] + margin * geometry.obstacle_share[..., 1:-1]
-    a, o, k, t = np.nonzero(geometry.shapes.boxed(points, wanted))
-    distance, offset, excess = geometry.shapes.distance_at(points[a, :, k, t][..., None], o, k)
-    missed = wanted[a, o, k, t] - distance[:, 0]
-    hit = np.flatnonzero(missed > 0.0)
-    a, o, k, t = a[hit], o[hit], k[hit], t[hit]
-    normals = geometry.shapes.normals(offset[hit, :, 0], excess[hit, :, 0], o, k)
+    near = geometry.shapes.boxed(points.min(axis=-1), points.max(axis=-1), geometry.radius + margin)
+    a, o, k = np.nonzero(near & (geometry.obstacle_kinds != NEVER))
+    distance, offset, excess = geometry.shapes.distance_at(points[a, :, k], o, k)
+    missed = geometry.radius[a, 0] + shares[geometry.obstacle_kinds[a, o, k]] - distance
+    hit, t = np.nonzero(missed > 0.0)
+    a, o, k = a[hit], o[hit], k[hit]
+    normals = geometry.shapes.normals(offset[hit, :, t], excess[hit, :, t], o, k)
     slope = _slopes(geometry, twists, a, points[a, :, k, t], normals, k, t)
-    return _Rows(missed[hit], -slope, k * times + t)
+    return _Rows(missed[hit, t], -slope, k * times + t)
 
 
-def _pair_rows(margin: float, geometry: Geometry, points: Array, twists: tuple[Array, Array]) -> _Rows:
+def _pair_rows(shares: Array, geometry: Geometry, points: Array, twists: tuple[Array, Array]) -> _Rows:
     times = points.shape[-1]
     first, second = geometry.pairs[:, 0], geometry.pairs[:, 1]
     apart = points[first] - points[second]
     distance = np.sqrt((apart * apart).sum(axis=1))
-    missed = geometry.touching + margin * geometry.pair_share[..., 1:-1] - distance
+    missed = geometry.touching + shares[geometry.pair_kinds] - distance
     p, k, t = np.nonzero(missed > 0.0)
     normals = apart[p, :, k, t] / np.maximum(distance[p, k, t], 1e-9)[:, None]
     slope = _slopes(geometry, twists, first[p], points[first[p], :, k, t], normals, k, t)

@@ -9,7 +9,8 @@ import numpy as np
 from ....compiler.motion.collision import CHECK_MARGIN
 from ...budget import Budget
 from ...skeleton import Array
-from .batch import CONTACT_TOLERANCE, Batch
+from .batch import Batch
+from .shares import CONTACT_TOLERANCE, share_table
 
 RESOLUTION = 0.05
 """Largest change of a joint between checked poses on an edge, radians or metres."""
@@ -27,8 +28,9 @@ class _Checker:
     def __init__(self, batch: Batch, phase: int) -> None:
         self.batch = batch.take(np.array([phase]))
         coarse = self.batch.coarse
-        least = (coarse.obstacle_share.min(axis=3), coarse.pair_share.min(axis=2))
-        self.needed = [np.where(s < 1.0, np.minimum(s, 0.0) - CONTACT_TOLERANCE, CHECK_MARGIN) for s in least]
+        least = share_table(np.arange(self.batch.slices + 1.0), self.batch.slices).min(axis=1)
+        needed = np.where(least < 1.0, np.minimum(least, 0.0) - CONTACT_TOLERANCE, CHECK_MARGIN)
+        self.needed = (needed[coarse.obstacle_kinds], needed[coarse.pair_kinds])
         joints = self.batch.joints
         self.lower, self.upper = joints.lower[0] + 1e-3, joints.upper[0] - 1e-3
 

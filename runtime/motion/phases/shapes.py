@@ -86,16 +86,17 @@ class Shapes:
         value, excess = rounded_box_distance(offset, self.half, self.round if self.any_round else None)
         return value - self.rounding, offset, excess
 
-    def boxed(self, points: Array, wanted: Array) -> NDArray[np.bool_]:
-        """Which points `(points, 3, phases, times)` can be nearer than `wanted` `(points, count, phases, times)` to a
-        shape, by the box around it along the world's axes."""
+    def boxed(self, lowest: Array, highest: Array, wanted: Array) -> NDArray[np.bool_]:
+        """Whether points between `lowest` and `highest` `(points, 3, phases)` can be nearer than `wanted`
+        `(points, 1, 1)` to a shape, by the box around it along the world's axes: `(points, count, phases)`."""
         half = self.half.copy()
         half[:, 1] = np.where(self.round, half[:, 0], half[:, 1])
-        extent = np.einsum("oijbt,ojbt->oibt", np.abs(self.turn), half) + self.rounding[:, None]
-        near = np.abs(points[:, None, 2] - self.centre[:, 2]) < extent[:, 2] + wanted
-        for i in range(2):
-            near &= np.abs(points[:, None, i] - self.centre[:, i]) < extent[:, i] + wanted
-        return np.asarray(near)
+        extent = np.einsum("oijbt,ojbt->oib", np.abs(self.turn), half) + self.rounding[:, None, :, 0]
+        near = np.ones((len(lowest), *self.rounding.shape[:2]), bool)
+        for i in (2, 0, 1):
+            top, bottom = self.centre[:, i, :, 0] + extent[:, i], self.centre[:, i, :, 0] - extent[:, i]
+            near &= (lowest[:, None, i] < top + wanted) & (highest[:, None, i] > bottom - wanted)
+        return near
 
     def distance_at(
         self, points: Array, shape: NDArray[np.intp], phase: NDArray[np.intp]
