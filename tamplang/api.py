@@ -51,14 +51,16 @@ class Task:
         solutions: int = 1,
         solver: str | None = None,
         slices: int | None = None,
+        horizon: int | str | None = None,
         progress: Callable[[Progress], None] | None = None,
         found: Callable[[Plan], None] | None = None,
     ) -> Result:
         """Plan the task. What is None here comes from the task's `options` block, else from the defaults.
 
         `bound` is "seq", "seq-path" or "path"; `search` "astar", "wastar", "bfs" or "guide"; `time` seconds
-        (`math.inf`: no limit); `nodes` of the search tree; `solver` "algn" or "ipopt"; `slices` per phase. `found` gets
-        every verified plan as soon as it stands.
+        (`math.inf`: no limit); `nodes` of the search tree; `solver` "algn" or "ipopt"; `slices` per phase; `horizon`
+        plans the motion of so many actions at a time, "auto" as many as seem wise. `found` gets every verified plan as
+        soon as it stands.
         Raises `tamplang.runtime.native.MissingLibrary` when a system library is missing.
         """
         from .runtime.lgp import SolveOptions, solve
@@ -81,7 +83,13 @@ class Task:
             if found is not None:
                 found(Plan(record))
 
-        outcome = solve(self.problem, options, progress, hand_on)
+        if horizon is None:
+            outcome = solve(self.problem, options, progress, hand_on)
+        else:
+            from .runtime.horizon.receding import solve_receding
+
+            count = None if horizon == "auto" else int(horizon)
+            outcome = solve_receding(self.problem, options, count, progress, hand_on)
         return Result(
             outcome.status,
             tuple(Plan(record) for record in outcome.plans),

@@ -1,7 +1,274 @@
-"""Receding horizon with backtracking. The planner of one window, for whoever runs it, is
+"""Receding horizon with backtracking and sub-goals: RH-LGP (thesis, section 3.5) without its dead ends.
+
+The planner of one window, for whoever runs it, is
 
     windows.remember(problem, options, budget, tell) -> Memory
     windows.plan_window(problem, reached, options, horizon, budget, memory, *, seed, forbidden, lookahead) -> Window
 
-with `state.start(problem)` as the first `reached`, and `Window.reached` after what was planned.
+with `state.start(problem)` as the first `reached`, and `Window.reached` after what was planned. `solve_receding` plans
+window after window until the goal holds. A window from which nothing leads on undoes the one before it, which is only
+planned yet: first it gets another motion, then its actions are forbidden there, then the window before it is undone.
 """
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+from ...compiler import ir
+from ...langs.diagnostics import Diagnostic
+from ..assemble import assemble
+from ..bounds import WIDER
+from ..budget import Budget, OutOfTime
+from ..lgp import Outcome, Progress, SolveOptions
+from ..plan import Plan, StatisticsRecord, WindowRecord
+from ..skeleton import PhasePath, Skeleton
+from ..verify import verify
+from .state import Reached, start
+from .tree import grown
+from .windows import DONE, INFEASIBLE, LOOKAHEAD, PLANNED, Memory, Window, plan_window, remember
+
+FIRST, LEAST, MOST = 4, 2, 16
+"""The adaptive horizon at first, at least, at most."""
+HARD = 2
+"""So many refused candidates in one window make the adaptive horizon grow."""
+BACKTRACKS = 24
+"""How many windows are undone before the run gives up."""
+ALTERNATIVES = 3
+"""How many beginnings are forbidden at one state before the window that led there is undone."""
+VISITS = 2
+"""How often windows may start at the same facts."""
+SEEDS = 101
+"""Between the seeds of two motions of one window."""
+DOUBTS = 2
+"""How often a run that the verifier refuses is planned anew from the window that it blames."""
+
+
+@dataclass(slots=True)
+class _Level:
+    """A state that windows have reached: what must not follow it, and how often what followed failed."""
+
+    reached: Reached
+    forbidden: list[tuple[ir.Action, ...]] = field(default_factory=list)
+    failures: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    """A planned window, and why it was planned."""
+
+    window: Window
+    reason: str
+
+
+def solve_receding(
+    problem: ir.Problem,
+    options: SolveOptions,
+    horizon: int | None,
+    progress: Callable[[Progress], None] | None = None,
+    found: Callable[[Plan], None] | None = None,
+    *,
+    lookahead: int = LOOKAHEAD,
+    backtracks: int = BACKTRACKS,
+) -> Outcome:
+    """Plan `horizon` actions at a time (None: as many as seem wise) until the goal holds. The plan is one, verified as
+    a whole; when time or Ctrl-C end the run early, it holds what was planned so far and is not `complete`."""
+    return _Run(problem, options, horizon, progress, found, lookahead, backtracks).run()
+
+
+class _Run:
+    def __init__(
+        self, problem: ir.Problem, options: SolveOptions, horizon: int | None,
+        progress: Callable[[Progress], None] | None, found: Callable[[Plan], None] | None,
+        lookahead: int, backtracks: int,
+    ) -> None:  # fmt: skip
+        self.problem, self.options = problem, options
+        self.horizon = FIRST if horizon is None else horizon
+        self.adapts = horizon is None
+        self.report, self.found = progress, found
+        self.lookahead, self.backtracks = lookahead, backtracks
+        self.budget = Budget(options.time)
+        self.memory: Memory = remember(problem, options, self.budget, self._tell)
+        self.levels = [_Level(start(problem))]
+        self.kept: list[_Kept] = []
+        self.plan: Plan | None = None
+        self.undone = self.doubts = self.tree_nodes = self.expanded_nodes = self.candidates = 0
+        self.reason = "start"
+        self.first_motion: float | None = None
+
+    def run(self) -> Outcome:
+        try:
+            status = self._loop()
+        except OutOfTime:
+            status = "budget"
+        except KeyboardInterrupt:
+            status = "interrupted"
+        return self._outcome(status)
+
+    # --- window after window -------------------------------------------------------------------------------------
+
+    def _loop(self) -> str:
+        while True:
+            window = self._plan()
+            if window.status == DONE:
+                plan = self._verified(True)
+                if plan.verdict is not None and plan.verdict.verified:
+                    self.plan = plan
+                    return "solved"
+                if not self._doubt(plan):
+                    self.plan = plan
+                    return "refused"
+            elif window.status == PLANNED:
+                self._keep(window)
+            elif not self.kept and window.status == INFEASIBLE:
+                return "infeasible"
+            elif not self._backtrack():
+                return "exhausted"
+
+    def _plan(self) -> Window:
+        """The window from the present state; without a look ahead if there is none with it."""
+        level = self.levels[-1]
+        for lookahead in dict.fromkeys((self.lookahead, 0)):
+            window = plan_window(
+                self.problem, level.reached, self.options, self.horizon, self.budget, self.memory,
+                seed=self.options.seed + SEEDS * level.failures, forbidden=tuple(level.forbidden),
+                lookahead=lookahead,
+            )  # fmt: skip
+            self.tree_nodes += window.tree_nodes
+            self.expanded_nodes += window.expanded_nodes
+            self.candidates += window.refused + (window.status == PLANNED)
+            if window.status in (PLANNED, DONE, INFEASIBLE):
+                break
+        return window
+
+    def _keep(self, window: Window) -> None:
+        self._adapt(window.refused > HARD)
+        if self._seen(window.reached) >= VISITS:
+            self.levels[-1].forbidden.append(_beginning(window))
+            self.reason = "loop"
+            return
+        if self.first_motion is None:
+            self.first_motion = self.budget.elapsed
+        self.kept.append(_Kept(window, self.reason))
+        self.levels.append(_Level(window.reached))
+        self.reason = "horizon"
+
+    def _seen(self, reached: Reached) -> int:
+        return sum(level.reached.facts == reached.facts for level in self.levels)
+
+    def _adapt(self, hard: bool) -> None:
+        """Look farther ahead where motion is refused, less far where it is easy."""
+        if self.adapts:
+            self.horizon = min(MOST, 2 * self.horizon) if hard else max(LEAST, self.horizon - 1)
+
+    # --- dead ends -----------------------------------------------------------------------------------------------
+
+    def _backtrack(self) -> bool:
+        """Undo windows until one can be planned otherwise; False when none is left or too many were undone."""
+        self._adapt(True)
+        while self.kept and self.undone < self.backtracks:
+            self.undone += 1
+            self.levels.pop()
+            window = self.kept.pop().window
+            level = self.levels[-1]
+            level.failures += 1
+            if level.failures > 1:
+                level.forbidden.append(_beginning(window))
+            self.reason = "dead end"
+            if level.failures <= 1 + ALTERNATIVES:
+                return True
+        return False
+
+    def _doubt(self, plan: Plan) -> bool:
+        """Undo the windows from the one on that the verifier blames, and keep larger margins from now on; False when
+        that was tried before."""
+        if self.doubts >= DOUBTS or plan.verdict is None or not self.kept:
+            return False
+        self.doubts += 1
+        first = min((f.time for f in plan.verdict.failures if f.time is not None), default=0.0)
+        begins = first + 1.0
+        while self.kept and begins > first:
+            begins = sum(path.duration for kept in self.kept[:-1] for path in kept.window.paths)
+            self.kept.pop()
+            self.levels.pop()
+        self.levels[-1].failures += 1
+        old = self.memory.bounds.settings
+        self.memory.bounds.settings = replace(
+            old, margin=old.margin + WIDER, switch_margin=old.switch_margin + WIDER
+        )
+        self.reason = "verifier"
+        return True
+
+    # --- what was found ------------------------------------------------------------------------------------------
+
+    def _verified(self, complete: bool) -> Plan:
+        """The plan of all windows that stand, with the verifier's verdict on it as a whole."""
+        import msgspec
+
+        self._tell("verify", f"verifying {len(self.kept)} windows")
+        phases = tuple(phase for kept in self.kept for phase in kept.window.skeleton.phases)
+        paths: list[PhasePath] = [path for kept in self.kept for path in kept.window.paths]
+        skeleton = Skeleton(self.problem, phases, self.levels[-1].reached.mode)
+        plan = assemble(self.problem, [phase.action for phase in phases], skeleton, paths, self._statistics())
+        plan = msgspec.structs.replace(plan, windows=self._records(plan), complete=complete)
+        with self.memory.bounds.clock("verify"):
+            verdict = verify(plan)
+        return msgspec.structs.replace(plan, verdict=verdict, statistics=self._statistics())
+
+    def _records(self, plan: Plan) -> list[WindowRecord]:
+        records, phase = [], 0
+        for kept in self.kept:
+            window = kept.window
+            records.append(
+                WindowRecord(
+                    plan.phases[phase].start, phase, kept.reason, round(window.seconds, 4),
+                    [str(action) for action in window.actions], len(window.paths), list(window.unmet),
+                )
+            )  # fmt: skip
+            phase += len(window.paths)
+        return records
+
+    def _statistics(self) -> StatisticsRecord:
+        first = {} if self.first_motion is None else {"first_motion": self.first_motion}
+        return StatisticsRecord(
+            tree_nodes=self.tree_nodes,
+            expanded_nodes=self.expanded_nodes,
+            cost=sum(kept.window.cost for kept in self.kept),
+            seconds={"total": self.budget.elapsed, **self.memory.bounds.clock.seconds, **first},
+            bounds=self.memory.bounds.records(),
+            refusals=self.memory.refusals.records(),
+            tree=grown([kept.window for kept in self.kept]),
+        )
+
+    def _outcome(self, status: str) -> Outcome:
+        explanation = [] if status in ("solved", "refused") else self._explanation(status)
+        if self.plan is None and self.kept:
+            self.plan = self._verified(False)
+        plan, statistics = self.plan, self._statistics()
+        if plan is not None and status == "solved" and self.found is not None:
+            self.found(plan)
+        actions = [] if plan is None else [phase.action for phase in plan.phases]
+        return Outcome(status, [] if plan is None else [plan], statistics, explanation, actions, statistics.cost)
+
+    def _explanation(self, status: str) -> list[Diagnostic]:
+        """Why the goal was not reached, what was tried, and what stands."""
+        told = self.memory.refusals.explain(status)
+        if status == "infeasible":
+            return told
+        count = sum(len(kept.window.paths) for kept in self.kept)
+        tried = f"{count} actions in {len(self.kept)} windows were planned, and {self.undone} windows undone"
+        codes = {"budget": "S0003", "interrupted": "S0005"}
+        return [Diagnostic(codes.get(status, "S0002"), f"the goal was not reached: {tried}"), *told]
+
+    def _tell(self, stage: str, message: str) -> None:
+        if self.report is None:
+            return
+        done = sum(len(kept.window.paths) for kept in self.kept)
+        where = f"window {len(self.kept) + 1}, {done} actions done: {message}"
+        self.report(
+            Progress(stage, where, self.budget.elapsed, self.options.time, self.tree_nodes, self.candidates, 0)
+        )
+
+
+def _beginning(window: Window) -> tuple[ir.Action, ...]:
+    return window.actions[: len(window.paths)]

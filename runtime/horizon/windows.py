@@ -17,6 +17,7 @@ from ...compiler.symbolic.successors import Successors
 from ..bounds import EXPECTED, Bounds, beginning
 from ..budget import Budget
 from ..lgp import SolveOptions, motion_settings
+from ..plan import SearchNode
 from ..refusals import Refusals
 from ..search.best_first import Candidate, SkeletonSearch
 from ..search.roomy import Strain, Surcharge, roomier
@@ -43,7 +44,8 @@ class Window:
     refused) or "infeasible" (proved: no actions lead to the goal from here). `actions` is the way to the goal, or to
     its next parts, as seen now; `skeleton`, which begins at `problem`, and `paths` are its first `len(paths)` phases;
     `reached` is the state after them. `unmet` tells the parts of the goal that do not hold at the start of the window,
-    in the order in which they are planned for; `refused` counts refused candidates."""
+    in the order in which they are planned for; `cost` is that of the phases with motion; `refused` counts refused
+    candidates, `tree` holds the nodes of the last search."""
 
     status: str
     problem: ir.Problem
@@ -54,8 +56,10 @@ class Window:
     seconds: float
     unmet: tuple[str, ...]
     refused: int
+    cost: float = 0.0
     tree_nodes: int = 0
     expanded_nodes: int = 0
+    tree: tuple[SearchNode, ...] = ()
 
 
 @dataclass(slots=True)
@@ -113,6 +117,7 @@ class _Planner:
         self.lookahead = lookahead
         self.began = time.monotonic()
         self.refused = self.tree_nodes = self.expanded_nodes = 0
+        self.tree: tuple[SearchNode, ...] = ()
         self.proved = False
         self.unmet: list[ir.Formula] = []
 
@@ -126,7 +131,10 @@ class _Planner:
         for goal, method, nodes in self._goals():
             found = self._try(goal, method, nodes)
             if found is not None:
-                return found
+                return replace(
+                    found, tree_nodes=self.tree_nodes, expanded_nodes=self.expanded_nodes, tree=self.tree,
+                    seconds=time.monotonic() - self.began,
+                )  # fmt: skip
             if self.proved:
                 return self._window(INFEASIBLE)
         return self._window(STUCK)
@@ -187,6 +195,7 @@ class _Planner:
                 if found is not None:
                     return found
         finally:
+            self.tree = tuple(search.tree)
             self.tree_nodes += search.tree_nodes
             self.expanded_nodes += search.expanded_nodes
         return None
@@ -208,7 +217,8 @@ class _Planner:
         count = min(self.horizon, len(skeleton))
         judgement = self.memory.bounds.judge(seen, strain.along(candidate.numbers[: len(seen)]), count)
         if judgement.accepted:
-            return self._planned(candidate, beginning(seen, count), tuple(judgement.paths or ()))
+            cost = sum(search.successors.cost(number) for number in candidate.numbers[:count])
+            return self._planned(candidate.actions, cost, beginning(seen, count), tuple(judgement.paths or ()))
         self.refused += 1
         for conflict in judgement.conflicts:
             if conflict.bound != EXPECTED:
@@ -229,17 +239,19 @@ class _Planner:
                 found += [(base, thing) for base in still for thing in named if bodies[thing].movable]
         return tuple(found)
 
-    def _planned(self, candidate: Candidate, skeleton: Skeleton, paths: tuple[PhasePath, ...]) -> Window:
-        reached = after(self.problem, skeleton, paths, begin=self.reached) if paths else self.reached
-        return replace(
-            self._window(PLANNED), actions=candidate.actions, skeleton=skeleton, paths=paths, reached=reached,
-            seconds=time.monotonic() - self.began,
-        )  # fmt: skip
+    def _planned(
+        self, actions: tuple[ir.Action, ...], cost: float, skeleton: Skeleton, paths: tuple[PhasePath, ...]
+    ) -> Window:
+        self.memory.bounds.tell("state", "following the motion to its end")
+        reached = after(self.problem, skeleton, paths, begin=self.reached)
+        plain = self._window(PLANNED)
+        return replace(plain, actions=actions, cost=cost, skeleton=skeleton, paths=paths, reached=reached)
 
     def _window(self, status: str) -> Window:
         return Window(
             status, self.problem, (), Skeleton(self.problem, (), self.problem.init_motion), (), self.reached,
-            time.monotonic() - self.began, tuple(told(self.unmet)), self.refused, self.tree_nodes, self.expanded_nodes,
+            time.monotonic() - self.began, tuple(told(self.unmet)), self.refused, 0.0,
+            self.tree_nodes, self.expanded_nodes, self.tree,
         )  # fmt: skip
 
 

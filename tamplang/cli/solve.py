@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from .horizon import checked_horizon
 from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
 from .outputs import checked_output, numbered
@@ -25,7 +26,7 @@ from .status import OF_OUTCOME
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="For the scene and the search.")
 @click.option("--bound", type=click.Choice(["seq", "seq-path", "path"]), help="The finest motion bound to try.")
 @click.option("--search", type=click.Choice(["astar", "wastar", "bfs", "guide"]), help="How to look for skeletons.")
-@click.option("--horizon", type=click.IntRange(min=1), help="Receding horizon. Not available yet.")
+@click.option("--horizon", callback=checked_horizon, metavar="N|auto", help="Plan the motion of N actions at a time.")
 @click.option("--solutions", type=click.IntRange(min=1), default=1, show_default=True, help="How many plans to find.")
 @click.option("--time", "seconds", type=click.FloatRange(min=0, min_open=True), help="Seconds; inf for no limit.")
 @click.option("--nodes", type=click.IntRange(min=1), help="How large the search tree may grow.")
@@ -41,7 +42,7 @@ def solve(
     seed: int,
     bound: str | None,
     search: str | None,
-    horizon: int | None,
+    horizon: int | str | None,
     solutions: int,
     seconds: float | None,
     nodes: int | None,
@@ -55,8 +56,8 @@ def solve(
 
     What is not given here comes from the task's own options.
     """
-    if horizon is not None:
-        raise click.UsageError("--horizon (receding horizon) is not available yet")
+    if horizon is not None and (solutions > 1 or bound == "seq"):
+        raise click.UsageError("--horizon gives one plan with motion: it goes neither with --solutions nor --bound seq")
     if jobs > 1:
         raise click.UsageError("--jobs above 1 is not available yet; `sweep --jobs` solves instances side by side")
     from ..api import Task
@@ -82,6 +83,7 @@ def solve(
                 nodes=nodes,
                 solutions=solutions,
                 solver=solver,
+                horizon=horizon,
                 progress=progress,
                 found=Keeper(plan_file),
             )
