@@ -118,7 +118,7 @@ def _module_types(world: ir.World) -> Iterable[ir.ModuleType]:
 def _module_type(m: ir.ModuleType) -> str:
     lines = [
         f"joint {i} {j.name}: {j.kind} about {_numbers(j.axis)} on {j.parent} at {_numbers(j.placement)} in "
-        f"{j.lower:g} .. {j.upper:g} home {j.home:g} speed {j.speed:g}"
+        f"{j.lower:g} .. {j.upper:g} home {j.home:g} speed {j.speed:g} acceleration {j.acceleration:g}"
         for i, j in enumerate(m.joints)
     ]
     lines += [f"link on {k.joint} at {_numbers(k.placement)}: {_shape(k.shape)}" for k in m.links]

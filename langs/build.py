@@ -214,7 +214,7 @@ class TreeBuilder(TermBuilder):
                     span=span,
                 )
             case "joint_item":
-                name, call, limits, home, speed = children
+                name, call, limits, home, speed, acceleration = children
                 motion = self.call(_tree(call))
                 lower, upper = (None, None) if limits is None else self.terms(_tree(limits).children)
                 return s.JointItem(
@@ -225,6 +225,7 @@ class TreeBuilder(TermBuilder):
                     upper,
                     self.maybe_term(home),
                     self.maybe_term(speed),
+                    self.maybe_term(acceleration),
                     span=span,
                 )
             case "link_item":

@@ -17,7 +17,7 @@ Branch: TypeAlias = Tree[Token]
 Child: TypeAlias = Branch | Token | None
 
 MAX_DEPTH = 100
-_NUMBER = re.compile(r"([0-9.]+(?:[eE][+-]?\d+)?)[ \t]*([a-z/]*)")
+_NUMBER = re.compile(r"([0-9.]+(?:[eE][+-]?\d+)?)[ \t]*([a-z]*)(/s(?:\^2)?)?")
 _UNITS = {
     "": (1.0, ""),
     "m": (1.0, "length"),
@@ -27,6 +27,12 @@ _UNITS = {
     "deg": (math.pi / 180, "angle"),
     "s": (1.0, "time"),
     "min": (60.0, "time"),
+}
+_RATES = {
+    ("length", "/s"): "speed",
+    ("angle", "/s"): "angular speed",
+    ("length", "/s^2"): "acceleration",
+    ("angle", "/s^2"): "angular acceleration",
 }
 
 
@@ -119,14 +125,12 @@ class TermBuilder:
         text = str(tree.children[0])
         match = _NUMBER.fullmatch(text)
         assert match is not None
-        unit, slash, _ = match[2].partition("/")
-        factor, kind = _UNITS[unit]
+        factor, kind = _UNITS[match[2]]
         value = float(match[1]) * factor
         if not math.isfinite(value):
             self.problem("E0009", f"the number `{text}` is too large", self.span(tree))
             value = 0.0
-        rates = {"length": "speed", "angle": "angular speed"}
-        return s.Number(value, rates[kind] if slash else kind, text, span=self.span(tree))
+        return s.Number(value, _RATES.get((kind, match[3]), kind), text, span=self.span(tree))
 
     def text(self, token: Token) -> s.Text:
         return s.Text(str(token)[1:-1], span=self.span(token))

@@ -13,7 +13,7 @@ from .build_terms import span_of
 from .diagnostics import Diagnostic, Label, did_you_mean
 from .source import Source, Span
 
-UNITS = ("m", "cm", "mm", "rad", "deg", "s", "min", "m/s", "rad/s", "deg/s")
+UNITS = ("m", "cm", "mm", "rad", "deg", "s", "min", "m/s", "rad/s", "deg/s", "m/s^2", "rad/s^2", "deg/s^2")
 FOREIGN_UNITS = {"inch", "inches", "ft", "foot", "feet", "yd", "km", "kg", "h", "hour", "degree", "degrees", "px", "N"}
 _WORDS = {
     "NAME": "a name",

@@ -22,7 +22,7 @@ class Node:
 @dataclass(frozen=True, slots=True)
 class Number(Node):
     """`3`, `0.05 m`, `120 deg`: the value in SI, the kind ("" plain, "length", "angle", "time", "speed",
-    "angular speed") and text."""
+    "angular speed", "acceleration", "angular acceleration") and text."""
 
     value: float
     kind: str
@@ -376,8 +376,8 @@ class EffectorItem(Node):
 
 @dataclass(frozen=True, slots=True)
 class JointItem(Node):
-    """`joint j2: revolute(y) in -120 deg .. 120 deg home 0.6 rad speed 2 rad/s`, or with vectors of two lengths as
-    limits `joint drive: planar(x, y) in (-5 m, -5 m) .. (5 m, 5 m)`."""
+    """`joint j2: revolute(y) in -120 deg .. 120 deg home 0.6 rad speed 2 rad/s acceleration 5 rad/s^2`, or with
+    vectors of two lengths as limits `joint drive: planar(x, y) in (-5 m, -5 m) .. (5 m, 5 m)`."""
 
     name: str
     kind: str
@@ -386,6 +386,7 @@ class JointItem(Node):
     upper: Term | None
     home: Term | None
     speed: Term | None
+    acceleration: Term | None
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,7 +29,7 @@ class Kind:
         return PHRASES[self.name]
 
 
-SCALARS = ("number", "length", "angle", "time", "speed", "angular speed")
+SCALARS = ("number", "length", "angle", "time", "speed", "angular speed", "acceleration", "angular acceleration")
 PHRASES = {
     "number": "a plain number",
     "length": "a length",
@@ -37,6 +37,8 @@ PHRASES = {
     "time": "a time",
     "speed": "a speed",
     "angular speed": "an angular speed",
+    "acceleration": "an acceleration",
+    "angular acceleration": "an angular acceleration",
     "vector": "a vector",
     "rows": "several lengths",
     "pose": "a pose",
@@ -55,9 +57,12 @@ VECTOR = Kind("vector")
 TIME = Kind("time")
 SPEED = Kind("speed")
 ANGULAR_SPEED = Kind("angular speed")
+ACCELERATION = Kind("acceleration")
+ANGULAR_ACCELERATION = Kind("angular acceleration")
 VALUE_TYPES = {"int": NUMBER, "real": NUMBER, "length": LENGTH, "angle": ANGLE, "time": TIME, "speed": SPEED}
-EXAMPLES = {"length": "m", "angle": "rad", "time": "s", "speed": "m/s", "angular speed": "rad/s"}
-RATES = {LENGTH: SPEED, ANGLE: ANGULAR_SPEED}
+EXAMPLES = {"length": "m", "angle": "rad", "time": "s", "speed": "m/s", "angular speed": "rad/s",
+            "acceleration": "m/s^2", "angular acceleration": "rad/s^2"}  # fmt: skip
+RATES = {LENGTH: SPEED, ANGLE: ANGULAR_SPEED, SPEED: ACCELERATION, ANGULAR_SPEED: ANGULAR_ACCELERATION}
 """What a kind becomes when it is divided by a time."""
 
 

@@ -1,4 +1,5 @@
-"""Joints of a module: kind, axes, limits, value at home and speed, as revolute and prismatic joints of the IR.
+"""Joints of a module: kind, axes, limits, value at home, speed and acceleration, as joints of the IR, which are
+revolute or prismatic.
 
 A planar joint moves along two axes and then turns about the third: two prismatic joints and a revolute one.
 """
@@ -12,7 +13,7 @@ from ...langs import syntax
 from ...langs.diagnostics import did_you_mean
 from .. import ir
 from ..checks.context import Context
-from ..checks.kinds import ANGLE, LENGTH, RATES, SCALARS, Kind
+from ..checks.kinds import ANGLE, EXAMPLES, LENGTH, RATES, SCALARS, Kind
 from ..checks.names import Scope
 from ..checks.terms import check_term
 from ..checks.values import number, vector
@@ -20,6 +21,8 @@ from ..poses import make
 
 AXES: Mapping[str, ir.Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 DEFAULT_SPEED: Mapping[str, float] = {"revolute": 2.0, "prismatic": 0.5, "planar": 0.5}
+DEFAULT_ACCELERATION: Mapping[str, float] = {"revolute": 5.0, "prismatic": 1.0, "planar": 1.0}
+DEFAULTS = {"speed": DEFAULT_SPEED, "acceleration": DEFAULT_ACCELERATION}
 AXIS_COUNT: Mapping[str, int] = {"revolute": 1, "prismatic": 1, "planar": 2}
 FULL_TURN = 2 * math.pi
 STRAIGHT = (0.0, 0.0, 0.0, 1.0)
@@ -38,16 +41,18 @@ def lower_joint(
     axes = _axes(context, item)
     kind = ANGLE if item.kind == "revolute" else LENGTH
     limits = _planar_limits(context, scope, item) if item.kind == "planar" else _limits(context, scope, item, kind)
-    speed = _speed(context, scope, item, kind)
-    if axes is None or limits is None or speed is None:
+    speed = _rate(context, scope, item, "speed", RATES[kind])
+    acceleration = _rate(context, scope, item, "acceleration", RATES[RATES[kind]])
+    if axes is None or limits is None or speed is None or acceleration is None:
         return None
+    greatest = (speed, acceleration)
     if item.kind != "planar":
-        return [ir.Joint(item.name, item.kind, parent, make(offset, STRAIGHT), axes[0], *limits[0], speed)]
+        return [ir.Joint(item.name, item.kind, parent, make(offset, STRAIGHT), axes[0], *limits[0], *greatest)]
     names = [f"{item.name}.{t.name}" for t in item.axes if isinstance(t, syntax.Name)]
     here = make((0.0, 0.0, 0.0), STRAIGHT)
     return [
-        ir.Joint(names[0], "prismatic", parent, make(offset, STRAIGHT), axes[0], *limits[0], speed),
-        ir.Joint(names[1], "prismatic", first, here, axes[1], *limits[1], speed),
+        ir.Joint(names[0], "prismatic", parent, make(offset, STRAIGHT), axes[0], *limits[0], *greatest),
+        ir.Joint(names[1], "prismatic", first, here, axes[1], *limits[1], *greatest),
         ir.Joint(
             f"{item.name}.turn",
             "revolute",
@@ -58,6 +63,7 @@ def lower_joint(
             FULL_TURN,
             0.0,
             DEFAULT_SPEED["revolute"],
+            DEFAULT_ACCELERATION["revolute"],
         ),
     ]
 
@@ -153,26 +159,26 @@ def _planar_limits(context: Context, scope: Scope, item: syntax.JointItem) -> li
     return both if all(_fit(context, item, *limits) for limits in both) else None
 
 
-def _speed(context: Context, scope: Scope, item: syntax.JointItem, kind: Kind) -> float | None:
-    if item.speed is None:
-        return DEFAULT_SPEED[item.kind]
-    typed = check_term(context, scope, item.speed)
+def _rate(context: Context, scope: Scope, item: syntax.JointItem, what: str, wanted: Kind) -> float | None:
+    """The greatest `what` of the joint, "speed" or "acceleration", in SI; None where it is wrong or not known yet."""
+    term = item.speed if what == "speed" else item.acceleration
+    if term is None:
+        return DEFAULTS[what][item.kind]
+    typed = check_term(context, scope, term)
     if not typed.kind.known:
         return None
-    unit_text = "rad/s" if kind == ANGLE else "m/s"
-    if typed.kind not in RATES.values():
+    unit_text = EXAMPLES[wanted.name]
+    article = "an" if what == "acceleration" else "a"
+    if typed.kind != wanted and typed.kind.name.removeprefix("angular ") != what:
         code = "E0203" if typed.kind.name in SCALARS else "E0208"
-        context.findings.report(
-            code,
-            item.speed.span,
-            f"the speed of a joint must be a speed, not {typed.kind}",
-            help=f"write `2 {unit_text}`",
-        )
+        message = f"the {what} of a joint must be {article} {what}, not {typed.kind}"
+        context.findings.report(code, term.span, message, help=f"write `2 {unit_text}`")
         return None
-    if typed.kind != RATES[kind]:
-        context.findings.report("E0203", item.speed.span, f"joint `{item.name}` moves in {unit_text}")
+    if typed.kind != wanted:
+        verb = "moves in" if what == "speed" else "speeds up in"
+        context.findings.report("E0203", term.span, f"joint `{item.name}` {verb} {unit_text}")
         return None
     if typed.value is not None and typed.value <= 0:
-        context.findings.report("E0508", item.speed.span, "the speed of a joint must be positive")
+        context.findings.report("E0508", term.span, f"the {what} of a joint must be positive")
         return None
     return typed.value

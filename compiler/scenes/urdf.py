@@ -18,12 +18,12 @@ from .. import ir
 from ..checks.context import Context
 from ..poses import compose, make, roll_pitch_yaw, unit
 from ..urdf_files import three
+from .joints import DEFAULT_ACCELERATION, DEFAULT_SPEED
 
 if TYPE_CHECKING:
     import pinocchio
 
 KINDS = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic", "fixed": "fixed"}
-SPEEDS = {"revolute": 2.0, "prismatic": 0.5}
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,6 +182,7 @@ def _joints(robot: ElementTree.Element, model: pinocchio.Model) -> tuple[ir.Join
         if element.get("type") != "continuous" and limit is not None:
             lower, upper = _number(limit, "lower", "0"), _number(limit, "upper", "0")
         speed = 0.0 if limit is None else _number(limit, "velocity", "0")
+        acceleration = 0.0 if limit is None else _number(limit, "acceleration", "0")
         axis = element.find("axis")
         made.append(
             ir.Joint(
@@ -193,7 +194,8 @@ def _joints(robot: ElementTree.Element, model: pinocchio.Model) -> tuple[ir.Join
                 lower,
                 upper,
                 0.0 if lower <= 0 <= upper else (lower + upper) / 2,
-                speed if speed > 0 else SPEEDS[kind],
+                speed if speed > 0 else DEFAULT_SPEED[kind],
+                acceleration if acceleration > 0 else DEFAULT_ACCELERATION[kind],
             )
         )
     return tuple(made)

@@ -37,13 +37,14 @@ def is_reversible(kind: ModuleType) -> bool:
     return _reversible(kind)
 
 
-Seen = tuple[str, Vec3, Vec3, float, float]
+Seen = tuple[str, Vec3, Vec3, float, float, float]
 
 
 def _seen(kind: ModuleType, frames: Mapping[int, Pose], end: Pose, i: int) -> Seen:
     joint = kind.joints[i]
     frame = compose(end, frames[i])
-    return joint.kind, position(frame), rotate(orientation(frame), joint.axis), joint.upper, joint.speed
+    axis = rotate(orientation(frame), joint.axis)
+    return joint.kind, position(frame), axis, joint.upper, joint.speed, joint.acceleration
 
 
 def _same(a: Seen, b: Seen) -> bool:
@@ -54,6 +55,7 @@ def _same(a: Seen, b: Seen) -> bool:
         and along > 1 - CLOSE
         and abs(a[3] - b[3]) < CLOSE
         and abs(a[4] - b[4]) < CLOSE
+        and a[5] == b[5]
     )
 
 

@@ -67,7 +67,7 @@ HAND = """module hand(long: length = 60 cm) {
     effector base: gripper box(10 cm, 10 cm, 4 cm) normal (0, 0, -1)
     joint slide: prismatic(x) in -50 cm .. 50 cm home 10 cm
     link (0, 20 cm, long): cylinder(3 cm)
-    joint turn: revolute(-y) in -1 rad .. 1 rad home 0.5 rad speed 90 deg/s
+    joint turn: revolute(-y) in -1 rad .. 1 rad home 0.5 rad speed 90 deg/s acceleration 4 rad/s^2
     link 30 cm: box(4 cm, 6 cm)
     effector tip: gripper sphere(3 cm) at (1 cm, 0, 0) normal (1, 0, 0)
 }
@@ -80,6 +80,7 @@ def test_elements_follow_each_other() -> None:
     assert (slide.kind, slide.axis, slide.speed, slide.home) == ("prismatic", (1, 0, 0), 0.5, 0.1)
     assert (turn.axis, turn.parent) == ((0, -1, 0), 0)
     assert turn.speed == pytest.approx(math.pi / 2)
+    assert (slide.acceleration, turn.acceleration) == (1.0, 4.0)
     assert turn.placement[:3] == pytest.approx((0, 0.2, 0.6))
     slanted, straight = made.links
     assert slanted.shape.size == pytest.approx((0.03, math.hypot(0.2, 0.6)))

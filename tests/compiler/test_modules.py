@@ -100,6 +100,13 @@ def _write_stl(path: Path, corners: np.ndarray) -> None:
     path.write_text("\n".join([*lines, "endsolid wedge"]))
 
 
+def test_urdf_gives_speeds_and_accelerations_or_leaves_them_to_the_defaults() -> None:
+    problem, _ = compile_problem(PROGRAMS / "good" / "arm_from_urdf.tamp")
+    rates = {j.kind: (j.speed, j.acceleration) for j in problem.world.modules["a"].type.joints if j.name != "j1"}
+    assert (1.5, 3.0) in [(j.speed, j.acceleration) for j in problem.world.modules["a"].type.joints]
+    assert rates["prismatic"] == (0.2, 1.0)
+
+
 def test_mesh_becomes_its_bounding_box(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "meshes").mkdir()

@@ -61,6 +61,8 @@ def test_one_grammar_file_for_each_language() -> None:
         ("60 s", 60.0, "time"),
         ("90 deg/s", math.pi / 2, "angular speed"),
         ("2 cm/s", 0.02, "speed"),
+        ("50 cm/s^2", 0.5, "acceleration"),
+        ("180 deg/s^2", math.pi, "angular acceleration"),
         ("1e-3", 0.001, ""),
         ("1.5E3 m", 1500.0, "length"),
     ],

@@ -63,8 +63,8 @@ def make_hop() -> Plan:
     x, y, z = Maker.tip(reach, 0.05 + 0.04)
     maker = Maker(HOP.replace("BALL", f"{x:.9f} m, {y:.9f} m, {z:.9f} m"), "hop")
     maker.phase("step", ("c.A", "c.B", "left", "right"), [arch])
-    maker.phase("step", ("c.B", "c.A", "right", "left"), [arch - 0.35 * np.eye(7)[3], arch])
-    maker.phase("grasp", ("c.B", "ball"), [reach - 0.3 * np.eye(7)[1], reach])
+    maker.phase("step", ("c.B", "c.A", "right", "left"), [arch - 0.35 * np.eye(7)[3], arch], seconds=8.0)
+    maker.phase("grasp", ("c.B", "ball"), [reach - 0.3 * np.eye(7)[1], reach], seconds=8.0)
     maker.phase("show", ("c.B", "ball"), [reach * 0.6])
     return maker.plan()
 
