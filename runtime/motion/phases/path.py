@@ -9,10 +9,8 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....compiler.ir import World
 from ....compiler.motion.collision import contacts
@@ -20,110 +18,12 @@ from ...budget import Budget
 from ...skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton, Violation
 from ..settings import MotionSettings
 from ..timing import shortest_duration
+from .attempts import Group, improve, solve_group, straight
 from .batch import Batch, excess_clearance, worst_clash
 from .geometry import make_parts
-from .kinematics import Indices, mounted_poses
-from .sampling import sampled_starts
-from .smoothing import Schedule, path_cost, smooth_paths
-from .swept import sweep
+from .kinematics import mounted_poses
+from .smoothing import path_cost
 from .tree import Mount, PhaseTree, UnsupportedPhase, arrive, phase_tree, pose_vector
-
-LEVELS = ((1, 0.0), (8, 0.5), (24, 0.8))
-"""Starts per phase and the size of their bumps, radians, one attempt after the other."""
-SAMPLED_STARTS = 6
-NEARLY = 0.02
-"""A path that misses its clearance by less, metres, is pushed away once more."""
-WIDER = Schedule(weight=1e4, widening=1.6)
-TO_THE_END = Schedule(weight=1e5, iterations=100, tolerance=1e-5)
-
-
-@dataclass(slots=True)
-class _Group:
-    """A batch with the best path of each phase so far."""
-
-    batch: Batch
-    paths: Array
-    cost: Array
-    solved: NDArray[np.bool_]
-    clearance: Array
-
-
-def _straight(batch: Batch) -> Array:
-    share = np.arange(1, batch.slices) / batch.slices
-    share = (share * share * (3.0 - 2.0 * share))[:, None]
-    return batch.start[:, None] * (1.0 - share) + batch.end[:, None] * share
-
-
-def _bumped(batch: Batch, random: np.random.Generator, size: float) -> Array:
-    """Straight lines plus half and whole sine waves of random height, within the limits."""
-    inner = _straight(batch)
-    share = (np.arange(1, batch.slices) / batch.slices)[:, None]
-    shape = (len(batch), 1, inner.shape[2])
-    inner += np.sin(np.pi * share) * random.normal(0.0, size, shape)
-    inner += np.sin(2.0 * np.pi * share) * random.normal(0.0, size / 2.0, shape)
-    joints = batch.joints
-    return np.clip(inner, (joints.lower + joints.inset)[:, None], (joints.upper - joints.inset)[:, None])
-
-
-def _keep_best(group: _Group, index: Indices, batch: Batch, paths: Array, budget: Budget) -> None:
-    """Take over the cheapest clean path of each phase when it is cheaper than what there is, or while there is none,
-    what is least in the way. `index` gives the phase of the group behind each path. Cheap paths are checked first,
-    as the swept check is dear."""
-    cost = path_cost(batch, paths)
-    waiting: dict[int, list[int]] = {}
-    for row in np.argsort(cost, kind="stable"):
-        phase = int(index[row])
-        if not group.solved[phase] or cost[row] < group.cost[phase]:
-            waiting.setdefault(phase, []).append(int(row))
-    while waiting:
-        budget.check()
-        rows = [candidates.pop(0) for candidates in waiting.values()]
-        checked = sweep(batch.take(np.array(rows)), paths[rows])
-        for k, (phase, row) in enumerate(zip(list(waiting), rows, strict=True)):
-            if checked.clean[k]:
-                group.solved[phase] = True
-                waiting[phase] = []
-            elif group.solved[phase] or checked.clearance[k] <= group.clearance[phase]:
-                continue
-            group.paths[phase], group.cost[phase] = paths[row], cost[row]
-            group.clearance[phase] = checked.clearance[k]
-        waiting = {phase: candidates for phase, candidates in waiting.items() if candidates}
-
-
-def _attempt(group: _Group, index: Indices, inner: Array, schedule: Schedule, budget: Budget) -> int:
-    """Smooth starts of the group's phases `index` (repeats allowed), keep what is clean, and push near misses away
-    once more."""
-    batch = group.batch.take(index)
-    inner, iterations = smooth_paths(batch, inner, schedule, budget)
-    _keep_best(group, index, batch, batch.with_ends(inner), budget)
-    missed = ~group.solved[index] & (group.clearance[index] > -NEARLY)
-    near = np.unique(index[missed])
-    if len(near):
-        batch = group.batch.take(near)
-        inner, more = smooth_paths(batch, group.paths[near, 1:-1], WIDER, budget)
-        _keep_best(group, near, batch, batch.with_ends(inner), budget)
-        iterations += more
-    return iterations
-
-
-def _solve(group: _Group, random: np.random.Generator, budget: Budget) -> int:
-    """Attempt after attempt until every phase is solved; returns the iterations of the longest phases."""
-    iterations = 0
-    for level, (count, size) in enumerate(LEVELS):
-        index = np.repeat(np.flatnonzero(~group.solved), count)
-        if not len(index):
-            return iterations
-        batch = group.batch.take(index)
-        inner = _bumped(batch, random, size) if level else _straight(batch)
-        iterations += _attempt(group, index, inner, Schedule(), budget)
-    for phase in np.flatnonzero(~group.solved):
-        starts = sampled_starts(group.batch, int(phase), random, budget, SAMPLED_STARTS)
-        if starts is not None:
-            index = np.repeat(phase, SAMPLED_STARTS)
-            iterations += _attempt(group, index, starts, Schedule(weight=1e5), budget)
-        if not group.solved[phase]:
-            return iterations
-    return iterations
 
 
 def _blocked(batch: Batch) -> list[Violation]:
@@ -137,7 +37,7 @@ def _blocked(batch: Batch) -> list[Violation]:
     return found
 
 
-def _failures(group: _Group, world: World) -> list[Violation]:
+def _failures(group: Group, world: World) -> list[Violation]:
     """What is wrong with the best path of every phase that is not solved: the worst pair, or when nothing is in the
     way, the joint that passes its limit or moves too far between two slices."""
     from scipy.interpolate import CubicSpline
@@ -181,7 +81,7 @@ def solve_sequence_path(
     result.violations += [v for group in groups for v in _blocked(group.batch)]
     if not result.violations:
         for k, group in enumerate(groups):
-            result.iterations += _solve(group, np.random.default_rng([seed, k]), budget)
+            result.iterations += solve_group(group, np.random.default_rng([seed, k]), budget)
         failures = [v for group in groups for v in _failures(group, skeleton.problem.world)]
         result.violations += [v for v in failures if v.literal[0] != "step"]
         coarse = {v.phase for v in failures if v.literal[0] == "step"}
@@ -241,11 +141,7 @@ def polish(
             columns = [modules[module][:, 7 + joint] for module, joint in trees[phase].variables]
             group.paths[row] = np.stack(columns, axis=1)
         group.cost, group.solved = path_cost(group.batch, group.paths), np.ones(len(group.batch), bool)
-        every = np.arange(len(group.batch))
-        iterations += _attempt(group, every, group.paths[:, 1:-1], TO_THE_END, budget)
-        again = np.repeat(every, starts)
-        bumped = _bumped(group.batch.take(again), np.random.default_rng([seed, k]), LEVELS[1][1])
-        iterations += _attempt(group, again, bumped, Schedule(), budget)
+        iterations += improve(group, np.random.default_rng([seed, k]), starts, budget)
     cost = float(sum(group.cost.sum() for group in groups))
     seconds = result.seconds + time.perf_counter() - started
     paths = _paths(skeleton, groups, trees, states, settings.slices)
@@ -282,7 +178,7 @@ def _chain(
 def _groups(
     skeleton: Skeleton, trees: Sequence[PhaseTree], states: Sequence[tuple[Configuration, Configuration]],
     settings: MotionSettings,
-) -> list[_Group]:
+) -> list[Group]:
     """Phases that move, stacked by structure."""
     world = skeleton.problem.world
     touching = contacts(skeleton)
@@ -297,13 +193,13 @@ def _groups(
             settings.slices, settings.margin, settings.collisions,
         )
         count = len(members)
-        paths = batch.with_ends(_straight(batch))
-        groups.append(_Group(batch, paths, path_cost(batch, paths), np.zeros(count, bool), np.full(count, -np.inf)))
+        paths = batch.with_ends(straight(batch))
+        groups.append(Group(batch, paths, path_cost(batch, paths), np.zeros(count, bool), np.full(count, -np.inf)))
     return groups
 
 
 def _paths(
-    skeleton: Skeleton, groups: Sequence[_Group], trees: Sequence[PhaseTree],
+    skeleton: Skeleton, groups: Sequence[Group], trees: Sequence[PhaseTree],
     states: Sequence[tuple[Configuration, Configuration]], slices: int,
 ) -> list[PhasePath]:
     """Samples of everything in every phase: modules that rest in constant rows, bodies that are carried."""

@@ -1,0 +1,135 @@
+"""Attempts at the phases of one structure: straight starts, repair of what was missed, bumped starts, sampled ones."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...budget import Budget
+from ...skeleton import Array
+from .batch import Batch
+from .kinematics import Indices
+from .penalty import most_missed
+from .sampling import sampled_starts
+from .smoothing import Schedule, path_cost, smooth_paths
+from .swept import sweep
+
+LEVELS = ((1, 0.0), (8, 0.5), (24, 0.8))
+"""Starts per phase and the size of their bumps, radians, one attempt after the other."""
+SAMPLED_STARTS = 6
+REPAIRED = 0.06
+"""A path that misses its clearance by less, metres, is pushed away once more."""
+WIDER = Schedule(widening=1.6, iterations=25)
+LOOKS = (2, 4)
+"""How often per slice it is then looked at, one time after the other."""
+TO_THE_END = Schedule(weight=1e5, iterations=100, tolerance=1e-5)
+HOPELESS = 5e-3
+"""A path on which the optimiser's spheres, which lie within the shapes, overlap by more, metres, is not checked."""
+
+
+@dataclass(slots=True)
+class Group:
+    """A batch with the best path of each phase so far."""
+
+    batch: Batch
+    paths: Array
+    cost: Array
+    solved: NDArray[np.bool_]
+    clearance: Array
+
+
+def straight(batch: Batch) -> Array:
+    share = np.arange(1, batch.slices) / batch.slices
+    share = (share * share * (3.0 - 2.0 * share))[:, None]
+    return batch.start[:, None] * (1.0 - share) + batch.end[:, None] * share
+
+
+def bumped(batch: Batch, random: np.random.Generator, size: float) -> Array:
+    """Straight lines plus half and whole sine waves of random height, within the limits."""
+    inner = straight(batch)
+    share = (np.arange(1, batch.slices) / batch.slices)[:, None]
+    shape = (len(batch), 1, inner.shape[2])
+    inner += np.sin(np.pi * share) * random.normal(0.0, size, shape)
+    inner += np.sin(2.0 * np.pi * share) * random.normal(0.0, size / 2.0, shape)
+    joints = batch.joints
+    return np.clip(inner, (joints.lower + joints.inset)[:, None], (joints.upper - joints.inset)[:, None])
+
+
+def _keep_best(group: Group, index: Indices, batch: Batch, paths: Array, budget: Budget) -> None:
+    """Take over the cheapest clean path of each phase when it is cheaper than what there is, or while there is none,
+    what is least in the way. `index` gives the phase of the group behind each path. Cheap paths are checked first, as
+    the swept check is dear, and hopeless ones only where there is nothing else."""
+    cost, missed = path_cost(batch, paths), most_missed(batch, paths[:, 1:-1])
+    hopeless = missed > batch.margin + HOPELESS
+    best = {int(p): int(r) for r, p in reversed(list(zip(np.argsort(missed), index[np.argsort(missed)], strict=True)))}
+    waiting: dict[int, list[int]] = {}
+    for row in np.argsort(cost, kind="stable"):
+        phase = int(index[row])
+        if hopeless[row] and (group.solved[phase] or best[phase] != row):
+            continue
+        if not group.solved[phase] or cost[row] < group.cost[phase]:
+            waiting.setdefault(phase, []).append(int(row))
+    while waiting:
+        budget.check()
+        rows = [candidates.pop(0) for candidates in waiting.values()]
+        checked = sweep(batch.take(np.array(rows)), paths[rows])
+        for k, (phase, row) in enumerate(zip(list(waiting), rows, strict=True)):
+            if checked.clean[k]:
+                group.solved[phase] = True
+                waiting[phase] = []
+            elif group.solved[phase] or checked.clearance[k] <= group.clearance[phase]:
+                continue
+            group.paths[phase], group.cost[phase] = paths[row], cost[row]
+            group.clearance[phase] = checked.clearance[k]
+        waiting = {phase: candidates for phase, candidates in waiting.items() if candidates}
+
+
+def attempt(group: Group, index: Indices, inner: Array, schedule: Schedule, budget: Budget) -> int:
+    """Smooth starts of the group's phases `index` (repeats allowed), keep what is clean, and repair what nearly is."""
+    batch = group.batch.take(index)
+    inner, iterations = smooth_paths(batch, inner, schedule, budget)
+    _keep_best(group, index, batch, batch.with_ends(inner), budget)
+    for looks in LOOKS:
+        near = np.unique(index[~group.solved[index] & (group.clearance[index] > -REPAIRED)])
+        if len(near):
+            iterations += _repair(group, near, looks, budget)
+    return iterations
+
+
+def _repair(group: Group, phases: Indices, looks: int, budget: Budget) -> int:
+    """Push the best paths of some phases away from what they meet, also between the slices."""
+    batch = group.batch.take(phases).looking(looks)
+    inner, iterations = smooth_paths(batch, group.paths[phases, 1:-1], WIDER, budget)
+    _keep_best(group, phases, batch, batch.with_ends(inner), budget)
+    return iterations
+
+
+def solve_group(group: Group, random: np.random.Generator, budget: Budget) -> int:
+    """Attempt after attempt until every phase is solved; returns the iterations of the longest phases."""
+    iterations = 0
+    for level, (count, size) in enumerate(LEVELS):
+        index = np.repeat(np.flatnonzero(~group.solved), count)
+        if not len(index):
+            return iterations
+        batch = group.batch.take(index)
+        inner = bumped(batch, random, size) if level else straight(batch)
+        iterations += attempt(group, index, inner, Schedule(), budget)
+    for phase in np.flatnonzero(~group.solved):
+        starts = sampled_starts(group.batch, int(phase), random, budget, SAMPLED_STARTS)
+        if starts is not None:
+            index = np.repeat(phase, SAMPLED_STARTS)
+            iterations += attempt(group, index, starts, Schedule(weight=1e5), budget)
+        if not group.solved[phase]:
+            return iterations
+    return iterations
+
+
+def improve(group: Group, random: np.random.Generator, starts: int, budget: Budget) -> int:
+    """Cheaper paths for solved phases: optimised to the end from where they are, and from `starts` bumped starts."""
+    every = np.arange(len(group.batch))
+    iterations = attempt(group, every, group.paths[:, 1:-1], TO_THE_END, budget)
+    again = np.repeat(every, starts)
+    inner = bumped(group.batch.take(again), random, LEVELS[1][1])
+    return iterations + attempt(group, again, inner, Schedule(), budget)
