@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ...compiler import ir
+from ..motion.timing import peaks
 from ..skeleton import Array, PhasePath
 from .world import spline_values
 
@@ -15,20 +16,48 @@ KNOT = 0.02
 QUICK = 0.25
 """Seconds in which joints without a limit of acceleration come to rest from full speed."""
 SHORTEST = 0.05
-GENTLE = 4.0
-"""The brake changes speeds over so many times what the limit of acceleration asks for at least; what the path itself
-accelerates then fits in as well."""
+LONGER = 1.4
+"""By what factor the way to rest grows while it is not within the limits of the joints."""
+TRIES = 10
 
 
 def braked(world: ir.World, path: PhasePath, seconds: float) -> PhasePath:
-    """The motion that follows `path` for `seconds` and then slows down along it until it rests, before its end."""
+    """The motion that follows `path` for `seconds` and then slows down along it until it rests, before its end, within
+    the limits of speed and acceleration. Where that is impossible on what is left of the path, it is carried on to its
+    end."""
     length = braking_time(world, path, seconds)
+    left = path.duration - seconds
+    for _ in range(TRIES):
+        if length >= 2.0 * left:
+            break
+        slowed = _slowed(path, seconds, length)
+        if within_limits(world, slowed):
+            return slowed
+        length *= LONGER
+    return path
+
+
+def _slowed(path: PhasePath, seconds: float, length: float) -> PhasePath:
+    """To rest over `length` seconds from `seconds` on."""
     total = seconds + length
-    count = max(4, math.ceil(total / KNOT))
+    count = max(8, math.ceil(total / KNOT))
     times = np.linspace(0.0, total, count + 1)
     share = np.clip((times - seconds) / length, 0.0, 1.0)
     along = np.minimum(times, seconds) + length * (share - share**3 + 0.5 * share**4)
     return at_times(path, np.minimum(along, path.duration), total)
+
+
+def within_limits(world: ir.World, path: PhasePath) -> bool:
+    """Whether every joint keeps its greatest speed and acceleration on a motion."""
+    for name, rows in path.modules.items():
+        joints = world.modules[name].type.joints
+        if not joints:
+            continue
+        speeds, changes = peaks(rows[:, 7:])
+        for speed, change, joint in zip(speeds / path.duration, changes / path.duration**2, joints, strict=True):
+            if speed > joint.speed or change > joint.acceleration:
+                return False
+    return True
 
 
 def stopped(path: PhasePath, seconds: float) -> PhasePath:
@@ -38,7 +67,7 @@ def stopped(path: PhasePath, seconds: float) -> PhasePath:
 
 
 def braking_time(world: ir.World, path: PhasePath, seconds: float) -> float:
-    """Seconds until rest, within the limits of acceleration."""
+    """Seconds until rest in which the brake alone keeps the limits of acceleration."""
     longest = SHORTEST
     for name, rows in path.modules.items():
         joints = world.modules[name].type.joints
@@ -47,8 +76,8 @@ def braking_time(world: ir.World, path: PhasePath, seconds: float) -> float:
         speeds = np.abs(spline_values(rows[:, 7:], path.duration, np.array([seconds]), 1))[0]
         for speed, joint in zip(speeds, joints, strict=True):
             limit = joint.acceleration if math.isfinite(joint.acceleration) else joint.speed / QUICK
-            longest = max(longest, GENTLE * float(speed) / limit)
-    return min(longest, 2.0 * max(path.duration - seconds, 1e-3))
+            longest = max(longest, 1.5 * float(speed) / limit)
+    return longest
 
 
 def at_times(path: PhasePath, times: Array, duration: float) -> PhasePath:

@@ -248,7 +248,8 @@ class Run:
             self._sensing.look(now, self.world.at(now))
             found = self._off(concerns, now)
             if found is not None:
-                self._perform(phase, braked(self.problem.world, path, float(look)), completed=False)
+                slowed = braked(self.problem.world, path, float(look))
+                self._perform(phase, slowed, completed=slowed is path)
                 return found
         if failure is not None and failure.time < begin + path.duration:
             if failure.time - begin > 1e-3:

@@ -10,6 +10,7 @@ from ..plan import Plan, VerdictRecord
 from .collision import check_collisions
 from .constraints import check_constraints
 from .findings import Findings, place_of
+from .happenings import check_breakdowns, check_courses, check_happenings, happenings_of
 from .kinematics import Kinematics, motion_of
 from .motion import check_motion
 from .rates import check_rates
@@ -75,19 +76,24 @@ def _parameters(plan: Plan, sources: list[Source]) -> dict[str, str]:
                 break
         if kinds:
             break
-    units = {"length": " m", "angle": " rad"}
+    units = {"length": " m", "angle": " rad", "time": " s", "speed": " m/s"}
     return {name: f"{value!r}{units.get(kinds.get(name, ''), '')}" for name, value in plan.task.parameters.items()}
 
 
 def _examine(plan: Plan, problem: ir.Problem, findings: Findings) -> VerdictRecord:
     sound = check_structure(plan, findings)
-    same = check_scene(plan, problem, findings)
-    story = replay(problem, plan, findings)
-    if sound and same:
-        kinematics = {m.name: Kinematics(m) for m in plan.modules}
-        motion = motion_of(plan, kinematics)
-        check_motion(problem, plan, story, motion, findings)
-        check_rates(problem, plan, motion, findings)
-        check_constraints(problem, plan, story, motion, findings)
-        check_collisions(plan, motion, kinematics, findings)
+    same = check_scene(plan, problem, findings) and check_happenings(plan, problem, findings)
+    if not (sound and same):
+        replay(problem, plan, findings)
+        return findings.verdict()
+    kinematics = {m.name: Kinematics(m) for m in plan.modules}
+    motion = motion_of(plan, kinematics)
+    story = replay(problem, plan, findings, motion)
+    happenings = happenings_of(problem, plan, story.modes)
+    check_motion(problem, plan, story, motion, happenings, findings)
+    check_rates(problem, plan, motion, findings)
+    check_courses(problem, happenings, motion, findings)
+    check_breakdowns(problem, plan, motion, findings)
+    check_constraints(problem, plan, story, motion, happenings, findings)
+    check_collisions(problem, plan, motion, kinematics, happenings, findings)
     return findings.verdict()

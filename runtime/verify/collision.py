@@ -8,9 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...compiler import ir
 from ..plan import Plan
 from .findings import Findings
 from .geometry import Array, Frames, Indices
+from .happenings import Happenings
 from .kinematics import Kinematics, Motion
 from .limits import LIMITS
 from .sampler import Placement, Sampler
@@ -28,16 +30,22 @@ STILL = 1e-7
 
 
 def check_collisions(
-    plan: Plan, motion: Motion, kinematics: Mapping[str, Kinematics], findings: Findings
-) -> None:
-    """Record the deepest penetration of every pair of shapes in every phase that comes near zero."""
+    problem: ir.Problem, plan: Plan, motion: Motion, kinematics: Mapping[str, Kinematics], happenings: Happenings,
+    findings: Findings,
+) -> None:  # fmt: skip
+    """Record the deepest penetration of every pair of shapes in every phase that comes near zero. What bodies do to
+    each other that move only by themselves, and what has left the scene, is nobody's fault."""
     found = solids(plan)
-    looked_at = np.array(pairs(plan, found), dtype=np.intp).reshape(-1, 2)
-    sampler = Sampler(plan, motion, kinematics)
+    own = {b for b in happenings.courses if all(b in free for free in happenings.free)}
+    looked_at = np.array(pairs(plan, found, own), dtype=np.intp).reshape(-1, 2)
+    sampler = Sampler(problem, plan, motion, kinematics, happenings)
     findings.measure("penetration_m", 0.0, "")
     for phase in range(len(plan.phases)):
         check = _PhaseCheck(sampler, phase, found, motion.moving)
+        begin = float(motion.times[motion.ranges[phase][0]])
         for i, k in _near_boxes(check, looked_at):
+            if any(happenings.away(found[n].thing, begin) for n in (int(i), int(k))):
+                continue
             deepest = check.deepest(int(i), int(k))
             if deepest is not None and deepest.depth > 0.0:
                 names = [found[i].name, found[k].name]

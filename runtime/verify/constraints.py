@@ -11,6 +11,7 @@ from ...compiler import ir
 from ..plan import MeasureRecord, Plan
 from .findings import Findings, place_of
 from .geometry import Array, Indices, angles
+from .happenings import Happenings, kept
 from .kinematics import Motion
 from .limits import LIMITS, unit_of
 from .replay import Story
@@ -18,15 +19,19 @@ from .rows import Evaluator, MeaninglessRow, Quantity
 
 
 def check_constraints(
-    problem: ir.Problem, plan: Plan, story: Story, motion: Motion, findings: Findings
+    problem: ir.Problem, plan: Plan, story: Story, motion: Motion, happenings: Happenings, findings: Findings
 ) -> None:
-    """Measure every motion literal of the story on the samples of the plan."""
+    """Measure every motion literal of the story on the samples of the plan. What keeps a body to another one means
+    nothing while it goes its own way."""
     checker = _Checker(problem, motion, findings)
     for index, added in enumerate(story.added[: len(plan.phases)]):
         for literal in sorted(added):
             checker.at_switch(literal, motion.ranges[index][1])
     for literal, first, last in intervals(story, motion):
-        checker.during(literal, first, last)
+        phase = next(k for k, (_, end) in enumerate(motion.ranges) if first <= end)
+        free = happenings.free[phase] if happenings.free else frozenset[str]()
+        if not any(own in free and base in problem.world.bodies for base, own in kept(problem, [literal])):
+            checker.during(literal, first, last)
 
 
 def intervals(story: Story, motion: Motion) -> Iterator[tuple[ir.Fact, int, int]]:

@@ -21,13 +21,17 @@ LIMITS: dict[str, float] = {
     "spline_rad": 1e-6,
     "rest_m": 1e-6,
     "rest_rad": 1e-6,
+    "course_m": 1e-6,
+    "course_rad": 1e-6,
+    "stuck_rad": 1e-6,
     "quaternion": 1e-6,
     "time_s": 1e-9,
 }
 """position, gap, orientation, residual: rows of motion predicates at switches, by the unit of the row; during: the
 same while a literal holds. slip: change of what a `keep` row holds constant. penetration: overlap of two shapes.
 start: first sample against the scene. jump: between the two
-samples at a switch. spline: stored joints against the stored splines. rest: motion of what nothing carries."""
+samples at a switch. spline: stored joints against the stored splines. rest: motion of what nothing carries.
+course: bodies that move on their own against where their courses take them. stuck: joints of a locked module."""
 
 RATES = ("joint_speed_rad_s", "joint_speed_m_s", "joint_acceleration_rad_s2", "joint_acceleration_m_s2")
 """Figures whose limit is that of the joint; the worst is the one that comes closest to it, or is farthest above."""

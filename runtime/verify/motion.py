@@ -10,6 +10,7 @@ from ...compiler import ir
 from ..plan import ModuleRecord, Plan
 from .findings import Findings
 from .geometry import Array, pose_differences
+from .happenings import Happenings
 from .kinematics import Motion
 from .limits import LIMITS
 from .replay import Story
@@ -19,7 +20,7 @@ SPLINE_SAMPLES = 10
 
 
 def check_motion(
-    problem: ir.Problem, plan: Plan, story: Story, motion: Motion, findings: Findings
+    problem: ir.Problem, plan: Plan, story: Story, motion: Motion, happenings: Happenings, findings: Findings
 ) -> None:
     """Everything about the motion that does not depend on shapes or motion predicates."""
     _check_start(plan, motion, findings)
@@ -28,10 +29,11 @@ def check_motion(
         _check_limits(module, motion.joints[module.name], motion.times, findings)
     _check_splines(plan, motion, findings)
     for name in sorted(motion.moving):
-        if name in problem.world.bodies and not problem.world.bodies[name].movable:
+        own = name in happenings.courses
+        if name in problem.world.bodies and not problem.world.bodies[name].movable and not own:
             findings.fail("rest", f"{name} cannot be moved, but the plan moves it", between=[name])
     for index, mode in enumerate(story.modes[: len(motion.ranges)]):
-        _check_rest(problem, mode, index, motion, findings)
+        _check_rest(problem, mode, index, motion, happenings, findings)
 
 
 def _check_start(plan: Plan, motion: Motion, findings: Findings) -> None:
@@ -107,10 +109,14 @@ def _check_splines(plan: Plan, motion: Motion, findings: Findings) -> None:
 
 
 def _check_rest(
-    problem: ir.Problem, mode: Iterable[ir.Fact], index: int, motion: Motion, findings: Findings
-) -> None:
+    problem: ir.Problem, mode: Iterable[ir.Fact], index: int, motion: Motion, happenings: Happenings,
+    findings: Findings,
+) -> None:  # fmt: skip
     """Among things whose relative poses are kept, but which nothing holds to a fixed body, one must rest."""
+    free = happenings.free[index]
     for group in _groups(problem, mode):
+        if free.intersection(group):
+            continue
         if any(n in problem.world.bodies and not problem.world.bodies[n].movable for n in group):
             continue
         if not any(n in motion.moving for n in group):

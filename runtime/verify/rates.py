@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...compiler import ir
-from ..plan import NO_LIMIT, ModuleRecord, Plan
+from ..plan import NO_LIMIT, ModuleRecord, PhaseRecord, Plan
 from .findings import Findings
 from .geometry import Array
 from .kinematics import Motion
@@ -16,17 +16,29 @@ WORDS = {"speed": "is faster than its limit", "acceleration": "speeds up or slow
 ENDS = {("speed", "revolute"): "rad_s", ("speed", "prismatic"): "m_s",
         ("acceleration", "revolute"): "rad_s2", ("acceleration", "prismatic"): "m_s2"}  # fmt: skip
 
+CUT = 15
+"""Samples at the end of a phase that a breakdown stops in which joints come to rest."""
+SAME = 1e-6
+"""Seconds that make no difference."""
+
 
 def check_rates(problem: ir.Problem, plan: Plan, motion: Motion, findings: Findings) -> None:
-    """Every joint keeps the limits that its module type gives, in every phase."""
+    """Every joint keeps the limits that its module type gives, in every phase. Where a breakdown stops a phase, joints
+    stop at once, whatever their acceleration."""
     modules = {m.name: m for m in plan.modules if m.joints}
+    stopped = {k for k, phase in enumerate(plan.phases) if _stopped(plan, phase)}
     for module in modules.values():
-        for first, last in motion.ranges:
-            _check_samples(problem, module, motion, first, last, findings)
+        for index, (first, last) in enumerate(motion.ranges):
+            _check_samples(problem, module, motion, first, last - CUT if index in stopped else last, findings)
     for spline in plan.splines:
-        if spline.module in modules:
+        if spline.module in modules and spline.phase not in stopped:
             knots, values = np.asarray(spline.knots), np.asarray(spline.values)
             _check_spline(problem, modules[spline.module], knots, values, findings)
+
+
+def _stopped(plan: Plan, phase: PhaseRecord) -> bool:
+    """Whether a phase was broken off by the breakdown of a module."""
+    return not phase.completed and any(abs(b.time - phase.end) < SAME for b in plan.breakdowns)
 
 
 def _check_samples(

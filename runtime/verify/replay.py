@@ -11,6 +11,8 @@ from ..plan import LiteralRecord, PhaseRecord, Plan
 from .findings import Findings, place_of
 from .formulas import Environment, ReplayError, State, Value, bindings, holds, matches, pattern, values
 from .guards import Guards
+from .happenings import left_at, scene_at, without
+from .kinematics import Motion
 
 Facts = frozenset[ir.Fact]
 
@@ -211,20 +213,32 @@ class Story:
     final: Facts
 
 
-def replay(problem: ir.Problem, plan: Plan, findings: Findings) -> Story:
-    """Carry out every action of the plan by the rules; compare conditions, stored literals and goal."""
-    interpreter = Interpreter(problem)
+def replay(problem: ir.Problem, plan: Plan, findings: Findings, measured: Motion | None = None) -> Story:
+    """Carry out every action of the plan by the rules; compare conditions, stored literals and goal.
+
+    Conditions measure the scene at the start. Those of a run, which is planned on the way, may do so in the scene as
+    `measured` has it when the phase starts or ends.
+    """
+    interpreter, left = Interpreter(problem), frozenset[str]()
     facts, motion = problem.init, interpreter.canonical(problem.init_motion)
     previous: ir.Action | None = None
     modes: list[Facts] = []
     added: list[Facts] = []
     for index, phase in enumerate(plan.phases):
+        now_left = left_at(problem, plan, phase.start)
+        if now_left != left:
+            left, interpreter = now_left, Interpreter(without(problem, now_left))
+            facts, motion = _remaining(facts, left), _remaining(motion, left)
         modes.append(motion)
         _compare(f"phase {index + 1}: mode", interpreter.canonical(_facts(phase.mode)), motion, phase, findings)
         _compare(f"phase {index + 1}: literals", _facts(phase.literals), interpreter.fluents(facts), phase, findings)
         try:
             action = interpreter.action(facts, phase.rule, phase.args)
-            outcome = interpreter.apply(facts, motion, action, previous)
+            if not phase.completed:
+                added.append(frozenset())
+                _broken_off(index, phase, findings)
+                continue
+            outcome = _applied(interpreter, plan, measured, index, facts, motion, action, previous)
         except ReplayError as error:
             place = place_of(error.place) if isinstance(error, Inapplicable) else phase.place
             findings.fail("action", f"phase {index + 1}, {phase.action}: {error}", time=phase.end, place=place)
@@ -241,11 +255,40 @@ def replay(problem: ir.Problem, plan: Plan, findings: Findings) -> Story:
     last = plan.phases[-1] if plan.phases else None
     _compare("final mode", interpreter.canonical(_facts(plan.final_mode)), motion, last, findings)
     try:
-        if not interpreter.holds(facts, problem.goal):
+        if plan.complete and not interpreter.holds(facts, problem.goal):
             findings.fail("goal", "the goal does not hold at the end", time=last.end if last else 0.0)
     except ReplayError as error:
         findings.fail("goal", f"the goal cannot be evaluated: {error}")
     return Story(tuple(modes), tuple(added), motion)
+
+
+def _remaining(facts: Facts, left: frozenset[str]) -> Facts:
+    return frozenset(f for f in facts if not left.intersection(f[1:]))
+
+
+def _broken_off(index: int, phase: PhaseRecord, findings: Findings) -> None:
+    if phase.added:
+        findings.fail("literals", f"phase {index + 1} was broken off, but adds literals", time=phase.end)
+
+
+def _applied(
+    interpreter: Interpreter, plan: Plan, measured: Motion | None, index: int, facts: Facts, motion: Facts,
+    action: ir.Action, previous: ir.Action | None,
+) -> Outcome:  # fmt: skip
+    """The outcome of an action. Raises Inapplicable, ReplayError."""
+    try:
+        return interpreter.apply(facts, motion, action, previous)
+    except Inapplicable:
+        if measured is None or not plan.windows:
+            raise
+        for sample in (measured.ranges[index][0], measured.ranges[index][1]):
+            try:
+                return Interpreter(scene_at(interpreter.problem, measured, sample)).apply(
+                    facts, motion, action, previous
+                )
+            except Inapplicable:
+                continue
+        raise
 
 
 def _as_stored(plan: Plan, interpreter: Interpreter, modes: list[Facts], added: list[Facts]) -> Story:

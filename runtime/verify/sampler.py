@@ -11,8 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...compiler import ir
 from ..plan import Plan
 from .geometry import Array, Frames, frames
+from .happenings import Happenings
 from .kinematics import Kinematics, Motion
 
 Curve = Callable[[Array], Array]
@@ -31,11 +33,16 @@ class Placement:
 class Sampler:
     """Samples the phases of a plan."""
 
-    def __init__(self, plan: Plan, motion: Motion, kinematics: Mapping[str, Kinematics]) -> None:
+    def __init__(
+        self, problem: ir.Problem, plan: Plan, motion: Motion, kinematics: Mapping[str, Kinematics],
+        happenings: Happenings,
+    ) -> None:  # fmt: skip
         from scipy.interpolate import CubicSpline
 
         self._spline = CubicSpline
         self._motion = motion
+        self._world = problem.world
+        self._happenings = happenings
         self._kinematics = kinematics
         self._joints: dict[tuple[str, int], Curve] = {
             (s.module, s.phase): CubicSpline(s.knots, np.asarray(s.values), bc_type="clamped")
@@ -63,6 +70,8 @@ class Sampler:
         return Placement(times, modules, bodies)
 
     def _body(self, name: str, phase: int, times: Array) -> Frames:
+        if name in self._happenings.free[phase]:
+            return self._happenings.placed(self._world.bodies[name], times)
         if name not in self._motion.moving:
             return self._motion.frames[name][:1]
         return self._follow(name, name, phase)(times)
@@ -82,30 +91,43 @@ class Sampler:
         return {index: base.compose(frame) for index, frame in local.items()}
 
     def _steadiest(self, name: str, phase: int) -> str:
-        first, last = self._motion.ranges[phase]
         effectors = self._kinematics[name].module.effectors
         names = [*(f"{name}.{e.name}" for e in effectors), name]
 
         def travel(frame: str) -> float:
-            points = self._motion.frames[frame].position[first : last + 1]
+            points = self._stored(name, frame, phase).position
             return float(np.sum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
 
         return min(names, key=travel)
 
     def _follow(self, thing: str, frame: str, phase: int) -> Callable[[Array], Frames]:
-        """The stored motion of a frame within a phase as a smooth curve."""
+        """The stored motion of a frame within a phase as a smooth curve, as seen from the moving body that carries it,
+        if any."""
         key = (thing, phase)
         if key not in self._carried:
             first, last = self._motion.ranges[phase]
-            stored = self._motion.frames[frame][slice(first, last + 1)]
+            stored = self._stored(thing, frame, phase)
             rows = np.hstack([stored.position, stored.rotation.reshape(-1, 9)])
             knots = self._motion.times[first : last + 1]
             self._carried[key] = (frame, self._spline(knots, rows))
         curve = self._carried[key][1]
+        carrier = self._happenings.carrier[phase].get(thing)
 
         def sample(times: Array) -> Frames:
             rows = curve(times)
             left, _, right = np.linalg.svd(rows[:, 3:].reshape(-1, 3, 3))
-            return Frames(rows[:, :3], left @ right)
+            own = Frames(rows[:, :3], left @ right)
+            if carrier is None:
+                return own
+            return self._happenings.placed(self._world.bodies[carrier], times).compose(own)
 
         return sample
+
+    def _stored(self, thing: str, frame: str, phase: int) -> Frames:
+        """The samples of a frame in a phase, as seen from the moving body that carries the thing, if any."""
+        first, last = self._motion.ranges[phase]
+        stored = self._motion.frames[frame][slice(first, last + 1)]
+        carrier = self._happenings.carrier[phase].get(thing)
+        if carrier is None:
+            return stored
+        return stored.relative_to(self._motion.frames[carrier][slice(first, last + 1)])

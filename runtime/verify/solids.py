@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 from typing import Any
 
@@ -83,10 +83,10 @@ def _hull(kind: str, size: tuple[float, ...]) -> tuple[Array, float]:
     return np.array(list(itertools.product(*((-h, h) for h in half)))), 0.0
 
 
-def pairs(plan: Plan, found: Sequence[Solid]) -> list[tuple[int, int]]:
-    """Indices of all pairs of solids that could come to touch and may not: at least one of them moves, and they are
-    not neighbouring parts of one module."""
-    moving = {m.name for m in plan.modules} | {t.name for t in plan.body_tracks}
+def pairs(plan: Plan, found: Sequence[Solid], own: Set[str] = frozenset()) -> list[tuple[int, int]]:
+    """Indices of all pairs of solids that could come to touch and may not: at least one of them is moved, other than
+    the bodies `own`, which move by themselves; and they are not neighbouring parts of one module."""
+    moving = {m.name for m in plan.modules} | {t.name for t in plan.body_tracks} - own
     modules = {m.name: m for m in plan.modules}
     neighbours = {name: _Neighbours(module, found) for name, module in modules.items()}
     result = []

@@ -20,6 +20,7 @@ from tamplang.runtime.transforms import compose, inverse
 from tamplang.runtime.verify import geometry, shapes, verify
 from tamplang.runtime.verify.findings import Findings
 from tamplang.runtime.verify.guards import joint_frames
+from tamplang.runtime.verify.happenings import happenings_of
 from tamplang.runtime.verify.kinematics import Kinematics, motion_of
 from tamplang.runtime.verify.motion import check_motion
 from tamplang.runtime.verify.replay import replay
@@ -79,7 +80,9 @@ def test_good_plan_is_verified(hop: Plan) -> None:
 def test_foot_stays_between_samples(hop: Plan) -> None:
     kinematics = {m.name: Kinematics(m) for m in hop.modules}
     motion = motion_of(hop, kinematics)
-    sampler = Sampler(hop, motion, kinematics)
+    problem = problem_of(hop)
+    story = replay(problem, hop, Findings())
+    sampler = Sampler(problem, hop, motion, kinematics, happenings_of(problem, hop, story.modes))
     for phase, foot in enumerate(["A", "B", "A", "A"]):
         placement = sampler.at(phase, sampler.grid(phase, 17))
         where = kinematics["c"].effector(foot, placement.modules["c"]).position
@@ -187,12 +190,17 @@ def test_a_held_thing_that_turns_in_place_slips(hop: Plan) -> None:
     assert ["c.B", "ball"] in [f.between for f in failures if f.kind == "slip_rad"]
 
 
+def problem_of(plan: Plan) -> ir.Problem:
+    sources = [Source(s.path, s.text) for s in plan.task.sources]
+    return compile_sources(sources, plan.task.name, {}, plan.task.seed)[0]
+
+
 def measure_motion(plan: Plan, findings: Findings) -> None:
     """The measures of the motion alone, which a plan whose modules are not those of its scene never gets to."""
-    sources = [Source(s.path, s.text) for s in plan.task.sources]
-    problem = compile_sources(sources, plan.task.name, {}, plan.task.seed)[0]
+    problem = problem_of(plan)
     motion = motion_of(plan, {m.name: Kinematics(m) for m in plan.modules})
-    check_motion(problem, plan, replay(problem, plan, findings), motion, findings)
+    story = replay(problem, plan, findings)
+    check_motion(problem, plan, story, motion, happenings_of(problem, plan, story.modes), findings)
 
 
 @pytest.mark.parametrize("joint", [0, 1, 3])

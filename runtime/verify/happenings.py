@@ -1,0 +1,223 @@
+"""What happens by itself in the scene of a plan: bodies that go their own way, modules that break down.
+
+The evaluation of courses is the checker's own; the planner's is elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...compiler import ir
+from ..plan import Plan
+from .findings import Findings, place_of
+from .geometry import Array, Frames, frames
+from .kinematics import Motion
+
+TOLERANCE = 1e-9
+"""Seconds, or metres, that make no difference."""
+
+Mode = Iterable[ir.Fact]
+
+
+class Course:
+    """Where the centre of one body is, by itself, at any time: straight legs at constant speed."""
+
+    def __init__(self, start: Array, courses: Iterable[ir.Course]) -> None:
+        self._begins: list[float] = []
+        self._legs: list[tuple[Array, Array, ir.Course]] = []
+        self._start = start
+        for course in sorted(courses, key=lambda c: c.start):
+            here = self.at(np.array([course.start]))[0] if self._legs else start
+            way = np.vstack([here, *course.points])
+            lengths = np.linalg.norm(np.diff(way, axis=0), axis=1)
+            self._begins.append(course.start)
+            self._legs.append((way, np.concatenate([[0.0], np.cumsum(lengths)]), course))
+
+    def at(self, times: Array) -> Array:
+        """The centre `(T, 3)` in metres at `times` `(T,)` in seconds; at the time of a jump, after it."""
+        result = np.tile(self._start, (len(times), 1)).astype(float)
+        current = np.searchsorted(np.array(self._begins), times + TOLERANCE, side="right") - 1
+        for index, (way, ends, course) in enumerate(self._legs):
+            chosen = current == index
+            gone = course.speed * np.maximum(times[chosen] - course.start, 0.0)
+            if course.speed == 0.0:
+                gone = np.full(len(gone), ends[-1])
+            elif course.returns and ends[-1] > 0.0:
+                gone = ends[-1] - np.abs(ends[-1] - gone % (2.0 * ends[-1]))
+            result[chosen] = np.column_stack([np.interp(gone, ends, column) for column in way.T])
+        return result
+
+
+@dataclass(frozen=True, slots=True)
+class Happenings:
+    """The courses of bodies, and per phase which bodies follow theirs: a robot that holds a body ends its course for
+    good. `carrier` tells, per phase, which of these bodies carries a thing, through poses that are kept."""
+
+    courses: Mapping[str, Course]
+    free: tuple[frozenset[str], ...]
+    carrier: tuple[Mapping[str, str], ...]
+    gone: Mapping[str, float]
+
+    def placed(self, body: ir.Body, times: Array) -> Frames:
+        """The frames `(T,)` of a body on its course."""
+        turn = frames(body.pose).rotation
+        return Frames(self.courses[body.name].at(times), np.broadcast_to(turn[0], (len(times), 3, 3)))
+
+    def away(self, module: str, time: float) -> bool:
+        """Whether a module has left the scene by then."""
+        return module in self.gone and self.gone[module] <= time + TOLERANCE
+
+
+def happenings_of(problem: ir.Problem, plan: Plan, modes: Iterable[Mode]) -> Happenings:
+    """What happens in the plan; nothing by itself in one that was made for the scene at rest."""
+    if not (plan.courses or plan.breakdowns):
+        return Happenings({}, tuple(frozenset() for _ in modes), tuple({} for _ in plan.phases), {})
+    bodies = problem.world.bodies
+    courses = {
+        name: Course(np.array(bodies[name].pose[:3]), [c for c in problem.world.courses if c.body == name])
+        for name in sorted({c.body for c in problem.world.courses})
+    }
+    on_course = frozenset(courses)
+    free, carriers = [], []
+    for mode in modes:
+        pairs = list(kept(problem, mode))
+        on_course -= _held(problem, pairs)
+        free.append(on_course)
+        carriers.append(_carriers(problem, pairs, on_course))
+    gone = {b.module: b.time for b in problem.world.breakdowns if b.kind == "gone"}
+    return Happenings(courses, tuple(free), tuple(carriers), gone)
+
+
+def kept(problem: ir.Problem, mode: Mode) -> Iterator[tuple[str, str]]:
+    """Pairs (carrying, carried) of objects whose relative pose a mode keeps."""
+    for literal in sorted(mode):
+        predicate = problem.motions[literal[0]]
+        bound = dict(zip((v.name for v in predicate.variables), literal[1:], strict=True))
+        for row in predicate.rows:
+            if row.when == "keep" and isinstance(row.left, ir.Function) and row.left.name == "pose":
+                own, base = (_bound(bound, a) for a in row.left.args)
+                yield base, own
+
+
+def _bound(bound: Mapping[str, str], node: ir.Term) -> str:
+    return bound[node.name] if isinstance(node, ir.Var) else node.name if isinstance(node, ir.Object) else ""
+
+
+def thing_of(problem: ir.Problem, name: str) -> str:
+    """The module of an effector, else the thing itself."""
+    end = problem.world.effector(name)
+    return name if end is None else end[0].name
+
+
+def _held(problem: ir.Problem, pairs: list[tuple[str, str]]) -> frozenset[str]:
+    """Bodies that follow an effector, or something that does."""
+    world = problem.world
+    found: set[str] = set()
+    while True:
+        more = {
+            own for base, own in pairs
+            if own in world.bodies and world.bodies[own].movable
+            and (base in found or thing_of(problem, base) in world.modules)
+        } - found  # fmt: skip
+        if not more:
+            return frozenset(found)
+        found |= more
+
+
+def _carriers(problem: ir.Problem, pairs: list[tuple[str, str]], on_course: frozenset[str]) -> dict[str, str]:
+    """For everything that is linked to a body on its course, and is none itself, that body."""
+    found = {body: body for body in on_course}
+    grew = True
+    while grew:
+        grew = False
+        for pair in pairs:
+            one, other = (thing_of(problem, name) for name in pair)
+            for known, new in ((one, other), (other, one)):
+                body = problem.world.bodies.get(new)
+                if known in found and new not in found and (body is None or body.movable):
+                    found[new] = found[known]
+                    grew = True
+    return {thing: body for thing, body in found.items() if thing not in on_course}
+
+
+# --- the problem in mid-run ----------------------------------------------------------------------------------------
+
+
+def check_happenings(plan: Plan, problem: ir.Problem, findings: Findings) -> bool:
+    """Whether courses and breakdowns of a plan are those of the scene, or left out altogether."""
+    if not (plan.courses or plan.breakdowns):
+        return True
+    before = len(findings.failures)
+    wanted = [(c.body, c.start, [list(p) for p in c.points], c.speed, c.returns) for c in problem.world.courses]
+    if [(c.body, c.start, c.points, c.speed, c.returns) for c in plan.courses] != wanted:
+        findings.fail("scene", "the courses of bodies are not those of the scene")
+    broken = [(b.module, b.time, b.kind) for b in problem.world.breakdowns]
+    if [(b.module, b.time, b.kind) for b in plan.breakdowns] != broken:
+        findings.fail("scene", "the breakdowns of modules are not those of the scene")
+    return len(findings.failures) == before
+
+
+def left_at(problem: ir.Problem, plan: Plan, time: float) -> frozenset[str]:
+    """The objects that have left the scene by a time: modules and their effectors."""
+    if not plan.breakdowns:
+        return frozenset()
+    gone = {b.module for b in problem.world.breakdowns if b.kind == "gone" and b.time <= time + TOLERANCE}
+    return frozenset(o for o in problem.objects if thing_of(problem, o) in gone)
+
+
+def without(problem: ir.Problem, left: frozenset[str]) -> ir.Problem:
+    """The problem with fewer objects."""
+    if not left:
+        return problem
+    modules = {n: m for n, m in problem.world.modules.items() if n not in left}
+    objects = {n: t for n, t in problem.objects.items() if n not in left}
+    return replace(problem, objects=objects, world=replace(problem.world, modules=modules))
+
+
+def scene_at(problem: ir.Problem, motion: Motion, sample: int) -> ir.Problem:
+    """The problem with everything where it is at a sample of a motion."""
+    modules = {
+        n: replace(m, pose=_pose(motion.poses[n][sample]), joints=tuple(motion.joints[n][sample].tolist()))
+        for n, m in problem.world.modules.items()
+    }
+    bodies = {n: replace(b, pose=_pose(motion.poses[n][sample])) for n, b in problem.world.bodies.items()}
+    return replace(problem, world=replace(problem.world, modules=modules, bodies=bodies))
+
+
+def _pose(row: Array) -> ir.Pose:
+    x, y, z, a, b, c, w = (float(v) for v in row)
+    return x, y, z, a, b, c, w
+
+
+def check_courses(problem: ir.Problem, happenings: Happenings, motion: Motion, findings: Findings) -> None:
+    """Bodies that nothing holds are where their courses take them, and turn not."""
+    for index, free in enumerate(happenings.free[: len(motion.ranges)]):
+        first, last = motion.ranges[index]
+        times = motion.times[first : last + 1]
+        for name in sorted(free):
+            true = happenings.placed(problem.world.bodies[name], times)
+            stored = motion.frames[name][slice(first, last + 1)]
+            off = np.linalg.norm(stored.position - true.position, axis=1)
+            turn = np.max(np.abs(stored.rotation - true.rotation), axis=(1, 2))
+            for kind, amounts in (("course_m", off), ("course_rad", turn)):
+                at = int(np.argmax(amounts))
+                findings.measure(
+                    kind, float(amounts[at]), f"{name} is not where its course takes it",
+                    time=float(times[at]), between=[name],
+                )  # fmt: skip
+
+
+def check_breakdowns(problem: ir.Problem, plan: Plan, motion: Motion, findings: Findings) -> None:
+    """Joints that are stuck stay as they are."""
+    for breakdown in problem.world.breakdowns if plan.breakdowns else ():
+        rows = motion.joints[breakdown.module][motion.times >= breakdown.time - TOLERANCE]
+        if breakdown.kind != "locked" or not len(rows) or not rows.shape[1]:
+            continue
+        off = np.max(np.abs(rows - rows[0]), axis=1)
+        findings.measure(
+            "stuck_rad", float(off.max()), f"{breakdown.module} moves a joint that is stuck",
+            time=breakdown.time, between=[breakdown.module], place=place_of(breakdown.span),
+        )  # fmt: skip
