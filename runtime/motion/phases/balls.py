@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,17 +65,8 @@ class Lineage:
             result[a, b] = (length, tops[0], tops[1])
         return result
 
-    def length_between(self, a: Ball, b: Ball) -> float:
-        """An upper bound of the distance of two spheres' centres."""
-        length, *tops = self.spans[a.node, b.node]
-        ends = []
-        for ball, top in zip((a, b), tops, strict=True):
-            ends.append(self.tree.before[top][:3, 3] if top >= 0 else np.array(ball.centre))
-            length += math.hypot(*ball.centre) if top >= 0 else 0.0
-        return length + math.dist(ends[0], ends[1])
-
     def lengths_between(self, balls: tuple[Ball, ...], first: NDArray[np.intp], second: NDArray[np.intp]) -> Array:
-        """The bound of `length_between` for many pairs of spheres, given by their indices `(m,)`: `(m,)`."""
+        """Upper bounds `(m,)` of the distances of the centres of pairs of spheres, given by their indices `(m,)`."""
         nodes = np.array([b.node for b in balls]) + 1
         centres = np.array([b.centre for b in balls])
         result = np.empty(len(first))
@@ -89,16 +82,21 @@ class Lineage:
             result[rows] = length + np.linalg.norm(ends[0] - ends[1], axis=-1)
         return result
 
-    def held_still(self, ball: Ball) -> Array:
-        """`(joints,)`: joints outward of a sphere that turn about an axis through it, one after the other."""
-        result = np.zeros(len(self.tree.parents), bool)
-        points = {ball.node: np.array([*ball.centre, 1.0])}
-        for i, parent in enumerate(self.tree.parents):
-            if parent in points and self.tree.kinds[i] == "revolute":
-                local = np.linalg.solve(self.tree.before[i], points[parent])
-                if math.hypot(local[0], local[1]) <= ON_AXIS:
-                    points[i] = local
-                    result[i] = True
+    def held_still(self, balls: Sequence[Ball]) -> NDArray[np.bool_]:
+        """`(spheres, joints)`: joints outward of a sphere that turn about an axis through it, one after the other."""
+        result = np.zeros((len(balls), len(self.tree.parents)), bool)
+        nodes = np.array([b.node for b in balls])
+        centres = np.array([(*b.centre, 1.0) for b in balls])
+        held: dict[int, tuple[NDArray[np.intp], Array]] = {}
+        for node in range(-1, len(self.tree.parents)):
+            index, points = np.flatnonzero(nodes == node), centres[nodes == node]
+            if node >= 0 and self.tree.kinds[node] == "revolute":
+                outer, at = held[self.tree.parents[node]]
+                local = np.linalg.solve(self.tree.before[node], at.T).T
+                on_axis = np.hypot(local[:, 0], local[:, 1]) <= ON_AXIS
+                result[outer[on_axis], node] = True
+                index, points = np.append(index, outer[on_axis]), np.append(points, local[on_axis], axis=0)
+            held[node] = index, points
         return result
 
 
@@ -113,19 +111,22 @@ def hoist(tree: PhaseTree, node: int, centre: Array) -> tuple[int, Array]:
 def moving_balls(tree: PhaseTree, world: World, margin: float) -> tuple[Ball, ...]:
     """Spheres that cover, within `margin`, the modules and bodies that move in a phase."""
 
-    def ball(mount: Mount, sphere: Sphere, owner: str, tag: str | None) -> Ball:
-        node, point = hoist(tree, mount[0], (mount[1] @ np.array([*sphere.centre, 1.0]))[:3])
-        x, y, z = point.tolist()
-        return Ball(node, (x, y, z), sphere.radius, owner, tag, sphere.exact)
+    def balls(mount: Mount, spheres: Sequence[Sphere], owner: str) -> Iterator[Ball]:
+        node, local = mount
+        points = np.array([s.centre for s in spheres]) @ local[:3, :3].T + local[:3, 3]
+        on_axis = np.hypot(points[:, 0], points[:, 1]) <= ON_AXIS
+        for sphere, point, maybe in zip(spheres, points, on_axis.tolist(), strict=True):
+            at, centre = hoist(tree, node, point) if maybe else (node, point)
+            x, y, z = centre.tolist()
+            tag = owner if owner in tree.bodies else f"{owner}.{sphere.effector}" if sphere.effector else None
+            yield Ball(at, (x, y, z), sphere.radius, owner, tag, sphere.exact)
 
-    found = []
+    found: list[Ball] = []
     for module, links in tree.links.items():
-        for s in module_spheres(world.modules[module].type, margin):
-            tag = None if s.effector is None else f"{module}.{s.effector}"
-            found.append(ball(links[s.joint], s, module, tag))
+        for joint, spheres in groupby(module_spheres(world.modules[module].type, margin), lambda s: s.joint):
+            found += balls(links[joint], list(spheres), module)
     for name, mount in tree.bodies.items():
-        for s in body_spheres(world.bodies[name], margin):
-            found.append(ball(mount, s, name, name))
+        found += balls(mount, body_spheres(world.bodies[name], margin), name)
     return tuple(found)
 
 
@@ -136,37 +137,53 @@ def meeting_pairs(lineage: Lineage, balls: tuple[Ball, ...], bodies: bool) -> tu
     tree = lineage.tree
     if not balls:
         return ()
-    still = np.array([lineage.held_still(b) for b in balls])
     above = lineage.above[[b.node + 1 for b in balls]]
-    between = (above[:, None] ^ above[None]) & ~still[:, None] & ~still[None]
-    carried = np.array([b.owner in tree.bodies for b in balls])
-    owners = np.array([b.owner for b in balls])
-    fixed = np.array([b.node < 0 for b in balls])
-    same_owner = owners[:, None] == owners[None]
-    own_base = same_owner & (fixed[:, None] | fixed[None])
-    one_robot = np.logical_or((above[:, None] & above[None]).any(axis=2), own_base)
-    needed = np.where(one_robot & ~(carried[:, None] | carried[None]), 2, 1)
-    wanted = between.sum(axis=2) >= needed
-    wanted &= ~(same_owner & carried[:, None])
-    if not bodies:
-        wanted &= ~(carried[:, None] | carried[None])
-    first, second = np.nonzero(np.triu(wanted, 1))
+    still = lineage.held_still(balls)
+    owners, owner = np.unique([b.owner for b in balls], return_inverse=True)
+    features = np.column_stack([above, still, owner, [b.node < 0 for b in balls]])
+    kinds, kind = np.unique(features, axis=0, return_inverse=True)
+    carried = np.array([owners[k] in tree.bodies for k in kinds[:, -2]])
+    first, second = np.nonzero(_may_meet(kinds, carried, len(tree.parents), bodies)[kind[:, None], kind[None]])
+    first, second = first[first < second], second[first < second]
     radius = np.array([b.radius for b in balls])
     touch = radius[first] + radius[second] + PATH_MARGIN
     far = lineage.lengths_between(balls, first, second) >= 2 * touch
-    kept = ~one_robot[first, second] | far
+    kept = ~_one_robot(kinds, len(tree.parents))[kind[first], kind[second]] | far
     return tuple(zip(first[kept].tolist(), second[kept].tolist(), strict=True))
+
+
+def _one_robot(kinds: NDArray[np.intp], joints: int) -> NDArray[np.bool_]:
+    """Whether spheres of two kinds are of one robot; `kinds` list the joints above, the joints that hold still, the
+    owner, and whether the sphere is fixed to the world."""
+    above, owner, fixed = kinds[:, :joints].astype(bool), kinds[:, -2], kinds[:, -1].astype(bool)
+    own_base = (owner[:, None] == owner[None]) & (fixed[:, None] | fixed[None])
+    return np.logical_or((above[:, None] & above[None]).any(axis=2), own_base)
+
+
+def _may_meet(
+    kinds: NDArray[np.intp], carried: NDArray[np.bool_], joints: int, bodies: bool
+) -> NDArray[np.bool_]:
+    """Whether enough joints change the distance of spheres of two kinds."""
+    above, still = kinds[:, :joints].astype(bool), kinds[:, joints : 2 * joints].astype(bool)
+    owner, body = kinds[:, -2], carried[:, None] | carried[None]
+    between = (above[:, None] ^ above[None]) & ~still[:, None] & ~still[None]
+    needed = np.where(_one_robot(kinds, joints) & ~body, 2, 1)
+    wanted = between.sum(axis=2) >= needed
+    wanted &= ~((owner[:, None] == owner[None]) & carried[:, None])
+    return np.asarray(wanted if bodies else wanted & ~body)
 
 
 def obstacles_near(tree: PhaseTree, lineage: Lineage, balls: tuple[Ball, ...], margin: float) -> list[Obstacle]:
     """The obstacles that a moving sphere can come to within `margin`, by the lengths of the joints that carry it."""
     reach: dict[int, float] = {}
-    for b in balls:
-        if b.node >= 0:
-            origin = Ball(lineage.root[b.node], (0.0, 0.0, 0.0), 0.0, b.owner, None, False)
-            slide = tree.slides[lineage.root[b.node]]
-            length = lineage.length_between(origin, b) + b.radius + slide
-            reach[lineage.root[b.node]] = max(reach.get(lineage.root[b.node], 0.0), length)
+    moving = [k for k, b in enumerate(balls) if b.node >= 0]
+    roots = sorted({lineage.root[balls[k].node] for k in moving})
+    origins = tuple(Ball(root, (0.0, 0.0, 0.0), 0.0, "", None, False) for root in roots)
+    number = np.array([len(balls) + roots.index(lineage.root[balls[k].node]) for k in moving], dtype=np.intp)
+    lengths = lineage.lengths_between((*balls, *origins), number, np.array(moving, dtype=np.intp))
+    for k, length in zip(moving, lengths.tolist(), strict=True):
+        root = lineage.root[balls[k].node]
+        reach[root] = max(reach.get(root, 0.0), length + balls[k].radius + tree.slides[root])
     found = []
     for o in tree.obstacles:
         near = (shape_distance(o.shape, o.pose, tree.before[r][:3, 3]) <= d + margin for r, d in reach.items())

@@ -101,24 +101,35 @@ class Points:
     """Points fixed to nodes, one list of equal structure per phase."""
 
     def __init__(self, lists: Sequence[Sequence[Ball]]) -> None:
-        self.nodes = [b.node for b in lists[0]]
-        centres = np.array([[b.centre for b in balls] for balls in lists]).reshape(len(lists), len(self.nodes), 3)
-        self.weights = [[_weight(centres[:, k, c]) for c in range(3)] for k in range(len(self.nodes))]
-        self.fixed = {k: centres[:, k].T[:, :, None] for k, node in enumerate(self.nodes) if node < 0}
+        self.nodes = np.array([b.node for b in lists[0]], dtype=np.intp)
+        self.centres = np.array([[b.centre for b in balls] for balls in lists]).reshape(len(lists), -1, 3)
+        self.groups: list[tuple[int, Indices, bool]] = []
+        """Nodes with their points, and whether these are the same in all phases."""
+        for node in np.unique(self.nodes).tolist():
+            mine = np.flatnonzero(self.nodes == node)
+            spread = np.abs(self.centres[:, mine] - self.centres[:1, mine]).max()
+            self.groups.append((node, mine, bool(spread < 1e-12)))
 
     def take(self, index: Indices) -> Points:
         """The points of some of the phases."""
         result = object.__new__(Points)
-        result.nodes = self.nodes
-        result.weights = [[_take(w, index) for w in weights] for weights in self.weights]
-        result.fixed = {k: centre[:, index] for k, centre in self.fixed.items()}
+        result.nodes, result.centres, result.groups = self.nodes, self.centres[index], self.groups
         return result
 
     def place(self, frames: list[Frame], phases: int, times: int) -> Array:
         """World positions `(points, 3, phases, times)`."""
         result = np.empty((len(self.nodes), 3, phases, times))
-        for k, node in enumerate(self.nodes):
-            result[k] = self.fixed[k] if node < 0 else _mix(frames[node], self.weights[k], True)
+        for node, mine, equal in self.groups:
+            centres = self.centres[:, mine]
+            if node < 0:
+                result[mine] = centres.transpose(1, 2, 0)[..., None]
+                continue
+            axes = np.stack([np.broadcast_to(a, result.shape[1:]) for a in frames[node]])
+            if equal:
+                turned = (centres[0] @ axes[:3].reshape(3, -1)).reshape(len(mine), *result.shape[1:])
+            else:
+                turned = np.einsum("bna,aibt->nibt", centres, axes[:3])
+            result[mine] = turned + axes[3]
         return result
 
 
