@@ -56,9 +56,7 @@ class Step:
     action: int
 
     def apply(self, s: int, out: list[tuple[int, int]]) -> None:
-        for mask, value, same in self.tests:
-            if (s & mask == value) is not same:
-                return
+        """Append the successor of a state in which the tests hold."""
         if self.check is not None and not self.check(s):
             return
         t = s & self.keep
@@ -106,20 +104,16 @@ class Blocks:
         self.layout: Layout = guards.layout
         self.action_id = action_id
         self._made: dict[Any, Block | None] = {}
-        self._domains: dict[str, dict[str, frozenset[str]]] = {}
 
     def of(self, flat: FlatRule, word: Word) -> list[Block]:
         """The blocks of one rule whose conditions on the flags hold."""
-        name = flat.rule.name
-        if name not in self._domains:
-            self._domains[name] = self.layout.domains.variable_domains(flat)
-        domains = self._domains[name]
+        domains = self.layout.domains.variable_domains(flat)
         small = [v for v in flat.variables if v.name not in domains or domains[v.name] <= self.layout.small]
         found: dict[int, Block] = {}
         for env, rest in self.guards.solutions(small, flat.conjuncts, {}, word, domains):
             changes = tuple(self._changes(flat.rule.effects, env, word))
             shown = tuple(env.get(v.name) for v in flat.variables if v in small)
-            key = (name, shown, rest, changes)
+            key = (flat.rule.name, shown, rest, changes)
             if key not in self._made:
                 large = [v for v in flat.variables if v not in small]
                 self._made[key] = self._block(flat, env, large, rest, changes)
@@ -261,7 +255,7 @@ class Blocks:
         for name, _ in block.keys:
             if env[name] not in self.guards.values(kinds[name], {}, None):
                 return ()
-        domains = self._domains[block.flat.rule.name]
+        domains = self.layout.domains.variable_domains(block.flat)
         found = self.guards.solutions(block.loops, block.guards, env, None, domains)
         if block.simple:
             return tuple(dict.fromkeys(self._entry(block, inner) for inner, _ in found))

@@ -34,7 +34,7 @@ Names = frozenset[str]
 
 @dataclass(frozen=True, slots=True)
 class FlatRule:
-    """A rule whose condition is `exists hidden { and of conjuncts }`."""
+    """A rule, or one of its alternatives, whose condition is `exists hidden { and of conjuncts }`."""
 
     rule: Rule
     hidden: tuple[Variable, ...]
@@ -52,7 +52,7 @@ class Domains:
     def __init__(self, problem: Problem, normal: NormalForm) -> None:
         self.problem = problem
         rules = [replace(r, effects=normal.effects(r.effects)) for r in problem.rules.values()]
-        self.flat = [FlatRule(r, *normal.conjuncts(r.condition)) for r in rules]
+        self.flat = [FlatRule(r, *found) for r in rules for found in normal.alternatives(r.condition)]
         self.changed = frozenset(
             e.literal.predicate for r in problem.rules.values() for e in effects_of(r.effects) if not e.literal.motion
         )
@@ -72,8 +72,8 @@ class Domains:
         while self._grow():
             pass
         self._final = {key: frozenset(names) for key, names in self._at.items()}
-        self._settled = {r.rule.name: self._variable_domains(r) for r in self.flat}
-        self.rules = tuple(r for r in self.flat if self._settled[r.rule.name] is not None)
+        self._settled = {id(r): self._variable_domains(r) for r in self.flat}
+        self.rules = tuple(r for r in self.flat if self._settled[id(r)] is not None)
 
     def at(self, predicate: str, position: int) -> Names:
         if self._final:
@@ -87,7 +87,7 @@ class Domains:
 
     def variable_domains(self, flat: FlatRule) -> dict[str, Names]:
         """For every variable over objects of a rule that may fire the objects that it may denote."""
-        return self._settled[flat.rule.name] or {}
+        return self._settled[id(flat)] or {}
 
     def _variable_domains(self, flat: FlatRule) -> dict[str, Names] | None:
         """For every variable over objects the objects that its type and the positive literals leave; None when some

@@ -11,18 +11,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from itertools import product
 from typing import Any
 
-from ..ir import And, EffectFor, EffectItem, Fact, Literal, Number, Object, Or, Term, Type, Var
+from ..ir import And, EffectFor, EffectItem, Fact, Literal, Number, Object, Or, Term, Type
+from .achievers import MOST_FACTS, Achiever, Achievers
 from .domains import FlatRule, scoped_effects
 from .expressions import Test, literal_test, test_source
-from .layout import STATIC
 from .links import Links
 from .locations import Family, families
 from .successors import Successors, has_chains
 
-MOST_FACTS = 64
 DEEPEST = 3
 
 
@@ -39,13 +37,8 @@ class Landmark:
     parents: list[int] = field(default_factory=list)
     goal: bool = False
     weight: float = 0.0
-    tables: list[tuple[int, Tables]] = field(default_factory=list)
-
-
-@dataclass(frozen=True, slots=True)
-class Achiever:
-    flat: FlatRule
-    env: Mapping[str, str]
+    tables: list[tuple[int, Tables, tuple[Test, ...], bool]] = field(default_factory=list)
+    """Family and tables of moves, for states in which some of the tests holds, or none does; for all without tests."""
 
 
 class Estimate:
@@ -57,24 +50,21 @@ class Estimate:
         self.costs = {f.rule.name: self._least_cost(f) for f in self.layout.domains.rules}
         self.landmarks: list[Landmark] = []
         self._known: dict[frozenset[Fact], int] = {}
-        self._achieved: dict[Fact, list[Achiever]] = {}
-        self._adding: dict[str, list[tuple[FlatRule, Literal, dict[str, Type]]]] = {}
-        for flat in self.layout.domains.rules:
-            for effect, types in scoped_effects(flat.rule.effects, {v.name: v.type for v in flat.variables}):
-                if not effect.negated and not effect.literal.motion:
-                    self._adding.setdefault(effect.literal.predicate, []).append((flat, effect.literal, types))
+        self.achievers = Achievers(successors)
         for facts in self._goals():
             self._add(facts, None, 0)
-        served = {f.rule.name: self._served(f) for f in self.layout.domains.rules}
+        served: dict[str, int] = {}
+        for flat in self.layout.domains.rules:
+            served[flat.rule.name] = max(self._served(flat), served.get(flat.rule.name, 0))
         self.families = families(successors.guards, self.costs)
         self.links = Links(successors.guards, self.costs)
         moving = {rule for family in self.families for rule in family.rules}
         self.counts_links = self.links.counted and not moving & self.links.rules
         for landmark in self.landmarks:
-            rules = {a.flat.rule.name for fact in landmark.facts for a in self._achievers(fact)}
+            rules = {a.flat.rule.name for a in self.achievers.first(landmark.facts)}
             landmark.weight = min((self.costs[r] / max(served[r], 1) for r in rules), default=math.inf)
             self._locate(landmark)
-        counted = {rule for mark in self.landmarks for k, _ in mark.tables for rule in self.families[k].rules}
+        counted = {rule for mark in self.landmarks for k, *_ in mark.tables for rule in self.families[k].rules}
         counted |= self.links.rules if self.counts_links else set()
         self.separate = not any(served[rule] for rule in counted)
         self.text = self.source()
@@ -115,20 +105,14 @@ class Estimate:
 
     def _needed(self, facts: tuple[Fact, ...]) -> Iterator[tuple[Fact, ...]]:
         """Sets of facts, none true at the start, one of which every achiever of a landmark needs."""
-        achievers = [a for fact in facts for a in self._achievers(fact)]
+        achievers = self.achievers.first(facts)
         if not achievers:
             return
-        predicates = dict.fromkeys(
-            f.predicate for f in achievers[0].flat.conjuncts if isinstance(f, Literal) and self._fluent(f)
-        )
-        for predicate in predicates:
+        conditions = [[f for f in a.flat.conjuncts if isinstance(f, Literal)] for a in achievers]
+        for predicate in dict.fromkeys(f.predicate for f in conditions[0] if self.achievers.fluent(f)):
             union: dict[Fact, None] = {}
-            for achiever in achievers:
-                options = [
-                    self._instances(f, achiever)
-                    for f in achiever.flat.conjuncts
-                    if isinstance(f, Literal) and f.predicate == predicate
-                ]
+            for achiever, literals in zip(achievers, conditions, strict=True):
+                options = [self.achievers.instances(f, achiever) for f in literals if f.predicate == predicate]
                 smallest = min(options, key=len, default=None)
                 if smallest is None:
                     break
@@ -139,57 +123,9 @@ class Estimate:
                 if union and not any(self._holds(f, self.successors.initial) for f in union):
                     yield tuple(union)
 
-    def _fluent(self, literal: Literal) -> bool:
-        return self.layout.kinds[literal.predicate] != STATIC
-
-    def _instances(self, literal: Literal, achiever: Achiever) -> list[Fact]:
-        """All facts that a condition of an achiever may stand for; more than `MOST_FACTS` are not listed whole."""
-        domains = self.layout.domains.variable_domains(achiever.flat)
-        types = {v.name: v.type for v in achiever.flat.variables}
-        options: list[frozenset[str]] = []
-        for k, arg in enumerate(literal.args):
-            if isinstance(arg, Var) and arg.name in achiever.env:
-                options.append(frozenset((achiever.env[arg.name],)))
-            else:
-                names = self.layout.domains.term(arg, types, domains)
-                options.append(names & self.layout.domains.at(literal.predicate, k))
-        if math.prod(map(len, options)) > MOST_FACTS:
-            return [(literal.predicate, str(i)) for i in range(MOST_FACTS + 1)]
-        facts = ((literal.predicate, *names) for names in product(*map(sorted, options)))
-        return [f for f in facts if self.layout.encode(f)[0]]
-
     def _holds(self, fact: Fact, state: int) -> bool:
         mask, value = self.layout.encode(fact)
         return state & mask == value
-
-    def _achievers(self, fact: Fact) -> list[Achiever]:
-        """Every way in which an effect may add a fact, with the variables that this binds."""
-        if fact not in self._achieved:
-            self._achieved[fact] = list(self._find_achievers(fact))
-        return self._achieved[fact]
-
-    def _find_achievers(self, fact: Fact) -> Iterator[Achiever]:
-        orders = [fact]
-        if self.successors.problem.predicates[fact[0]].symmetric:
-            orders.append((fact[0], fact[2], fact[1]))
-        for flat, literal, types in self._adding.get(fact[0], ()):
-            for order in orders:
-                env = self._unified(literal, order, flat, types)
-                if env is not None:
-                    yield Achiever(flat, env)
-
-    def _unified(
-        self, literal: Literal, fact: Fact, flat: FlatRule, types: dict[str, Type]
-    ) -> dict[str, str] | None:
-        domains = self.layout.domains.variable_domains(flat)
-        own = {v.name for v in flat.rule.variables}
-        env: dict[str, str] = {}
-        for arg, name in zip(literal.args, fact[1:], strict=True):
-            if name not in self.layout.domains.term(arg, types, domains):
-                return None
-            if isinstance(arg, Var) and arg.name in own and env.setdefault(arg.name, name) != name:
-                return None
-        return env
 
     def _served(self, flat: FlatRule) -> int:
         """How many landmarks one action of a rule can serve at most."""
@@ -224,18 +160,30 @@ class Estimate:
     # --- hops ----------------------------------------------------------------------------------------------------
 
     def _locate(self, landmark: Landmark) -> None:
-        """For each location family the tables of moves that come before the landmark."""
-        achievers = _distinct([a for fact in landmark.facts for a in self._achievers(fact)])
-        most = self.links.count
+        """For each location family the tables of moves that come before the landmark: one for states in which no
+        achiever has to wait for the landmark itself, else a narrower one for those in which some do."""
+        achievers = _distinct(self.achievers.first(landmark.facts))
+        late = [self.achievers.waiting(a, landmark.facts) if achievers[1:] else [] for a in achievers]
+        early = [a for a, waiting in zip(achievers, late, strict=True) if not waiting]
+        facts = dict.fromkeys(fact for waiting in late for fact in waiting)
+        guards = tuple(literal_test(self.layout, _literal(f)) for f in facts)
         for k, family in enumerate(self.families):
-            last = self._table(family, achievers, most)
-            if last is None:
+            always = self._tables_of(family, achievers)
+            before = self._tables_of(family, early) if early and guards else always
+            if before == always:
+                landmark.tables += [(k, always, (), True)] if _some(always) else []
                 continue
-            tables = [last]
-            if self.counts_links:
-                tables = [self._table(family, achievers, m) or last for m in range(1, most)] + tables
-            if any(any(table[1:]) for table in tables):
-                landmark.tables.append((k, tuple(tables)))
+            landmark.tables += [(k, before, guards, False)] if _some(before) else []
+            landmark.tables += [(k, always, guards, True)] if _some(always) else []
+
+    def _tables_of(self, family: Family, achievers: list[Achiever]) -> Tables:
+        most = self.links.count
+        last = self._table(family, achievers, most)
+        if last is None:
+            return ()
+        if not self.counts_links:
+            return (last,)
+        return (*(self._table(family, achievers, m) or last for m in range(1, most)), last)
 
     def _table(self, family: Family, achievers: list[Achiever], modules: int) -> tuple[float, ...] | None:
         """The moves until some achiever may fire while no chain has more than so many modules; None when it may fire
@@ -322,11 +270,13 @@ class Estimate:
 
     def _hop_lines(self, counted: set[int]) -> list[str]:
         """The moves that are needed, for each number of links that may be made before: the cheapest of all."""
-        groups: dict[tuple[int, Tables], list[int]] = {}
+        groups: dict[tuple[int, Tables], list[str]] = {}
         for i, landmark in enumerate(self.landmarks):
-            for k, tables in landmark.tables:
+            for k, tables, tests, some in landmark.tables:
                 if i not in counted:
-                    groups.setdefault((k, tables), []).append(i)
+                    held = " or ".join(f"({test_source(t)})" for t in tests)
+                    when = "" if not tests else f" and ({held})" if some else f" and not ({held})"
+                    groups.setdefault((k, tables), []).append(f"n{i}{when}")
         if not groups:
             return []
         stages = f"stages(s & {self.links.mask})" if self.counts_links else "ALL"
@@ -335,7 +285,7 @@ class Estimate:
             name = f"table_{len(self._tables)}"
             self._tables.append(((), *tables) if self.counts_links else tables)
             reads = [f"t[s >> {f.shift} & {f.mask}]" for f in self.families[k].fields]
-            lines.append(f"        if {' or '.join(f'n{i}' for i in members)}:")
+            lines.append(f"        if {' or '.join(members)}:")
             lines.append(f"            t = {name}[q]")
             lines.append(f"            m = {f'min({chr(44).join(reads)})' if len(reads) > 1 else reads[0]}")
             lines.append("            if m > v: v = m")
@@ -356,8 +306,13 @@ def _looped(item: EffectItem) -> Iterator[object]:
 
 def _distinct(achievers: list[Achiever]) -> list[Achiever]:
     """Achievers of one rule with the same bindings once."""
-    found = {(a.flat.rule.name, tuple(sorted(a.env.items()))): a for a in achievers}
+    found = {(id(a.flat), tuple(sorted(a.env.items()))): a for a in achievers}
     return list(found.values())
+
+
+def _some(tables: Tables) -> bool:
+    """Whether some place is a move away."""
+    return any(any(table[1:]) for table in tables)
 
 
 def _is_ground(literal: Literal) -> bool:

@@ -37,6 +37,7 @@ from ..ir import (
 
 TRUE = And(())
 FALSE = Or(())
+MOST_ALTERNATIVES = 16
 NEGATED = {"=": "!=", "!=": "=", "<": ">=", ">=": "<", "<=": ">", ">": "<="}
 Renaming = Mapping[str, Term]
 
@@ -63,6 +64,29 @@ class NormalForm:
             elif item not in found:
                 found.append(item)
         return tuple(hidden), tuple(found)
+
+    def alternatives(self, formula: Formula) -> list[tuple[tuple[Variable, ...], tuple[Formula, ...]]]:
+        """As `conjuncts`, for formulas of which one must hold: disjunctions that bind variables of their own are split
+        up, as long as there are no more than `MOST_ALTERNATIVES`."""
+        whole = [self.conjuncts(formula)]
+        while True:
+            split = [part for option in whole for part in self._split(option)]
+            if len(split) == len(whole) or len(split) > MOST_ALTERNATIVES:
+                return whole
+            whole = split
+
+    def _split(
+        self, option: tuple[tuple[Variable, ...], tuple[Formula, ...]]
+    ) -> list[tuple[tuple[Variable, ...], tuple[Formula, ...]]]:
+        hidden, conjuncts = option
+        for k, formula in enumerate(conjuncts):
+            if isinstance(formula, Or) and any(isinstance(part, Exists) for part in parts(formula)):
+                found = []
+                for operand in formula.operands:
+                    more, parts_ = self.conjuncts(operand)
+                    found.append(((*hidden, *more), (*conjuncts[:k], *parts_, *conjuncts[k + 1 :])))
+                return found
+        return [option]
 
     def effects(self, items: Sequence[EffectItem]) -> tuple[EffectItem, ...]:
         """Effects whose conditions are in normal form."""

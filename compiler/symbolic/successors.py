@@ -104,14 +104,18 @@ class Successors:
 
     def _expander(self, word: int) -> Expander:
         blocks = [b for flat in self.domains.rules for b in self._blocks.of(flat, self.word(word))]
+        repeating = _repeating(blocks)
         names: dict[str, Any] = {"apply": apply}
         lines = [f"def expand_{word:x}(s):", "    out = []"]
         for i, block in enumerate(blocks):
             names[f"rows_{i}"] = block.rows
             shown = ", ".join(str(block.env[v.name]) for v in block.flat.rule.variables if v.name in block.env)
             lines.append(f"    # {block.flat.rule.name}: {shown}")
-            lines += _block_lines(block, i)
-        lines.append("    return list(dict.fromkeys(out))" if _may_repeat(blocks) else "    return out")
+            lines += _block_lines(block, i, "again" if id(block) in repeating else "out")
+        if repeating:
+            lines[1:2] = ["    out, again = [], []"]
+            lines.append("    out += dict.fromkeys(again)")
+        lines.append("    return out")
         text = "\n".join(lines) + "\n"
         exec(compile(text, f"<successors {word:x}>", "exec"), names)
         self._sources[word] = text
@@ -123,36 +127,40 @@ class Successors:
 def apply(s: int, row: tuple[Step, ...], out: list[Successor]) -> None:
     """Append the successors by the steps of a general row."""
     for step in row:
-        step.apply(s, out)
+        for mask, value, same in step.tests:
+            if (s & mask == value) is not same:
+                break
+        else:
+            step.apply(s, out)
 
 
-def _block_lines(block: Block, i: int) -> list[str]:
+def _block_lines(block: Block, i: int, out: str) -> list[str]:
     reads = [f"s >> {place.shift} & {place.mask}" for _, place in block.keys]
     key = reads[0] if len(reads) == 1 else f"({', '.join(reads)})" if reads else "()"
     lines = [f"r = rows_{i}[{key}]"]
     if not block.simple:
-        lines.append("apply(s, r, out)")
+        lines.append(f"apply(s, r, {out})")
     elif not block.loops:
-        lines += ["if r:", f"    out.append((s & {block.keep} | {block.set} | r[0][0], r[0][1]))"]
+        lines += ["if r:", f"    {out}.append((s & {block.keep} | {block.set} | r[0][0], r[0][1]))"]
     else:
-        lines += ["if r:", f"    b = s & {block.keep} | {block.set}", "    out += [(b | q, a) for q, a in r]"]
+        lines += ["if r:", f"    b = s & {block.keep} | {block.set}", f"    {out} += [(b | q, a) for q, a in r]"]
     if block.tests != "True":
         lines = [f"if {block.tests}:", *(f"    {line}" for line in lines)]
     return [f"    {line}" for line in lines]
 
 
-def _may_repeat(blocks: list[Block]) -> bool:
-    """Whether two blocks can give the same action, by different witnesses of its condition."""
-    seen = set()
+def _repeating(blocks: list[Block]) -> set[int]:
+    """The blocks that can give the same action as another one or twice, by different witnesses of its condition."""
+    found: set[int] = set()
+    seen: dict[tuple[object, ...], Block] = {}
     for block in blocks:
-        if block.flat.hidden:
-            if not block.simple and any(v in block.flat.hidden for v in block.loops):
-                return True
-            shown = tuple(block.env.get(v.name) for v in block.flat.rule.variables)
-            if (block.flat.rule.name, shown) in seen:
-                return True
-            seen.add((block.flat.rule.name, shown))
-    return False
+        if not block.simple and any(v in block.flat.hidden for v in block.loops):
+            found.add(id(block))
+        key = (block.flat.rule.name, *(block.env.get(v.name) for v in block.flat.rule.variables))
+        first = seen.setdefault(key, block)
+        if first is not block:
+            found |= {id(first), id(block)}
+    return found
 
 
 def has_chains(formula: Formula) -> bool:

@@ -38,31 +38,35 @@ LENGTHS = ("distance", "stride")
 class Strain:
     """How close an action's numeric conditions are to their limits: 0 without such conditions, 1 at the limit."""
 
-    def __init__(self, successors: Successors) -> None:
+    def __init__(self, successors: Successors, most_states: int = MOST_STATES) -> None:
         self.successors = successors
-        self._rules = {flat.rule.name: flat for flat in successors.domains.rules}
-        self._compares = {name: _bounds(flat) for name, flat in self._rules.items()}
-        self._fixed = {name for name, flat in self._rules.items() if _speaks_of_arguments(flat, self._compares[name])}
+        self.most_states = most_states
+        self._rules: dict[str, list[FlatRule]] = {}
+        for flat in successors.domains.rules:
+            self._rules.setdefault(flat.rule.name, []).append(flat)
+        self._compares = {id(flat): _bounds(flat) for flat in successors.domains.rules}
+        self._fixed = {name for name, flats in self._rules.items() if all(map(self._speaks_of_arguments, flats))}
         self._known: dict[tuple[int, int], float] = {}
 
     def of(self, state: int, number: int) -> float:
         """The strain of action `number` in a state in which it can be done."""
         action = self.successors.action(number)
-        flat = self._rules[action.rule]
-        if not self._compares[action.rule]:
+        flats = self._rules[action.rule]
+        if not any(self._compares[id(flat)] for flat in flats):
             return 0.0
         key = (number, 0 if action.rule in self._fixed else state)
         if key not in self._known:
-            env = {v.name: a for v, a in zip(flat.rule.variables, action.args, strict=True)}
-            self._known[key] = self._least(flat, env, state)
+            env = {v.name: a for v, a in zip(flats[0].rule.variables, action.args, strict=True)}
+            strains = [strain for flat in flats for strain in self._strains(flat, env, state)]
+            self._known[key] = min(strains, default=0.0)
         return self._known[key]
 
     def cheap(self, state: int, number: int) -> float:
         """The strain of an action as far as it can be told quickly: at once where the arguments settle it, else for the
-        first `MOST_STATES` pairs of state and action; 0 beyond."""
+        first `most_states` pairs of state and action; 0 beyond."""
         if self.successors.action(number).rule in self._fixed:
             return self.of(0, number)
-        if (number, state) in self._known or len(self._known) < MOST_STATES:
+        if (number, state) in self._known or len(self._known) < self.most_states:
             return self.of(state, number)
         return 0.0
 
@@ -74,18 +78,18 @@ class Strain:
             state = next(following for following, action in self.successors.expand(state) if action == number)
         return tuple(strains)
 
-    def _least(self, flat: FlatRule, env: Environment, state: int) -> float:
-        """The strain by the roomiest witness of the rule's condition."""
+    def _strains(self, flat: FlatRule, env: Environment, state: int) -> list[float]:
+        """The strain by each witness of a condition that holds in a state."""
         if flat.rule.name in self._fixed:
-            return self._largest(flat, env)
+            return [self._largest(flat, env)]
         word = self.successors.word(state)
         found = self.successors.guards.solutions(flat.hidden, flat.conjuncts, env, word)
-        return min((self._largest(flat, e) for e, rest in found if self._hold(rest, state)), default=0.0)
+        return [self._largest(flat, e) for e, rest in found if self._hold(rest, state)]
 
     def _largest(self, flat: FlatRule, env: Environment) -> float:
         number = self.successors.guards.number
         largest = 0.0
-        for compare in self._compares[flat.rule.name]:
+        for compare in self._compares[id(flat)]:
             small, large = compare.left, compare.right
             if compare.operator in LOWER:
                 small, large = large, small
@@ -96,6 +100,11 @@ class Strain:
             if above > 0.0:
                 largest = max(largest, below / above)
         return largest
+
+    def _speaks_of_arguments(self, flat: FlatRule) -> bool:
+        """Whether the arguments of an action alone settle the comparisons."""
+        names = {v.name for v in flat.rule.variables}
+        return all(free_names(compare) <= names for compare in self._compares[id(flat)])
 
     def _hold(self, formulas: tuple[Formula, ...], state: int) -> bool:
         return all(self._holds(f, state) for f in formulas)
@@ -121,12 +130,6 @@ def _bounds(flat: FlatRule) -> list[Compare]:
     return [f for f in found if any(isinstance(p, Function) and p.name in LENGTHS for p in parts(f))]
 
 
-def _speaks_of_arguments(flat: FlatRule, compares: Sequence[Compare]) -> bool:
-    """Whether the arguments of an action alone settle the comparisons."""
-    names = {v.name for v in flat.rule.variables}
-    return all(free_names(compare) <= names for compare in compares)
-
-
 class Surcharge:
     """What the search should add to the cost of strained actions. It grows with every sequence that motion refused,
     and is measured by the strain at which actions of that rule, on robots of that size, were refused."""
@@ -136,6 +139,10 @@ class Surcharge:
         self.weight = 0.0
         self._limits: dict[tuple[str, int], float] = {}
         self._keys: dict[int, tuple[str, int]] = {}
+
+    def inherit(self, other: Surcharge) -> None:
+        """Begin with what another search of the same rules has learnt."""
+        self.weight, self._limits = other.weight, dict(other._limits)
 
     def refused(self, numbers: Sequence[int], first: int, last: int) -> None:
         """Actions `first` … `last` of a plan were refused one after the other."""
