@@ -32,6 +32,8 @@ FEW_PARTS = 3
 """Up to so many unmet parts of the goal are planned for at once from the first try on."""
 NODES, MORE_NODES = 3000, 30000
 """Nodes that a search for the cheapest plan may expand, and then a hurried one."""
+STRAINED = 200
+"""Pairs of state and action for which a search learns a strain that depends on the state: windows are many."""
 CANDIDATES = 24
 """Plans that are judged for one goal of one window."""
 
@@ -70,6 +72,8 @@ class Memory:
     refusals: Refusals
     order: list[ir.Formula] = field(default_factory=list)
     """The parts of the goal, in the order in which they should be reached."""
+    surcharge: Surcharge | None = None
+    """How close to their limits actions were refused so far."""
     group: int = 1
     """How many parts of the goal make a plan that is long enough."""
 
@@ -79,7 +83,8 @@ def remember(
 ) -> Memory:
     """The memory of a new run. Make a new one when a module has failed: what motion can do is another thing then."""
     told_to = tell or (lambda stage, message: None)
-    bounds = Bounds(problem, motion_settings(problem, options), options.bound, options.seed, budget, told_to)
+    settings = motion_settings(problem, options)
+    bounds = Bounds(problem, settings, options.bound, options.seed, budget, told_to, options.ahead)
     return Memory(bounds, Refusals(problem))
 
 
@@ -168,8 +173,12 @@ class _Planner:
             problem = replace(self.problem, goal=goal)
             successors = Successors(problem)
             search = SkeletonSearch(problem, successors, method, self.budget, nodes)
-        strain = Strain(successors)
+        strain = Strain(successors, STRAINED)
         surcharge = Surcharge(strain)
+        if self.memory.surcharge is not None:
+            surcharge.inherit(self.memory.surcharge)
+            search.surcharge = surcharge.of if surcharge.weight else None
+        self.memory.surcharge = surcharge
         for actions in self.forbidden:
             forbid(search, actions)
         again = False
