@@ -241,6 +241,7 @@ class _Run:
         )
 
     def _outcome(self, status: str) -> Outcome:
+        self.report = None
         explanation = [] if status in ("solved", "refused") else self._explanation(status)
         if self.plan is None and self.kept:
             self.plan = self._verified(False)
