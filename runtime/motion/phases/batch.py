@@ -20,6 +20,8 @@ REFINEMENT = 10
 """Samples of the swept check per slice."""
 LIMIT_INSET = 0.02
 """How far inside their limits joints are kept while a path is optimised, radians or metres."""
+BEYOND = 2e-3
+"""How much more clearance than required the fine spheres aim at, metres."""
 GREATEST_STEP = 0.5
 """The largest change of a joint between neighbouring slices, radians or metres."""
 
@@ -51,13 +53,15 @@ def _joints(trees: Sequence[PhaseTree], world: World) -> Joints:
 
 class Looks:
     """The times, counted in slices, at which paths are kept clear while they are optimised: the inner slices, or
-    `count` times per slice on the spline. `weights` `(times, slices + 1)` take a path there; None for the slices."""
+    `count` times per slice on the spline. `weights` `(times, slices + 1)` take a path there; None for the slices.
+    `shares` and `required` tell, per kind of pair, what is asked of the optimiser's and of the fine spheres then."""
 
     def __init__(self, slices: int, count: int) -> None:
         from scipy.interpolate import CubicSpline
 
         times = np.arange(1, slices * count) / count
         self.shares = share_table(times, slices)
+        self.required = required_table(times, slices)[0] + BEYOND
         self.weights: Array | None = None
         if count > 1:
             knots = np.arange(slices + 1)
@@ -70,7 +74,8 @@ class Batch:
     `start`, `end` `(phases, joints)` are fixed; a path `(phases, slices + 1, joints)` joins them. `phases` are
     the numbers of the phases. `coarse` is the geometry that the optimiser sees, at the times of `looks`; `fine` the one
     that accepts a path, at `times`, `REFINEMENT` per slice, and covering the true shapes within CHECK_MARGIN.
-    `required` is the clearance asked of it then, as `shares.required_table`.
+    `required` is the clearance asked of it then, as `shares.required_table`. `fading`, when it is there, holds the fine
+    spheres that the optimiser sees, too.
     """
 
     def __init__(
@@ -89,6 +94,7 @@ class Batch:
         self.times = np.arange(slices * REFINEMENT + 1) / REFINEMENT
         self.required = required_table(self.times, slices)
         self.looks = Looks(slices, 1)
+        self.fading: Geometry | None = None
         self._fine, self._rows = Geometry(fine, contacts, world), np.arange(len(trees))
         if not collisions:
             self.coarse.ignore_collisions()
@@ -107,12 +113,14 @@ class Batch:
         result.start, result.end = self.start[index], self.end[index]
         result.coarse = self.coarse.take(index)
         result._fine, result._rows = self._fine, self._rows[index]
+        result.fading = None if self.fading is None else self.fading.take(index)
         return result
 
     def looking(self, count: int) -> Batch:
-        """The same phases, but kept clear at `count` times per slice while they are optimised."""
+        """The same phases, but kept clear at `count` times per slice while they are optimised, and with the fine
+        spheres of what begins or ends to touch something."""
         result = self.take(np.arange(len(self)))
-        result.looks = Looks(self.slices, count)
+        result.looks, result.fading = Looks(self.slices, count), self.fine.fading()
         return result
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,7 +15,7 @@ from ...skeleton import Array
 from .balls import Ball, Lineage, meeting_pairs, moving_balls, obstacles_near
 from .kinematics import Frame, Indices, Kinematics, Points
 from .shapes import Shapes, half_sizes, rounded_box_distance
-from .shares import NEVER, Kinds, cross_kinds
+from .shares import NEVER, START, Kinds, cross_kinds
 from .tree import Obstacle, PhaseTree
 
 WORLD: Frame = (*(np.eye(3)[k][:, None, None] for k in range(3)), np.zeros((3, 1, 1)))
@@ -168,6 +169,17 @@ class Geometry:
         result.pair_kinds = self.pair_kinds[:, index]
         result.bodies = [b.take(index) for b in self.bodies]
         result.body_kinds = [kinds[:, index] for kinds in self.body_kinds]
+        return result
+
+    def fading(self) -> Geometry:
+        """Only the spheres that begin or end to touch an obstacle, and only against those."""
+        result = copy.copy(self)
+        kinds = np.where(self.obstacle_kinds >= START, self.obstacle_kinds, np.int8(NEVER))
+        kept = np.flatnonzero((kinds != NEVER).any(axis=(1, 2)))
+        result.obstacle_kinds, result.radius, result.exact = kinds[kept], self.radius[kept], self.exact[kept]
+        result.moved_by, result.points = self.moved_by[kept], self.points.some(kept)
+        result.pairs, result.touching = np.zeros((0, 2), int), np.zeros((0, 1, 1))
+        result.pair_kinds, result.bodies, result.body_kinds = self.pair_kinds[:0], [], []
         return result
 
     def place(self, values: Array) -> tuple[Array, list[Frame]]:

@@ -103,12 +103,22 @@ class Points:
     def __init__(self, lists: Sequence[Sequence[Ball]]) -> None:
         self.nodes = np.array([b.node for b in lists[0]], dtype=np.intp)
         self.centres = np.array([[b.centre for b in balls] for balls in lists]).reshape(len(lists), -1, 3)
-        self.groups: list[tuple[int, Indices, bool]] = []
+        self._group()
+
+    def _group(self) -> None:
         """Nodes with their points, and whether these are the same in all phases."""
+        self.groups: list[tuple[int, Indices, bool]] = []
         for node in np.unique(self.nodes).tolist():
             mine = np.flatnonzero(self.nodes == node)
-            spread = np.abs(self.centres[:, mine] - self.centres[:1, mine]).max()
+            spread = np.abs(self.centres[:, mine] - self.centres[:1, mine]).max(initial=0.0)
             self.groups.append((node, mine, bool(spread < 1e-12)))
+
+    def some(self, points: Indices) -> Points:
+        """Some of the points."""
+        result = object.__new__(Points)
+        result.nodes, result.centres = self.nodes[points], self.centres[:, points]
+        result._group()
+        return result
 
     def take(self, index: Indices) -> Points:
         """The points of some of the phases."""

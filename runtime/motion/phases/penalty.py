@@ -108,6 +108,9 @@ def _missed(batch: Batch, inner: Array, margin: float) -> _Rows:
     points = geometry.points.place(frames, phases, times)
     twists = (_stacked(angular, phases, times), _stacked(linear, phases, times))
     rows = [_obstacle_rows(margin, shares, geometry, points, twists), _pair_rows(shares, geometry, points, twists)]
+    if batch.fading is not None:
+        points = batch.fading.points.place(frames, phases, times)
+        rows.append(_obstacle_rows(margin, batch.looks.required, batch.fading, points, twists))
     return _Rows(
         np.concatenate([r.amount for r in rows]), np.concatenate([r.slope for r in rows]),
         np.concatenate([r.place for r in rows]),
