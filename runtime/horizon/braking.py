@@ -8,7 +8,7 @@ import numpy as np
 
 from ...compiler import ir
 from ..motion.timing import peaks
-from ..skeleton import Array, PhasePath
+from ..skeleton import Array, Configuration, PhasePath
 from .world import spline_values
 
 KNOT = 0.02
@@ -64,6 +64,23 @@ def stopped(path: PhasePath, seconds: float) -> PhasePath:
     """The motion that follows `path` for `seconds` and ends there."""
     count = max(4, math.ceil(seconds / (0.5 * KNOT)))
     return at_times(path, np.linspace(0.0, seconds, count + 1), seconds)
+
+
+def reversed_path(world: ir.World, path: PhasePath, share: float) -> PhasePath:
+    """Back along the last `share` of a motion, which ends at rest, to rest again."""
+    count = len(next(iter(path.modules.values())))
+    back = np.linspace(0.0, 1.0, count)
+    back = path.duration * (1.0 - share * (3.0 * back**2 - 2.0 * back**3))
+    result = at_times(path, back, share * path.duration)
+    while not within_limits(world, result):
+        result = PhasePath(result.modules, result.bodies, LONGER * result.duration)
+    return result
+
+
+def waiting(configuration: Configuration, seconds: float) -> PhasePath:
+    """No motion."""
+    rows = {name: np.tile(state, (5, 1)) for name, state in configuration.modules.items()}
+    return PhasePath(rows, {}, seconds)
 
 
 def braking_time(world: ir.World, path: PhasePath, seconds: float) -> float:

@@ -18,12 +18,14 @@ from ...compiler.poses import joint_frames
 from ..motion.movement import carrier
 from ..resampling import kept_pairs
 from ..skeleton import Array, Configuration, Skeleton
-from ..transforms import compose, inverse
+from ..transforms import compose, inverse, rotate
 from .state import Reached, reached_problem, touching
 from .world import carried
 
 SAME = 1e-4
 """Metres that make no difference."""
+AWAY = 2e-3
+"""Metres by which such a body is put away from the end, as it may come after it."""
 LET_GO = 0.01
 """A body that is nearer to an end, metres, has just been let go."""
 
@@ -47,7 +49,18 @@ def foreseen_problem(
         module = carrier(problem, end)
         shift = compose(modules[module][:7], inverse(now.modules[module][:7]))
         bodies[body] = compose(shift, now.bodies[body])
+        bodies[body][:3] += AWAY * _outward(problem, end, modules[module])
     return reached_problem(problem, replace(reached, configuration=Configuration(modules, bodies)))
+
+
+def _outward(problem: ir.Problem, end: str, state: Array) -> Array:
+    """The outward normal `(3,)` of an effector, for the state `(7 + n,)` of its module."""
+    found = problem.world.effector(end)
+    assert found is not None
+    module, effector = found
+    frames = joint_frames(module.type, tuple(state[:7].tolist()), state[7:].tolist())
+    frame = compose(np.array(frames[effector.joint]), np.array(effector.placement))
+    return rotate(frame[3:], np.array([0.0, 0.0, 1.0]))
 
 
 def displaced(problem: ir.Problem, reached: Reached, expected: Mapping[str, Array]) -> frozenset[str]:

@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ...compiler import ir
-from ...compiler.symbolic.successors import Successors
-from ..bounds import Bounds
 from ..budget import Budget
 from ..lgp import SolveOptions, motion_settings
 from ..motion.path import solve_path
@@ -15,13 +13,12 @@ from ..motion.phases import UnsupportedPhase, solve_sequence_path
 from ..motion.sequence import solve_sequence
 from ..motion.settings import MotionSettings
 from ..refusals import Refusals
-from ..search.best_first import SkeletonSearch
-from ..search.roomy import Strain, roomier
-from ..search.skeletons import build_skeleton
 from ..skeleton import PhasePath, Skeleton
 from ..verify.formulas import ReplayError
 from ..verify.replay import Interpreter
 from .foresight import concerned
+from .state import start
+from .windows import PLANNED, plan_window, remember
 
 TRIES = 2
 """Seeds with which the motion of a known way is tried before another way is searched."""
@@ -41,8 +38,8 @@ class Window:
 
 
 class Planner:
-    """Plans windows for one run. `status` says, after a window was not found, why: "infeasible", "exhausted" or
-    "budget"; `refusals` explain it."""
+    """Plans windows for one run. `status` says, after no way was found, why: "stuck" or "infeasible"; `refusals`
+    explain it."""
 
     def __init__(self, options: SolveOptions) -> None:
         self.options = options
@@ -67,30 +64,20 @@ class Planner:
         return None
 
     def new_way(
-        self, problem: ir.Problem, horizon: int, moving: frozenset[str], wider: float, budget: Budget
-    ) -> Window | None:
+        self, problem: ir.Problem, previous: ir.Action | None, horizon: int, moving: frozenset[str], wider: float,
+        budget: Budget,
+    ) -> Window | None:  # fmt: skip
         """Search a way to the goal of which the first `horizon` actions have motions. Raises OutOfTime."""
-        successors = Successors(problem)
-        search = SkeletonSearch(problem, successors, self.options.search, budget, self.options.nodes)
-        strain = Strain(successors)
-        settings = _wider(motion_settings(problem, self.options), wider)
-        bounds = Bounds(problem, settings, self.options.bound, self.options.seed, budget, lambda *_: None)
-        self.refusals = Refusals(problem)
-        while True:
-            candidate = search.next()
-            if candidate is None:
-                self.status = search.status
-                return None
-            candidate = roomier(search, strain, candidate)
-            skeleton = _first(build_skeleton(problem, candidate.actions, successors), horizon)
-            judgement = bounds.judge(skeleton, strain.along(candidate.numbers)[:horizon])
-            if judgement.accepted:
-                moving = concerned(skeleton, moving)
-                paths = (judgement.paths or [])[: 1 if moving else horizon]
-                return Window(problem, tuple(candidate.actions), skeleton, paths, moving)
-            for conflict in judgement.conflicts:
-                self.refusals.add(skeleton, conflict)
-                search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start)
+        memory = remember(problem, self.options, budget)
+        memory.bounds.settings = _wider(memory.bounds.settings, wider)
+        begin = replace(start(problem), previous=previous)
+        found = plan_window(problem, begin, self.options, horizon, budget, memory)
+        if found.status != PLANNED:
+            self.status, self.refusals = found.status, memory.refusals
+            return None
+        moving = concerned(found.skeleton, moving)
+        paths = list(found.paths[: 1 if moving else horizon])
+        return Window(problem, found.actions, found.skeleton, paths, moving)
 
 
 def _wider(settings: MotionSettings, by: float) -> MotionSettings:

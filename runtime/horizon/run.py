@@ -23,27 +23,26 @@ from ..assemble import FACTOR
 from ..budget import Budget, OutOfTime
 from ..lgp import SolveOptions
 from ..plan import Plan, StatisticsRecord, WindowRecord
-from ..skeleton import Array, Phase, PhasePath
+from ..skeleton import Phase, PhasePath
 from ..verify import verify
 from ..verify.replay import Interpreter
-from .braking import braked, stopped
+from .ahead import Ahead
+from .braking import braked, reversed_path, stopped, waiting
 from .failures import Failures
-from .foresight import concerned, displaced, foreseen_problem
-from .planning import Planner, Window
+from .foresight import concerned
+from .lookout import Lookout
+from .planning import Window
 from .record import Step, plan_of_run
 from .sensing import PERIOD, Sensing
 from .world import Interval, World
 
 HORIZON = 4
 """Actions that get their motion in one window, where nothing else is said."""
-FIRST_GUESS = 3.0
-"""Seconds that a phase is assumed to take before any was seen."""
-ROOM = 1.1
-"""What is added to the seconds that a phase took."""
-ATTEMPTS = 5
-"""How often a window is planned anew because its first phase takes longer than assumed, or would collide."""
-WIDER = 0.01
-"""Metres by which margins grow for a phase that would collide with what moves."""
+BACK = 0.5
+"""Share of a broken-off motion that is gone back where nothing leads on from its end."""
+WAIT = 0.5
+"""Seconds that the run waits where nothing leads on, in the hope that what moves does so."""
+MOST_WAITS = 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,18 +77,6 @@ class RunOutcome:
     explanation: list[Diagnostic] = field(default_factory=list)
 
 
-@dataclass(frozen=True, slots=True)
-class _Expectation:
-    """Where a window expects the bodies that it depends on: sensed at `time`, moving on with constant velocities."""
-
-    time: float
-    positions: dict[str, Array]
-    velocities: dict[str, Array]
-
-    def at(self, body: str, time: float) -> Array:
-        return np.asarray(self.positions[body] + (time - self.time) * self.velocities[body])
-
-
 class Run:
     """One run of a task; `run` carries it out."""
 
@@ -100,16 +87,16 @@ class Run:
         self.options = options
         self.world = World(problem)
         self.budget = Budget(options.solve.time)
-        self.planner = Planner(options.solve)
         self.steps: list[Step] = []
         self.windows: list[WindowRecord] = []
         self._tell = tell
-        self._sensing = Sensing(options.sigma, np.random.default_rng([options.seed, 1]))
+        sensing = Sensing(options.sigma, np.random.default_rng([options.seed, 1]))
         self._failures = Failures(problem)
+        self._lookout = Lookout(sensing)
+        self._ahead = Ahead(problem, options.solve, options.horizon, self._failures, self._lookout, self.budget)
         self._places: dict[ir.Fact, Span | None] = {}
-        self._way: tuple[ir.Action, ...] = ()
-        self._seconds: dict[str, float] = {}
-        self._expected: _Expectation | None = None
+        self._cut: tuple[PhasePath, float] | None = None
+        self._waits = 0
         self._explanation: list[Diagnostic] = []
 
     def run(self) -> RunOutcome:
@@ -125,6 +112,7 @@ class Run:
     def _loop(self) -> str:
         reason = "start"
         while True:
+            self.budget.check()
             failed = self._failures.until(self.world.time, self.world.reached)
             if failed.lost is not None:
                 self._explanation = [failed.lost]
@@ -133,15 +121,18 @@ class Run:
             if not self._unmet():
                 return "solved"
             window = self._plan(reason)
-            if window is None:
+            if window is not None:
+                reason = self._follow(window)
+            elif self._gave_way():
+                reason = "nothing led on"
+            else:
                 return self._no_way()
-            reason = self._follow(window)
 
     def _no_way(self) -> str:
-        refusals = self.planner.refusals
-        if refusals is not None:
-            self._explanation = refusals.explain(self.planner.status)
-        return "budget" if self.planner.status == "budget" else "stuck"
+        planner = self._ahead.planner
+        if planner.refusals is not None:
+            self._explanation = planner.refusals.explain("exhausted" if planner.status == "stuck" else planner.status)
+        return "stuck"
 
     # --- planning ------------------------------------------------------------------------------------------------
 
@@ -154,10 +145,13 @@ class Run:
         return [format_formula(p) for p in parts if not interpreter.holds(self.world.reached.facts, p)]
 
     def _plan(self, reason: str) -> Window | None:
+        """The next window: on the known way, or else, unless the run can go back, on another one."""
         began = time.process_time()
         unmet = self._unmet()
         self._say(f"planning: {reason}")
-        window = self._window()
+        window = self._ahead.on_the_way(self.world, None if self._cut is None else self._cut[1])
+        if window is None and not self._can_go_back():
+            window = self._ahead.another_way(self.world)
         seconds = time.process_time() - began
         actions = [str(a) for a in window.actions] if window is not None else []
         motions = len(window.paths) if window is not None else 0
@@ -166,63 +160,27 @@ class Run:
         )
         return window
 
-    def _window(self) -> Window | None:
-        """A window whose first phase ends when its scene is the foreseen one, and meets nothing on the way there."""
-        poses = self._look()
-        velocities = {body: self._sensing.velocity(body) for body in poses}
-        rule = self._way[0].rule if self._way else ""
-        seconds, met, wider = self._seconds.get(rule, FIRST_GUESS), frozenset[str](), 0.0
-        window: Window | None = None
-        for _ in range(ATTEMPTS):
-            expected = {b: self._sensing.foreseen(b, pose, seconds) for b, pose in poses.items()}
-            problem = self._foreseen(expected, met)
-            window = self._search(problem, velocities, wider)
-            if window is None or not window.paths:
-                break
-            if not window.moving:
-                break
-            first = window.skeleton.phases[0]
-            named = frozenset(a for literal in first.added for a in literal[1:])
-            elsewhere = named & displaced(problem, self.world.reached, expected)
-            if elsewhere:
-                met |= elsewhere
-                continue
-            if window.paths[0].duration > seconds:
-                seconds = ROOM * window.paths[0].duration
-                continue
-            window = self._stretched(window, seconds)
-            break
-        if window is not None:
-            now = {body: self._sensing.foreseen(body, pose, 0.0)[:3] for body, pose in poses.items()}
-            self._expected = _Expectation(self.world.time, now, velocities)
-        return window
+    def _can_go_back(self) -> bool:
+        return self._cut is not None
 
-    def _stretched(self, window: Window, seconds: float) -> Window:
-        first = window.paths[0]
-        self._seconds[window.skeleton.phases[0].action.rule] = ROOM * first.duration
-        return replace(window, paths=[replace_duration(first, seconds)])
-
-    def _foreseen(self, expected: dict[str, Array], met: frozenset[str]) -> ir.Problem:
-        base = self._failures.base(self.problem)
-        return self._failures.stuck(foreseen_problem(base, self.world.reached, expected, met))
-
-    def _search(self, problem: ir.Problem, velocities: dict[str, Array], wider: float) -> Window | None:
-        moving = frozenset(body for body, velocity in velocities.items() if velocity.any())
-        horizon = self.options.horizon
-        if self._way:
-            window = self.planner.known_way(problem, self._way, horizon, moving, wider, self.budget)
-            if window is not None:
-                return window
-        window = self.planner.new_way(problem, horizon, moving, wider, self.budget)
-        self._way = window.actions if window is not None else ()
-        return window
+    def _gave_way(self) -> bool:
+        """Where nothing leads on: go back some of a motion that was broken off, or wait for what moves."""
+        if not self.steps:
+            return False
+        last = self.steps[-1].executed.interval
+        if self._cut is not None:
+            path = reversed_path(self.problem.world, last.path, BACK)
+            self._cut = None
+        elif self._waits < MOST_WAITS and self.world.on_course and self._ahead.way:
+            path = waiting(self.world.reached.configuration, WAIT)
+            self._waits += 1
+        else:
+            return False
+        phase = Phase(self._ahead.way[0], self.world.reached.mode, frozenset())
+        self._perform(phase, path, completed=False)
+        return True
 
     # --- carrying out --------------------------------------------------------------------------------------------
-
-    def _look(self) -> dict[str, Array]:
-        poses = self.world.at(self.world.time)
-        self._sensing.look(self.world.time, poses)
-        return poses
 
     def _follow(self, window: Window) -> str:
         """Carry out the phases of a window that have motions; why the next one is planned."""
@@ -235,21 +193,25 @@ class Run:
 
     def _carry_out(self, phase: Phase, path: PhasePath, window: Window) -> str | None:
         """One phase; when it is broken off, why."""
-        concerns = concerned(replace(window.skeleton, phases=(phase,)), frozenset(self.world.on_course))
-        self._look()
-        found = self._off(concerns)
+        self._cut = None
+        alone = replace(window.skeleton, phases=(phase,))
+        near = concerned(alone, frozenset(self.world.on_course))
+        named = frozenset(a for literal in phase.mode | phase.added for a in literal[1:])
+        self._lookout.look(self.world)
+        begin, failure = self.world.time, self._failures.next_of(phase, self.world.time)
+        found = self._lookout.surprise(named, near, begin)
         if found is not None:
             return found
-        begin, failure = self.world.time, self._failures.next_of(phase, self.world.time)
         for look in np.arange(1, int(np.ceil(path.duration / PERIOD))) * PERIOD:
             now = begin + float(look)
             if failure is not None and failure.time <= now:
                 break
-            self._sensing.look(now, self.world.at(now))
-            found = self._off(concerns, now)
+            self._lookout.look(self.world, now)
+            found = self._lookout.surprise(named, near, now)
             if found is not None:
                 slowed = braked(self.problem.world, path, float(look))
                 self._perform(phase, slowed, completed=slowed is path)
+                self._cut = None if slowed is path else (path, path.duration - float(look))
                 return found
         if failure is not None and failure.time < begin + path.duration:
             if failure.time - begin > 1e-3:
@@ -257,18 +219,7 @@ class Run:
             self.world.time = max(self.world.time, failure.time)
             return f"{failure.module} is {failure.kind}"
         self._perform(phase, path, completed=True)
-        return None
-
-    def _off(self, concerns: frozenset[str], now: float | None = None) -> str | None:
-        """Why the window has become invalid: a body that it depends on is not where it expects it."""
-        if self._expected is None:
-            return None
-        now = self.world.time if now is None else now
-        for body in sorted(concerns & self._expected.positions.keys()):
-            sensed = self._sensing.last(body)
-            off = float(np.linalg.norm(sensed - self._expected.at(body, now)))
-            if off > self._sensing.tolerance:
-                return f"{body} is {1000 * off:.1f} mm from where it was expected"
+        self._waits = 0
         return None
 
     def _perform(self, phase: Phase, path: PhasePath, *, completed: bool) -> None:
@@ -289,7 +240,7 @@ class Run:
         self._places.update(outcome.places)
         self.world.reached = replace(reached, facts=outcome.facts, mode=outcome.motion, previous=action)
         self.world.begin(outcome.motion)
-        self._way = self._way[1:]
+        self._ahead.done()
 
     def _whole(self, path: PhasePath) -> PhasePath:
         """The motion with the joints of modules that are stuck or gone, at rest."""
@@ -310,10 +261,10 @@ class Run:
     def _outcome(self, status: str) -> RunOutcome:
         import msgspec
 
-        reached = self.world.reached
+        reached, refused = self.world.reached, self._ahead.planner.refusals
         statistics = StatisticsRecord(
             seconds={"total": self.budget.elapsed},
-            refusals=self.planner.refusals.records() if self.planner.refusals is not None else [],
+            refusals=[] if refused is None else refused.records(),
         )
         plan = plan_of_run(
             self.problem, self.steps, reached.mode, self._places, self.windows, statistics, status == "solved"
@@ -327,13 +278,9 @@ class Run:
     def _say(self, message: str) -> None:
         if self._tell is not None:
             done = sum(s.executed.interval.completed for s in self.steps)
-            self._tell(RunProgress(message, self.world.time, done, len(self._way), self.budget.elapsed))
+            self._tell(RunProgress(message, self.world.time, done, len(self._ahead.way), self.budget.elapsed))
 
 
 def _knots(path: PhasePath) -> int:
     return len(next(iter(path.modules.values())))
 
-
-def replace_duration(path: PhasePath, seconds: float) -> PhasePath:
-    """The same motion in more time."""
-    return PhasePath(path.modules, path.bodies, seconds)

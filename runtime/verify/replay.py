@@ -217,7 +217,7 @@ def replay(problem: ir.Problem, plan: Plan, findings: Findings, measured: Motion
     """Carry out every action of the plan by the rules; compare conditions, stored literals and goal.
 
     Conditions measure the scene at the start. Those of a run, which is planned on the way, may do so in the scene as
-    `measured` has it when the phase starts or ends.
+    `measured` has it when the window of the phase starts, or the phase starts or ends.
     """
     interpreter, left = Interpreter(problem), frozenset[str]()
     facts, motion = problem.init, interpreter.canonical(problem.init_motion)
@@ -281,7 +281,8 @@ def _applied(
     except Inapplicable:
         if measured is None or not plan.windows:
             raise
-        for sample in (measured.ranges[index][0], measured.ranges[index][1]):
+        planned = max((w.phase for w in plan.windows if 0 <= w.phase <= index), default=index)
+        for sample in (measured.ranges[planned][0], *measured.ranges[index]):
             try:
                 return Interpreter(scene_at(interpreter.problem, measured, sample)).apply(
                     facts, motion, action, previous

@@ -1,0 +1,117 @@
+"""Plans the windows of a run: in the scene as it will be when their first phase ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from ...compiler import ir
+from ..budget import Budget, OutOfTime
+from ..lgp import SolveOptions
+from ..skeleton import Array, PhasePath
+from .failures import Failures
+from .foresight import displaced, foreseen_problem
+from .lookout import Lookout
+from .planning import Planner, Window
+from .world import World
+
+FIRST_GUESS = 2.0
+"""Seconds that a phase is assumed to take before any was seen."""
+ROOM = 1.1
+"""What is added to the seconds that a phase takes."""
+ATTEMPTS = 4
+"""How often a window is planned anew because its first phase takes longer than assumed, or meets what it lets go."""
+SHORT = 0.3
+"""What is left of a phase that was broken off may take so many seconds more."""
+LONGEST_SEARCH = 10.0
+"""Seconds that the search for another way may take in mid-run."""
+
+
+@dataclass(slots=True)
+class Ahead:
+    """The way to the goal as it is known, and how windows on it are planned."""
+
+    problem: ir.Problem
+    options: SolveOptions
+    horizon: int
+    failures: Failures
+    lookout: Lookout
+    budget: Budget
+    way: tuple[ir.Action, ...] = ()
+    planner: Planner = field(init=False)
+    _seconds: dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.planner = Planner(self.options)
+
+    def on_the_way(self, world: World, left: float | None) -> Window | None:
+        """A window on the known way; `left` is how long a phase that was broken off would have taken still."""
+        if not self.way:
+            return None
+        usual = self._seconds.get(self.way[0].rule, FIRST_GUESS)
+        guesses = [usual] if left is None else [min(usual, left + SHORT), usual]
+        for seconds in guesses:
+            window = self._timed(world, seconds, search=False)
+            if window is not None:
+                return window
+        return None
+
+    def another_way(self, world: World) -> Window | None:
+        """A window on a way that is searched anew; the first search of a run may take all its time."""
+        longest = self.budget.remaining if not self.way and world.time == 0.0 else LONGEST_SEARCH
+        whole, self.budget = self.budget, Budget(min(longest, self.budget.remaining))
+        try:
+            window = self._timed(world, FIRST_GUESS, search=True)
+        except OutOfTime:
+            whole.check()
+            self.planner.status, window = "stuck", None
+        finally:
+            self.budget = whole
+        self.way = window.actions if window is not None else self.way
+        return window
+
+    def done(self) -> None:
+        """The first action of the way took place."""
+        self.way = self.way[1:]
+
+    def _timed(self, world: World, seconds: float, *, search: bool) -> Window | None:
+        """A window whose first phase ends when its scene is the foreseen one."""
+        poses = self.lookout.look(world)
+        self.lookout.expect(world.time, poses)
+        met = frozenset[str]()
+        for _ in range(ATTEMPTS):
+            expected = {b: self.lookout.sensing.foreseen(b, pose, seconds) for b, pose in poses.items()}
+            base = self.failures.base(self.problem)
+            problem = self.failures.stuck(foreseen_problem(base, world.reached, expected, met))
+            window = self._search(world, problem) if search else self._known(problem)
+            if window is None or not window.moving or not window.paths:
+                return window
+            self.way, search = window.actions, False
+            first = window.skeleton.phases[0]
+            named = frozenset(a for literal in first.added for a in literal[1:])
+            elsewhere = named & displaced(problem, world.reached, expected)
+            if elsewhere:
+                met |= elsewhere
+            elif window.paths[0].duration > seconds:
+                seconds = ROOM * window.paths[0].duration
+            else:
+                self._seconds[first.action.rule] = ROOM * window.paths[0].duration
+                return replace(window, paths=[in_time(window.paths[0], seconds)])
+        return None
+
+    def _known(self, problem: ir.Problem) -> Window | None:
+        return self.planner.known_way(problem, self.way, self.horizon, self._moving(), 0.0, self.budget)
+
+    def _search(self, world: World, problem: ir.Problem) -> Window | None:
+        previous = world.reached.previous
+        return self.planner.new_way(problem, previous, self.horizon, self._moving(), 0.0, self.budget)
+
+    def _moving(self) -> frozenset[str]:
+        expectation = self.lookout.expectation
+        velocities: dict[str, Array] = {} if expectation is None else expectation.velocities
+        return frozenset(body for body, velocity in velocities.items() if velocity.any())
+
+
+def in_time(path: PhasePath, seconds: float) -> PhasePath:
+    """The same motion in more time."""
+    return PhasePath(path.modules, path.bodies, seconds)
+

@@ -1,0 +1,57 @@
+"""What a run expects of the bodies around it, and whether they are still where it does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..skeleton import Array
+from .sensing import Sensing
+from .world import World
+
+NEAR = 5e-3
+"""Metres by which a body may be off that a phase only passes: part of the margin that its motion keeps."""
+
+
+@dataclass(frozen=True, slots=True)
+class Expectation:
+    """Where bodies are expected: sensed at `time`, moving on with constant velocities."""
+
+    time: float
+    positions: dict[str, Array]
+    velocities: dict[str, Array]
+
+    def at(self, body: str, time: float) -> Array:
+        return np.asarray(self.positions[body] + (time - self.time) * self.velocities[body])
+
+
+class Lookout:
+    """Looks at the bodies of a world that are on courses, and remembers what a window was planned for."""
+
+    def __init__(self, sensing: Sensing) -> None:
+        self.sensing = sensing
+        self.expectation: Expectation | None = None
+
+    def look(self, world: World, time: float | None = None) -> dict[str, Array]:
+        """The poses `(7,)` of the bodies on courses, as sensed now, or at a time soon."""
+        when = world.time if time is None else time
+        poses = world.at(when)
+        sensed = self.sensing.look(when, poses)
+        return {body: np.concatenate([sensed[body], pose[3:]]) for body, pose in poses.items()}
+
+    def expect(self, time: float, poses: dict[str, Array]) -> None:
+        """From now on bodies are expected to go on as the last looks have it."""
+        positions = {body: self.sensing.foreseen(body, pose, 0.0)[:3] for body, pose in poses.items()}
+        self.expectation = Expectation(time, positions, {body: self.sensing.velocity(body) for body in poses})
+
+    def surprise(self, named: frozenset[str], passed: frozenset[str], time: float) -> str | None:
+        """Why a window has become invalid: a body that it touches, or one that it passes, is not where it should be at
+        the last look."""
+        if self.expectation is None:
+            return None
+        for body in sorted((named | passed) & self.expectation.positions.keys()):
+            off = float(np.linalg.norm(self.sensing.last(body) - self.expectation.at(body, time)))
+            if off > self.sensing.tolerance + (0.0 if body in named else NEAR):
+                return f"{body} is {1000 * off:.1f} mm from where it was expected"
+        return None
