@@ -19,6 +19,8 @@ from .switches import SwitchProgram, run
 SEQUENCE = Options()
 NOISE = 0.3
 TRIES = 8
+MORE = 6
+"""Attempts that a span gets at least that can be done but for collisions."""
 REPAIR = 2
 """Every so many attempts the best one is repaired; the others start anew."""
 ALIKE = 1.1
@@ -129,25 +131,27 @@ class _Span:
             )  # fmt: skip
         return self._programs[frozen]
 
-    def _guess(self, noise: float) -> list[Configuration]:
+    def _guess(self) -> list[Configuration]:
         """All slices, the state before included."""
         if not self.free:
             phases = range(self.first, self.last + 1)
-            return [self.start, *guess(self.skeleton, phases, self.start, self.random, noise)]
-        return guess(self.skeleton, range(self.last + 1), self.start, self.random, noise)[self.first - 1 :]
+            return [self.start, *guess(self.skeleton, phases, self.start, self.random, NOISE)]
+        return guess(self.skeleton, range(self.last + 1), self.start, self.random, NOISE)[self.first - 1 :]
 
     def search(self, warm: Sequence[Configuration] | None, tries: int) -> BoundResult:
-        """Attempt after attempt, from `warm` first. A new guess is solved without collisions, which shows whether
-        the span is out of reach, and from there with them."""
+        """Attempt after attempt, from `warm` first. Until one has succeeded so, a new guess is solved without
+        collisions, which shows whether the span is out of reach, and from there with them."""
         best = nearest = None
         loose: list[float] = []
         full: list[float] = []
-        for number in range(tries):
+        for number in range(max(tries, MORE)):
+            if number >= tries and (warm is not None or not self.reached):
+                break
             switches = self._program(number % 2 == 0)
-            slices = [self.start, *warm] if warm is not None and number == 0 else self._guess(NOISE)
+            slices = [self.start, *warm] if warm is not None and number == 0 else self._guess()
             if best is not None and number % REPAIR == 1:
                 slices = _repair(switches, best.configurations, slices)
-            elif warm is None or number > 0:
+            elif (warm is None or number > 0) and not self.reached:
                 reached = self._solve_loose(switches, slices)
                 if reached.violations:
                     nearest = reached if nearest is None or _worst(reached) < _worst(nearest) else nearest

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
 
 from ...compiler import poses
-from ...compiler.ir import Body, Module, Pose, Problem
+from ...compiler.ir import Body, Fact, Module, Pose, Problem
 from ...compiler.motion.collision import bounding_radius, keeps_pose
 from ..skeleton import Array, Configuration, Skeleton
 from .movement import followers
 from .places import outline, places
+from .postures import Aim, Stance, reaching, rooms
 
 LIMIT = 0.1
 """Radians by which guesses keep away from joint limits."""
 SPREAD = 0.4
 """The share of a base's top, around its middle, over which guesses spread what is put down there."""
+ENOUGH = 6
+"""Joints with which a solve finds its way from any posture."""
 HALF_TURN = (1.0, 0.0, 0.0, 0.0)
 """About x: effectors that are docked look at each other."""
 
@@ -73,11 +78,8 @@ class Guess:
 
     def _shake(self) -> None:
         for name, slot in self.current.modules.items():
-            joints = self.problem.world.modules[name].type.joints
-            for i, joint in enumerate(joints):
-                room = min(LIMIT, 0.1 * (joint.upper - joint.lower))
-                value = slot[7 + i] + self.noise * self.random.normal()
-                slot[7 + i] = min(max(value, joint.lower + room), joint.upper - room)
+            lower, upper = rooms(self.problem.world.modules[name], LIMIT)
+            slot[7:] = np.clip(slot[7:] + self.noise * self.random.normal(size=len(lower)), lower, upper)
 
     def _above(self, base: str, lift: float, turn: tuple[float, float, float, float]) -> Pose:
         body = self.problem.world.bodies[base]
@@ -95,26 +97,46 @@ class Guess:
 
     def advance(self, phase: int) -> Configuration:
         """The guess for the switch of the next phase; call for rising phases."""
-        world = self.problem.world
         mode, added = self.skeleton.phases[phase].mode, self.skeleton.phases[phase].added
         carried = followers(self.problem, mode)
         before = {name: self.feet.get(name) or self._pose(name) for pair in self._relations(mode) for name in pair}
         self.current = self.current.copy()
         self._shake()
-        placed: set[str] = set()
-        stance: Pose | None = None
+        stances = self._stand(mode, carried, before)
+        placed = set(stances)
+        feet = self._set_down(phase, carried, before, list(stances.values()), placed)
+        self._turn_to(self._aims(phase, feet, before), stances)
+        self._dock(mode, placed)
+        for leader, follower in self._relations(mode):
+            if follower in carried and follower not in {b for _, b in self._relations(added)}:
+                self.current.bodies[follower][:3] = self._pose(leader)[:3]
+        stays = {name: pose for name, pose in self.feet.items() if name in before}
+        self.feet = stays | feet
+        return self.current.copy()
+
+    def _stand(self, mode: frozenset[Fact], carried: frozenset[str], before: dict[str, Pose]) -> dict[str, Stance]:
+        """Put modules on the feet that carry them, by module."""
+        world = self.problem.world
+        stances: dict[str, Stance] = {}
         for base, follower in self._relations(mode):
             found = world.effector(follower)
-            if found and base in world.bodies and base not in carried and found[0].name not in placed:
-                stance = before[follower]
-                put_effector(found[0], found[1].name, self.current.modules[found[0].name], stance)
-                placed.add(found[0].name)
+            if found and base in world.bodies and base not in carried and found[0].name not in stances:
+                stance = (found[1].name, before[follower])
+                put_effector(found[0], stance[0], self.current.modules[found[0].name], stance[1])
+                stances[found[0].name] = stance
+        return stances
+
+    def _set_down(
+        self, phase: int, carried: frozenset[str], before: dict[str, Pose], stances: list[Stance], placed: set[str]
+    ) -> dict[str, Pose]:
+        """The poses of feet and things that are set down at the switch, on top of their bases."""
+        world = self.problem.world
         feet: dict[str, Pose] = {}
-        for base, follower in self._relations(added):
+        for base, follower in self._relations(self.skeleton.phases[phase].added):
             found = world.effector(follower)
             if found and base in world.bodies and base not in carried:
                 lift = bounding_radius(found[1].shape) if found[1].shape else 0.0
-                turn = (stance or before.get(follower) or self._pose(follower))[3:]
+                turn = (stances[-1][1] if stances else before.get(follower) or self._pose(follower))[3:]
                 feet[follower] = self._above(base, lift, turn)
                 if found[0].name not in placed:
                     put_effector(found[0], found[1].name, self.current.modules[found[0].name], feet[follower])
@@ -123,13 +145,37 @@ class Guess:
                 body = world.bodies[follower]
                 self.current.bodies[follower][:] = self._above(base, _height(body), body.pose[3:])
                 self.current.bodies[follower][:2] = self._aside(base, phase, follower)
-        self._dock(mode, placed)
-        for leader, follower in self._relations(mode):
-            if follower in carried and follower not in {b for _, b in self._relations(added)}:
-                self.current.bodies[follower][:3] = self._pose(leader)[:3]
-        stays = {name: pose for name, pose in self.feet.items() if name in before}
-        self.feet = stays | feet
-        return self.current.copy()
+        return feet
+
+    def _aims(self, phase: int, feet: dict[str, Pose], before: dict[str, Pose]) -> dict[str, Aim]:
+        """By module, what a switch brings where: an effector to its foothold, to the thing that it is to meet, or to
+        the place of what it holds, which then stands as upright as where it was taken."""
+        world = self.problem.world
+        aims: dict[str, Aim] = {}
+        held = {follower: leader for leader, follower in self._relations(self.skeleton.phases[phase].mode)}
+        for literal in sorted(self.skeleton.phases[phase].added):
+            for name, other in permutations(literal[1:], 2):
+                hand = held.get(name, "") if name in world.bodies else name
+                found = world.effector(hand)
+                if not found or other not in world.bodies:
+                    continue
+                thing = name if name in world.bodies else other
+                distance = _height(world.bodies[thing]) + (bounding_radius(found[1].shape) if found[1].shape else 0.0)
+                aim = Aim(found[1].name, self.current.bodies[thing][:3], distance)
+                if hand in feet:
+                    aim = Aim(found[1].name, np.array(feet[hand][:3]), 0.0)
+                elif thing == name:
+                    aim = replace(aim, upright=np.array(poses.rotate(inverse(before[hand])[3:], (0.0, 0.0, 1.0))))
+                aims.setdefault(found[0].name, aim)
+        return aims
+
+    def _turn_to(self, aims: dict[str, Aim], stances: dict[str, Stance]) -> None:
+        """Joint values from which modules that stand on their own and have few joints come near to their aims."""
+        for name, stance in stances.items():
+            module, slot, aim = self.problem.world.modules[name], self.current.modules[name], aims.get(name)
+            if aim is not None and aim.effector != stance[0] and len(module.type.joints) < ENOUGH:
+                slot[7:] = reaching(module, slot[7:], stance, aim, LIMIT, self.random)
+                put_effector(module, stance[0], slot, stance[1])
 
     def _dock(self, mode: frozenset[tuple[str, ...]], placed: set[str]) -> None:
         """Put modules that hang on placed ones against them, effector to effector."""
@@ -151,7 +197,8 @@ class Guess:
 def guess(
     skeleton: Skeleton, phases: Sequence[int], start: Configuration, random: np.random.Generator, noise: float
 ) -> list[Configuration]:
-    """Guesses for the switches of `phases`, by the poses of feet and `noise` radians on every joint."""
+    """Guesses for the switches of `phases`, by the poses of feet and `noise` radians on every joint. Modules that stand
+    on their own and have few joints take postures that come near to what they are to meet."""
     maker = Guess(skeleton, start, random, noise)
     return [maker.advance(phase) for phase in phases]
 
