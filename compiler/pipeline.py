@@ -5,8 +5,8 @@
 3. checks    declarations → lifted IR: logic, motion predicates, heuristics, module types; scenes and tasks are walked
              without values for their parameters (check_logic, check_motion, check_heuristics, module_types, scene)
 4. scene     task + parameters + seed → bodies, modules, facts, goals (scene, placing, initial)
-5. start     the built scene → relaxation, movable bodies, overlaps, unreachable goals
-             (relaxation, check_start, reachability)
+5. start     the built scene → relaxation, movable bodies, overlaps, unreachable goals; `check` also measures what all
+             modules together may reach (relaxation, check_start, reachability, check_reach)
 6. problem   everything in one frozen `ir.Problem`
 
 Findings of all stages are collected and come out together; SourceError carries them when one is an error.
@@ -23,6 +23,7 @@ from ..langs.source import Source
 from . import ir
 from .checks.lifted import check_declarations
 from .imports import load_library, load_sources
+from .scenes.check_reach import check_reach
 from .scenes.instantiate import instantiate
 from .scenes.parameters import UsageError, choose_task, parameter_values
 
@@ -45,7 +46,9 @@ def check_sources(sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
     for task in lifted.library.tasks.values():
         own = task.span.file == lifted.library.path
         if own and all(p.default is not None for p in task.parameters) and lifted.buildable(task):
-            instantiate(lifted, task, {}, 0)
+            problem = instantiate(lifted, task, {}, 0)
+            if problem is not None and not lifted.findings.has_errors:
+                check_reach(lifted.findings, problem)
     return lifted.findings.sorted()
 
 

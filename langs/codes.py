@@ -253,6 +253,9 @@ CODES: dict[str, CodeInfo] = {
         "A body that moves on its own gets into a thing that stands still at the start. Nothing stops it."),
     "W0008": CodeInfo("scene that moves", "warning",
         "`solve` plans for the scene as it is at time 0; what moves or fails later is not seen."),
+    "W0009": CodeInfo("out of reach", "warning",
+        "Even if all modules of the scene joined to one chain, as long as can be, no rule could bring about what the goal "
+        "asks for; or it asks for more at once than the modules can do. `solve` proves it."),
 }
 
 

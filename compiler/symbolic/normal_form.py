@@ -109,11 +109,12 @@ class NormalForm:
                 if derived is not None:
                     inner = {v.name: a for v, a in zip(derived.variables, args, strict=True)}
                     return self.normal(derived.body, inner, negate)
-                literal = Literal(formula.predicate, args, formula.motion)
+                literal = Literal(formula.predicate, args, formula.motion, formula.span)
                 return Not(literal) if negate else literal
             case Compare():
                 operator = NEGATED[formula.operator] if negate else formula.operator
-                return Compare(operator, self._term(formula.left, renaming), self._term(formula.right, renaming))
+                left, right = self._term(formula.left, renaming), self._term(formula.right, renaming)
+                return Compare(operator, left, right, formula.span)
             case Previous():
                 args_ = None if formula.args is None else tuple(substitute(a, renaming) for a in formula.args)
                 return Not(Previous(formula.rule, args_)) if negate else Previous(formula.rule, args_)

@@ -21,7 +21,7 @@ from tamplang.langs.source import Source
 PROGRAMS = Path(__file__).parents[1] / "programs"
 BAD = sorted((PROGRAMS / "bad").glob("*.tamp"))
 GOOD = sorted((PROGRAMS / "good").glob("*.tamp"))
-ONLY_WARNINGS = ("warnings", "negative_cycle", "moves_into")
+ONLY_WARNINGS = ("warnings", "negative_cycle", "moves_into", "out_of_reach")
 EXAMPLES = sorted((PROGRAMS.parents[1] / "examples").glob("*.tamp"))
 
 
