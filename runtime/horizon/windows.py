@@ -34,6 +34,8 @@ NODES, MORE_NODES = 3000, 30000
 """Nodes that a search for the cheapest plan may expand, and then a hurried one."""
 STRAINED = 200
 """Pairs of state and action for which a search learns a strain that depends on the state: windows are many."""
+WIDTH = 40
+"""States per layer in the search for the least strained of equal plans."""
 CANDIDATES = 24
 """Plans that are judged for one goal of one window."""
 
@@ -189,7 +191,7 @@ class _Planner:
                 with clock("search"):
                     candidate = search.next()
                     if candidate is not None:
-                        candidate = roomier(search, strain, candidate)
+                        candidate = roomier(search, strain, candidate, WIDTH)
                 if candidate is None:
                     whole = len(self.unmet) <= FEW_PARTS or goal == self.problem.goal
                     self.proved = search.status == "infeasible" and whole and not self.forbidden

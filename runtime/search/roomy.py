@@ -11,10 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ...compiler.ir import And, Chain, Compare, Formula, Function, Literal, Not, Or
+from ...compiler.ir import And, Chain, ChainType, Compare, Formula, Function, Literal, Not, Object, Or, Var
 from ...compiler.symbolic.domains import FlatRule
 from ...compiler.symbolic.expressions import literal_test
 from ...compiler.symbolic.guards import Environment, Undefined
+from ...compiler.symbolic.layout import FIELD
 from ...compiler.symbolic.normal_form import free_names, parts
 from ...compiler.symbolic.successors import Successors
 from .conflicts import EMPTY, LEAF
@@ -82,9 +83,27 @@ class Strain:
         """The strain by each witness of a condition that holds in a state."""
         if flat.rule.name in self._fixed:
             return [self._largest(flat, env)]
-        word = self.successors.word(state)
-        found = self.successors.guards.solutions(flat.hidden, flat.conjuncts, env, word)
-        return [self._largest(flat, e) for e, rest in found if self._hold(rest, state)]
+        word, solutions = self.successors.word(state), self.successors.guards.solutions
+        chains = [v for v in flat.hidden if isinstance(v.type, ChainType)]
+        found = []
+        for bound, live in solutions(chains, flat.conjuncts, env, word):
+            known = self._read(flat, bound, state)
+            others = [v for v in flat.hidden if v.name not in known]
+            found += [e for e, rest in solutions(others, live, known, word) if self._hold(rest, state)]
+        return [self._largest(flat, witness) for witness in found]
+
+    def _read(self, flat: FlatRule, env: Environment, state: int) -> Environment:
+        """The variables with those hidden ones that the value of a functional predicate in the state settles."""
+        layout, hidden = self.successors.layout, {v.name for v in flat.hidden}
+        for literal in (f for f in flat.conjuncts if isinstance(f, Literal) and layout.kinds[f.predicate] == FIELD):
+            key_at = self.successors.problem.predicates[literal.predicate].functional_in or 0
+            value, key = literal.args[1 - key_at], self.successors.guards.resolve(literal.args[key_at], env)
+            if isinstance(value, Var) and isinstance(key, Object) and value.name in hidden - env.keys():
+                place = layout.fields.get((literal.predicate, key.name))
+                known = None if place is None else place.read(state)
+                if known is not None:
+                    env = {**env, value.name: known}
+        return env
 
     def _largest(self, flat: FlatRule, env: Environment) -> float:
         number = self.successors.guards.number
@@ -182,9 +201,9 @@ class _Node:
     before: _Node | None
 
 
-def roomier(search: SkeletonSearch, strain: Strain, candidate: Candidate) -> Candidate:
+def roomier(search: SkeletonSearch, strain: Strain, candidate: Candidate, width: int = WIDTH) -> Candidate:
     """A candidate of the same cost and with the same kinds of actions, with the least strain that a search of bounded
-    width finds; the candidate itself where there is none. No-goods are respected. Raises OutOfTime."""
+    `width` finds; the candidate itself where there is none. No-goods are respected. Raises OutOfTime."""
     successors, no_goods = search.successors, search.no_goods
     flags = successors.layout.flag_mask
     state = successors.initial
@@ -212,7 +231,7 @@ def roomier(search: SkeletonSearch, strain: Strain, candidate: Candidate) -> Can
                 known = best.get(key)
                 if known is None or total < known.strain:
                     best[key] = _Node(total, cost, following, history, place, action, node)
-        layer = sorted(best.values(), key=lambda n: n.strain)[:WIDTH]
+        layer = sorted(best.values(), key=lambda n: n.strain)[:width]
     ends = [node for node in layer if successors.is_goal(node.state)]
     if not ends:
         return candidate
