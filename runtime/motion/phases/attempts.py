@@ -16,8 +16,9 @@ from .sampling import sampled_starts
 from .smoothing import Schedule, path_cost, smooth_paths
 from .swept import sweep
 
-LEVELS = ((1, 0.0), (8, 0.5), (24, 0.8))
-"""Starts per phase and the size of their bumps, radians, one attempt after the other."""
+LEVELS = ((6, 0.3, 0.5), (8, 0.5, 1.0), (16, 0.8, 0.5))
+"""After a straight start, one attempt after the other: starts per phase, the size of their bumps, radians, and how far
+the first of them goes towards the joints' home instead."""
 SAMPLED_STARTS = 6
 REPAIRED = 0.06
 """A path that misses its clearance by less, metres, is pushed away once more."""
@@ -53,6 +54,17 @@ def bumped(batch: Batch, random: np.random.Generator, size: float) -> Array:
     shape = (len(batch), 1, inner.shape[2])
     inner += np.sin(np.pi * share) * random.normal(0.0, size, shape)
     inner += np.sin(2.0 * np.pi * share) * random.normal(0.0, size / 2.0, shape)
+    return _within(batch, inner)
+
+
+def homeward(batch: Batch, far: float) -> Array:
+    """Straight lines that are bent towards the joints' home: half-way they are there by the share `far`."""
+    wave = np.sin(np.pi * np.arange(1, batch.slices) / batch.slices)[:, None]
+    middle = batch.joints.home + (1.0 - far) * (0.5 * (batch.start + batch.end) - batch.joints.home)
+    return _within(batch, straight(batch) * (1.0 - wave) + wave * middle[:, None])
+
+
+def _within(batch: Batch, inner: Array) -> Array:
     joints = batch.joints
     return np.clip(inner, (joints.lower + joints.inset)[:, None], (joints.upper - joints.inset)[:, None])
 
@@ -108,13 +120,15 @@ def _repair(group: Group, phases: Indices, looks: int, budget: Budget) -> int:
 
 def solve_group(group: Group, random: np.random.Generator, budget: Budget) -> int:
     """Attempt after attempt until every phase is solved; returns the iterations of the longest phases."""
-    iterations = 0
-    for level, (count, size) in enumerate(LEVELS):
-        index = np.repeat(np.flatnonzero(~group.solved), count)
-        if not len(index):
+    every = np.arange(len(group.batch))
+    iterations = attempt(group, every, straight(group.batch), Schedule(), budget)
+    for count, size, far in LEVELS:
+        left = np.flatnonzero(~group.solved)
+        if not len(left):
             return iterations
-        batch = group.batch.take(index)
-        inner = bumped(batch, random, size) if level else straight(batch)
+        index = np.repeat(left, count)
+        inner = bumped(group.batch.take(index), random, size)
+        inner[::count] = homeward(group.batch.take(left), far)
         iterations += attempt(group, index, inner, Schedule(), budget)
     for phase in np.flatnonzero(~group.solved):
         starts = sampled_starts(group.batch, int(phase), random, budget, SAMPLED_STARTS)
@@ -131,5 +145,5 @@ def improve(group: Group, random: np.random.Generator, starts: int, budget: Budg
     every = np.arange(len(group.batch))
     iterations = attempt(group, every, group.paths[:, 1:-1], TO_THE_END, budget)
     again = np.repeat(every, starts)
-    inner = bumped(group.batch.take(again), random, LEVELS[1][1])
+    inner = bumped(group.batch.take(again), random, LEVELS[0][1])
     return iterations + attempt(group, again, inner, Schedule(), budget)

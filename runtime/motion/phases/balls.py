@@ -157,7 +157,7 @@ def _one_robot(kinds: NDArray[np.intp], joints: int) -> NDArray[np.bool_]:
     owner, and whether the sphere is fixed to the world."""
     above, owner, fixed = kinds[:, :joints].astype(bool), kinds[:, -2], kinds[:, -1].astype(bool)
     own_base = (owner[:, None] == owner[None]) & (fixed[:, None] | fixed[None])
-    return np.logical_or((above[:, None] & above[None]).any(axis=2), own_base)
+    return np.asarray((above[:, None] & above[None]).any(axis=2) | own_base)
 
 
 def _may_meet(

@@ -21,14 +21,16 @@ NEGLIGIBLE = 0.02
 
 @dataclass(slots=True)
 class Penalty:
-    """Value `(phases,)`, gradient `(phases, times, joints)`, Hessian blocks `(phases, times, joints, joints)`."""
+    """Value `(phases,)`, gradient `(phases, times, joints)`, Hessian blocks `(phases, times, joints, joints)`, and how
+    deep the worst pair overlaps `(phases,)`, metres."""
 
     value: Array
     gradient: Array
     hessian: Array
+    overlap: Array
 
     def take(self, keep: Indices) -> Penalty:
-        return Penalty(self.value[keep], self.gradient[keep], self.hessian[keep])
+        return Penalty(self.value[keep], self.gradient[keep], self.hessian[keep], self.overlap[keep])
 
     def replaced(self, where: NDArray[np.bool_], other: Penalty) -> Penalty:
         """This one, but `other` in the phases `where`."""
@@ -36,6 +38,7 @@ class Penalty:
             np.where(where, other.value, self.value),
             np.where(where[:, None, None], other.gradient, self.gradient),
             np.where(where[:, None, None, None], other.hessian, self.hessian),
+            np.where(where, other.overlap, self.overlap),
         )
 
 
@@ -60,16 +63,18 @@ def penalty(batch: Batch, inner: Array, weight: float, widening: float = 1.0) ->
     hessian = np.zeros((phases, slices, joints, joints))
     diagonal = np.arange(joints)
     hessian[:, :, diagonal, diagonal] += LIMIT_WEIGHT * (over != 0.0)
+    overlap = np.zeros(phases)
     if len(rows.amount):
         times = batch.looks.shares.shape[1]
         value += 0.5 * weight * np.bincount(rows.place // times, rows.amount**2, phases)
+        np.maximum.at(overlap, rows.place // times, rows.amount - widening * batch.margin)
         order = np.argsort(rows.place, kind="stable")
         amount, slope = rows.amount[order], rows.slope[order]
         found, first = np.unique(rows.place[order], return_index=True)
         pull = weight * np.add.reduceat(slope * amount[:, None], first)
         squares = weight * np.add.reduceat(slope[:, :, None] * slope[:, None, :], first)
         _spread(batch.looks, found, pull, squares, gradient, hessian)
-    return Penalty(value, gradient, hessian)
+    return Penalty(value, gradient, hessian, overlap)
 
 
 def _spread(looks: Looks, place: Indices, pull: Array, squares: Array, gradient: Array, hessian: Array) -> None:

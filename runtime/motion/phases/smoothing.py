@@ -17,6 +17,9 @@ ACCELERATION_WEIGHT = 0.1
 HOMING_WEIGHT = 0.2
 NO_PENALTY = 1e-3
 """A penalty that counts as none: a phase that has more goes on until the weight is at its greatest."""
+PATIENCE = 15
+STUCK = 0.03
+"""A phase is given up when spheres overlap by more, metres, after so many iterations: things have passed each other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,6 +150,8 @@ def smooth_paths(batch: Batch, inner: Array, schedule: Schedule, budget: Budget)
         factor = np.where(better, np.where(ratio > 0.7, 0.2, np.where(ratio < 0.25, 3.0, 1.0)), 8.0)
         damping = np.clip(damping * factor, 1e-6, 1e9)
         ended |= damping > 1e7
+        if iteration >= PATIENCE:
+            ended |= state.penalty.overlap > STUCK
         result[active] = state.inner
         if ended.all():
             break
