@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,7 @@ from .swept import sweep
 LEVELS = ((6, 0.3, 0.5), (8, 0.5, 1.0), (16, 0.8, 0.5))
 """After a straight start, one attempt after the other: starts per phase, the size of their bumps, radians, and how far
 the first of them goes towards the joints' home instead."""
+QUICK_LEVELS = 2
 SAMPLED_STARTS = 6
 REPAIRED = 0.06
 """A path that misses its clearance by less, metres, is pushed away once more."""
@@ -118,26 +120,42 @@ def _repair(group: Group, phases: Indices, looks: int, budget: Budget) -> int:
     return iterations
 
 
-def solve_group(group: Group, random: np.random.Generator, budget: Budget) -> int:
-    """Attempt after attempt until every phase is solved; returns the iterations of the longest phases."""
-    every = np.arange(len(group.batch))
-    iterations = attempt(group, every, straight(group.batch), Schedule(), budget)
-    for count, size, far in LEVELS:
-        left = np.flatnonzero(~group.solved)
-        if not len(left):
-            return iterations
-        index = np.repeat(left, count)
-        inner = bumped(group.batch.take(index), random, size)
-        inner[::count] = homeward(group.batch.take(left), far)
-        iterations += attempt(group, index, inner, Schedule(), budget)
-    for phase in np.flatnonzero(~group.solved):
-        starts = sampled_starts(group.batch, int(phase), random, budget, SAMPLED_STARTS)
-        if starts is not None:
-            index = np.repeat(phase, SAMPLED_STARTS)
-            iterations += attempt(group, index, starts, Schedule(weight=1e5), budget)
-        if not group.solved[phase]:
-            return iterations
+def solve_groups(groups: Sequence[Group], seed: int, budget: Budget, thorough: bool) -> int:
+    """Attempt after attempt, each at all groups, until every phase is solved; returns the iterations of the longest
+    phases. Unless `thorough`, phases are left unsolved after QUICK_LEVELS."""
+    iterations = 0
+    randoms = [np.random.default_rng([seed, k]) for k in range(len(groups))]
+    for group in groups:
+        every = np.arange(len(group.batch))
+        iterations += attempt(group, every, straight(group.batch), Schedule(), budget)
+    for level in LEVELS if thorough else LEVELS[:QUICK_LEVELS]:
+        for group, random in zip(groups, randoms, strict=True):
+            if not group.solved.all():
+                iterations += _try_bumped(group, *level, random, budget)
+    for group, random in zip(groups, randoms, strict=True):
+        for phase in np.flatnonzero(~group.solved):
+            if thorough:
+                iterations += _try_sampled(group, int(phase), random, budget)
+            if not group.solved[phase]:
+                return iterations
     return iterations
+
+
+def _try_bumped(
+    group: Group, count: int, size: float, far: float, random: np.random.Generator, budget: Budget
+) -> int:
+    left = np.flatnonzero(~group.solved)
+    index = np.repeat(left, count)
+    inner = bumped(group.batch.take(index), random, size)
+    inner[::count] = homeward(group.batch.take(left), far)
+    return attempt(group, index, inner, Schedule(), budget)
+
+
+def _try_sampled(group: Group, phase: int, random: np.random.Generator, budget: Budget) -> int:
+    starts = sampled_starts(group.batch, phase, random, budget, SAMPLED_STARTS)
+    if starts is None:
+        return 0
+    return attempt(group, np.repeat(np.intp(phase), SAMPLED_STARTS), starts, Schedule(weight=1e5), budget)
 
 
 def improve(group: Group, random: np.random.Generator, starts: int, budget: Budget) -> int:

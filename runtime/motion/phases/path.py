@@ -1,7 +1,7 @@
 """The bound P_seqPath: with the switches given, every phase is a point-to-point problem of its own in joint values.
 
-Phases are solved all at once, in batches of equal structure: from a straight start, then from bumped starts, then from
-a sampled polyline. A path is accepted only by the swept check on its spline.
+Phases are solved all at once, in batches of equal structure: from a straight start, then from bent and bumped starts,
+then from a sampled polyline. A path is accepted only by the swept check on its spline.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ...budget import Budget
 from ...skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton, Violation
 from ..settings import MotionSettings
 from ..timing import shortest_duration
-from .attempts import Group, improve, solve_group, straight
+from .attempts import Group, improve, solve_groups, straight
 from .batch import Batch, excess_clearance, worst_clash
 from .geometry import make_parts
 from .kinematics import mounted_poses
@@ -63,10 +63,11 @@ def _failures(group: Group, world: World) -> list[Violation]:
 
 
 def solve_sequence_path(
-    skeleton: Skeleton, configurations: Sequence[Configuration], settings: MotionSettings, seed: int, budget: Budget
-) -> BoundResult:
+    skeleton: Skeleton, configurations: Sequence[Configuration], settings: MotionSettings, seed: int, budget: Budget,
+    thorough: bool = True,
+) -> BoundResult:  # fmt: skip
     """P_seqPath (thesis, section 3.2): motions between the given K + 1 switch configurations, whose switch rows hold
-    to 1e-6.
+    to 1e-6. Unless `thorough`, hard phases fail soon, as they do where switches can be drawn anew.
 
     The result's configurations take their joint values from the given ones and their poses from the kinematics of
     the phases before, so that what rests does not drift. When a phase fails, `paths` hold the best attempts and
@@ -80,8 +81,7 @@ def solve_sequence_path(
     result = BoundResult("seq-path", False, math.inf, 0.0, 0, [states[0][0], *(e for _, e in states)], [], drift)
     result.violations += [v for group in groups for v in _blocked(group.batch)]
     if not result.violations:
-        for k, group in enumerate(groups):
-            result.iterations += solve_group(group, np.random.default_rng([seed, k]), budget)
+        result.iterations = solve_groups(groups, seed, budget, thorough)
         failures = [v for group in groups for v in _failures(group, skeleton.problem.world)]
         result.violations += [v for v in failures if v.literal[0] != "step"]
         coarse = {v.phase for v in failures if v.literal[0] == "step"}
