@@ -7,14 +7,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike, fspath
+from statistics import median
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .compiler.ir import Problem
     from .langs.diagnostics import Diagnostic
-    from .runtime.lgp import Progress
+    from .runtime.horizon.run import RunProgress
+    from .runtime.horizon.tracking import Deviations, Noise
+    from .runtime.lgp import Outcome, Progress, SolveOptions
     from .runtime.plan import Plan as PlanRecord
     from .runtime.plan import StatisticsRecord, VerdictRecord
 
@@ -52,6 +55,8 @@ class Task:
         solver: str | None = None,
         slices: int | None = None,
         horizon: int | str | None = None,
+        jobs: int = 1,
+        cluster: str | None = None,
         progress: Callable[[Progress], None] | None = None,
         found: Callable[[Plan], None] | None = None,
     ) -> Result:
@@ -59,11 +64,14 @@ class Task:
 
         `bound` is "seq", "seq-path" or "path"; `search` "astar", "wastar", "bfs" or "guide"; `time` seconds
         (`math.inf`: no limit); `nodes` of the search tree; `solver` "algn" or "ipopt"; `slices` per phase; `horizon`
-        plans the motion of so many actions at a time, "auto" as many as seem wise. `found` gets every verified plan as
-        soon as it stands.
-        Raises `tamplang.runtime.native.MissingLibrary` when a system library is missing.
+        plans the motion of so many actions at a time, "auto" as many as seem wise. With `jobs` above 1, so many
+        processes work side by side, or this one and the workers of the `cluster` at tcp://HOST:PORT: the result is the
+        same. `found` gets every verified plan as soon as it stands.
+        Raises `tamplang.runtime.native.MissingLibrary` when a system library is missing, and
+        `tamplang.runtime.parallel.ClusterUnavailable` when no cluster answers.
         """
-        from .runtime.lgp import SolveOptions, solve
+        from .runtime.ahead import opened
+        from .runtime.lgp import SolveOptions
 
         given = self.problem.options
         default = SolveOptions()
@@ -83,13 +91,8 @@ class Task:
             if found is not None:
                 found(Plan(record))
 
-        if horizon is None:
-            outcome = solve(self.problem, options, progress, hand_on)
-        else:
-            from .runtime.horizon.receding import solve_receding
-
-            count = None if horizon == "auto" else int(horizon)
-            outcome = solve_receding(self.problem, options, count, progress, hand_on)
+        with opened(jobs, cluster) as ahead:
+            outcome = _solved(self.problem, replace(options, ahead=ahead), horizon, progress, hand_on)
         return Result(
             outcome.status,
             tuple(Plan(record) for record in outcome.plans),
@@ -98,6 +101,41 @@ class Task:
             tuple(outcome.actions),
             outcome.cost,
         )
+
+    def run(
+        self,
+        *,
+        plan: PlanRecord | None = None,
+        horizon: int | str | None = None,
+        noise: Noise | None = None,
+        time: float | None = None,
+        seed: int = 0,
+        progress: Callable[[RunProgress], None] | None = None,
+    ) -> RunResult:
+        """Carry the task out in the simulated world, planning on the way; `plan`, if there is one, is followed as long
+        as the world allows it. `horizon` actions get their motion in one window; `seed` steers the noise.
+        Raises `tamplang.runtime.native.MissingLibrary` when a system library is missing.
+        """
+        from .runtime.horizon.execution import execute
+
+        return RunResult(*execute(self.problem, plan, horizon, noise, time, seed, progress))
+
+
+def _solved(
+    problem: Problem,
+    options: SolveOptions,
+    horizon: int | str | None,
+    progress: Callable[[Progress], None] | None,
+    found: Callable[[PlanRecord], None],
+) -> Outcome:
+    """The whole task at once, or with a receding horizon."""
+    if horizon is None:
+        from .runtime.lgp import solve
+
+        return solve(problem, options, progress, found)
+    from .runtime.horizon.receding import solve_receding
+
+    return solve_receding(problem, options, None if horizon == "auto" else int(horizon), progress, found)
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +154,49 @@ class Result:
     def plan(self) -> Plan | None:
         """The best plan, or None."""
         return self.plans[0] if self.plans else None
+
+
+@dataclass(frozen=True, slots=True)
+class RunResult:
+    """What came of a run. `status` is "solved", "stuck", "infeasible", "lost" (with a module that left), "budget",
+    "interrupted" or "refused" (by the verifier); `plan` is what was carried out; `deviations` tell how simulated drives
+    follow it; `replans` counts the windows after the first."""
+
+    status: str
+    record: PlanRecord
+    explanation: tuple[Diagnostic, ...]
+    deviations: Deviations
+
+    @property
+    def plan(self) -> Plan:
+        """What was carried out."""
+        return Plan(self.record)
+
+    @property
+    def replans(self) -> int:
+        """How many windows were planned after the first."""
+        return max(0, len(self.record.windows) - 1)
+
+    @property
+    def latency(self) -> float:
+        """Seconds of computing of a replanning, in the median; 0 without any."""
+        return median(w.seconds for w in self.record.windows[1:]) if self.replans else 0.0
+
+    @property
+    def worst_latency(self) -> float:
+        """Seconds of computing of the longest replanning."""
+        return max((w.seconds for w in self.record.windows[1:]), default=0.0)
+
+
+def task_of_plan(record: PlanRecord) -> Task:
+    """The task that a plan is of, compiled anew from its own sources. Raises SourceError, UsageError."""
+    from .compiler.pipeline import compile_sources
+    from .langs.source import Source
+    from .runtime.verify.check import parameter_texts
+
+    sources = [Source(s.path, s.text) for s in record.task.sources]
+    texts = parameter_texts(record, sources)
+    return Task(*compile_sources(sources, record.task.name, texts, record.task.seed))
 
 
 @dataclass(frozen=True, slots=True)

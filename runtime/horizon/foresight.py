@@ -45,7 +45,7 @@ def foreseen_problem(
     poses = carried(problem, reached.mode, joints, now, own)
     modules = {name: np.concatenate([poses[name][0], state[7:]]) for name, state in now.modules.items()}
     bodies = {name: poses[name][0] for name in now.bodies}
-    for end, body in _let_go(problem, reached, met):
+    for end, body in touched(problem, reached, met):
         module = carrier(problem, end)
         shift = compose(modules[module][:7], inverse(now.modules[module][:7]))
         bodies[body] = compose(shift, now.bodies[body])
@@ -70,7 +70,7 @@ def displaced(problem: ir.Problem, reached: Reached, expected: Mapping[str, Arra
     return frozenset(n for n, b in bodies if np.linalg.norm(at[n][:3] - np.array(b.pose[:3])) > SAME)
 
 
-def _let_go(problem: ir.Problem, reached: Reached, met: frozenset[str]) -> list[tuple[str, str]]:
+def touched(problem: ir.Problem, reached: Reached, met: frozenset[str]) -> list[tuple[str, str]]:
     """Ends with the bodies that they touch without being kept there; bodies that keep anything are left out."""
     kept = {name for pair in kept_pairs(problem, reached.mode) for name in pair}
     found = {}

@@ -20,8 +20,11 @@ from .foresight import concerned
 from .state import start
 from .windows import PLANNED, plan_window, remember
 
-TRIES = 2
-"""Seeds with which the motion of a known way is tried before another way is searched."""
+MARGINS = (0.0, -0.005)
+"""What is added to margins, metres, in the tries of a known way before another way is searched: a robot that stands a
+little off may be nearer to things than it should."""
+FRESH = 100
+"""Between the seeds of one failure and the next."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +42,12 @@ class Window:
 
 class Planner:
     """Plans windows for one run. `status` says, after no way was found, why: "stuck" or "infeasible"; `refusals`
-    explain it."""
+    explain it. `failures` counts windows that were not found, one after the other: the next tries are others."""
 
     def __init__(self, options: SolveOptions) -> None:
         self.options = options
         self.status = "running"
+        self.failures = 0
         self.refusals: Refusals | None = None
 
     def known_way(
@@ -54,11 +58,12 @@ class Planner:
         skeleton = _replayed(problem, actions[:horizon])
         if skeleton is None:
             return None
-        settings = _wider(motion_settings(problem, self.options), wider)
         moving = concerned(skeleton, moving)
         motions = 1 if moving else horizon
-        for attempt in range(TRIES):
-            paths = _motions(skeleton, motions, settings, self.options.seed + attempt, budget)
+        for attempt, margin in enumerate(MARGINS):
+            settings = _wider(motion_settings(problem, self.options), wider + margin)
+            seed = self.options.seed + FRESH * self.failures + attempt
+            paths = _motions(skeleton, motions, settings, seed, budget)
             if paths is not None:
                 return Window(problem, tuple(actions), skeleton, paths, moving)
         return None

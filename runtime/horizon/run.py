@@ -26,13 +26,13 @@ from ..plan import Plan, StatisticsRecord, WindowRecord
 from ..skeleton import Phase, PhasePath
 from ..verify import verify
 from ..verify.replay import Interpreter
-from .ahead import Ahead
 from .braking import braked, reversed_path, stopped, waiting
 from .failures import Failures
-from .foresight import concerned
+from .foresight import concerned, touched
 from .lookout import Lookout
 from .planning import Window
 from .record import Step, plan_of_run
+from .route import Route
 from .sensing import PERIOD, Sensing
 from .world import Interval, World
 
@@ -78,11 +78,12 @@ class RunOutcome:
 
 
 class Run:
-    """One run of a task; `run` carries it out."""
+    """One run of a task; `run` carries it out. `first` is a window that is there already, such as a whole plan."""
 
     def __init__(
-        self, problem: ir.Problem, options: RunOptions, tell: Callable[[RunProgress], None] | None = None
-    ) -> None:
+        self, problem: ir.Problem, options: RunOptions, tell: Callable[[RunProgress], None] | None = None,
+        first: Window | None = None,
+    ) -> None:  # fmt: skip
         self.problem = problem
         self.options = options
         self.world = World(problem)
@@ -93,10 +94,11 @@ class Run:
         sensing = Sensing(options.sigma, np.random.default_rng([options.seed, 1]))
         self._failures = Failures(problem)
         self._lookout = Lookout(sensing)
-        self._ahead = Ahead(problem, options.solve, options.horizon, self._failures, self._lookout, self.budget)
+        self._route = Route(problem, options.solve, options.horizon, self._failures, self._lookout, self.budget)
         self._places: dict[ir.Fact, Span | None] = {}
         self._cut: tuple[PhasePath, float] | None = None
         self._waits = 0
+        self._first = first
         self._explanation: list[Diagnostic] = []
 
     def run(self) -> RunOutcome:
@@ -122,6 +124,7 @@ class Run:
                 return "solved"
             window = self._plan(reason)
             if window is not None:
+                self._route.planner.failures = 0
                 reason = self._follow(window)
             elif self._gave_way():
                 reason = "nothing led on"
@@ -129,7 +132,7 @@ class Run:
                 return self._no_way()
 
     def _no_way(self) -> str:
-        planner = self._ahead.planner
+        planner = self._route.planner
         if planner.refusals is not None:
             self._explanation = planner.refusals.explain("exhausted" if planner.status == "stuck" else planner.status)
         return "stuck"
@@ -149,9 +152,13 @@ class Run:
         began = time.process_time()
         unmet = self._unmet()
         self._say(f"planning: {reason}")
-        window = self._ahead.on_the_way(self.world, None if self._cut is None else self._cut[1])
+        window, self._first = self._first, None
+        if window is not None:
+            self._route.take(self.world, window)
+        else:
+            window = self._route.on_the_way(self.world, None if self._cut is None else self._cut[1])
         if window is None and not self._can_go_back():
-            window = self._ahead.another_way(self.world)
+            window = self._route.another_way(self.world)
         seconds = time.process_time() - began
         actions = [str(a) for a in window.actions] if window is not None else []
         motions = len(window.paths) if window is not None else 0
@@ -167,18 +174,24 @@ class Run:
         """Where nothing leads on: go back some of a motion that was broken off, or wait for what moves."""
         if not self.steps:
             return False
+        self._route.planner.failures += 1
         last = self.steps[-1].executed.interval
         if self._cut is not None:
             path = reversed_path(self.problem.world, last.path, BACK)
             self._cut = None
-        elif self._waits < MOST_WAITS and self.world.on_course and self._ahead.way:
+        elif self._waits < MOST_WAITS and self.world.on_course and self._route.way and not self._pushed():
             path = waiting(self.world.reached.configuration, WAIT)
             self._waits += 1
         else:
             return False
-        phase = Phase(self._ahead.way[0], self.world.reached.mode, frozenset())
+        phase = Phase(self._route.way[0], self.world.reached.mode, frozenset[ir.Fact]())
         self._perform(phase, path, completed=False)
         return True
+
+    def _pushed(self) -> bool:
+        """Whether something that moves touches an end that does not go along."""
+        let_go = {body for _, body in touched(self.problem, self.world.reached, frozenset())}
+        return bool(let_go) and any(self._lookout.sensing.velocity(b).any() for b in self.world.on_course)
 
     # --- carrying out --------------------------------------------------------------------------------------------
 
@@ -240,7 +253,7 @@ class Run:
         self._places.update(outcome.places)
         self.world.reached = replace(reached, facts=outcome.facts, mode=outcome.motion, previous=action)
         self.world.begin(outcome.motion)
-        self._ahead.done()
+        self._route.done()
 
     def _whole(self, path: PhasePath) -> PhasePath:
         """The motion with the joints of modules that are stuck or gone, at rest."""
@@ -261,7 +274,7 @@ class Run:
     def _outcome(self, status: str) -> RunOutcome:
         import msgspec
 
-        reached, refused = self.world.reached, self._ahead.planner.refusals
+        reached, refused = self.world.reached, self._route.planner.refusals
         statistics = StatisticsRecord(
             seconds={"total": self.budget.elapsed},
             refusals=[] if refused is None else refused.records(),
@@ -278,7 +291,7 @@ class Run:
     def _say(self, message: str) -> None:
         if self._tell is not None:
             done = sum(s.executed.interval.completed for s in self.steps)
-            self._tell(RunProgress(message, self.world.time, done, len(self._ahead.way), self.budget.elapsed))
+            self._tell(RunProgress(message, self.world.time, done, len(self._route.way), self.budget.elapsed))
 
 
 def _knots(path: PhasePath) -> int:

@@ -42,7 +42,7 @@ def _problem(plan: Plan, findings: Findings) -> ir.Problem | None:
         findings.fail("source", "the plan holds no source text")
         return None
     try:
-        problem, _ = compile_sources(sources, plan.task.name, _parameters(plan, sources), plan.task.seed)
+        problem, _ = compile_sources(sources, plan.task.name, parameter_texts(plan, sources), plan.task.seed)
     except SourceError as error:
         for diagnostic in error.diagnostics:
             if diagnostic.is_error:
@@ -64,7 +64,7 @@ def _problem(plan: Plan, findings: Findings) -> ir.Problem | None:
     return problem
 
 
-def _parameters(plan: Plan, sources: list[Source]) -> dict[str, str]:
+def parameter_texts(plan: Plan, sources: list[Source]) -> dict[str, str]:
     """The parameters' values as one would type them, with the unit of their type."""
     from ...langs.parser import parse
 

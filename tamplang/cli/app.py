@@ -10,6 +10,7 @@ from .compile import compile_command
 from .develop import bench, explain, lsp
 from .new import new
 from .plans import report, verify
+from .run import run
 from .solve import solve
 from .sweep import sweep
 
@@ -20,5 +21,5 @@ def application() -> None:
     """A language and toolchain for task and motion planning of modular, self-reconfiguring robots."""
 
 
-for _command in (new, check, solve, sweep, verify, report, compile_command, explain, fmt, lsp, bench):
+for _command in (new, check, solve, run, sweep, verify, report, compile_command, explain, fmt, lsp, bench):
     application.add_command(_command)

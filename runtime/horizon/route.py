@@ -27,7 +27,7 @@ LONGEST_SEARCH = 10.0
 
 
 @dataclass(slots=True)
-class Ahead:
+class Route:
     """The way to the goal as it is known, and how windows on it are planned."""
 
     problem: ir.Problem
@@ -68,6 +68,11 @@ class Ahead:
             self.budget = whole
         self.way = window.actions if window is not None else self.way
         return window
+
+    def take(self, world: World, window: Window) -> None:
+        """Follow a window that was planned elsewhere, for the scene as it is now."""
+        self.way = window.actions
+        self.lookout.expect(world.time, self.lookout.look(world))
 
     def done(self) -> None:
         """The first action of the way took place."""

@@ -1,0 +1,49 @@
+"""Carries a task or a plan out: run, verify, and follow it with simulated drives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import msgspec
+
+from ...compiler import ir
+from ...langs.diagnostics import Diagnostic
+from ..lgp import SolveOptions
+from ..plan import Plan
+from ..verify import verify
+from .rerun import window_of
+from .run import HORIZON, Run, RunOptions, RunProgress
+from .tracking import Deviations, Noise, follow
+
+SECONDS = 120.0
+"""Budget of a run that says nothing else."""
+
+
+def execute(
+    problem: ir.Problem, plan: Plan | None, horizon: int | str | None, noise: Noise | None, seconds: float | None,
+    seed: int, tell: Callable[[RunProgress], None] | None,
+) -> tuple[str, Plan, tuple[Diagnostic, ...], Deviations]:  # fmt: skip
+    """Status, record, explanation and deviations. A plan that tells of the world as it moves, or whose scene rests, is
+    followed as it is; else it is the first window of a run."""
+    noise = noise or Noise()
+    moves = problem.world.courses or problem.world.breakdowns
+    if plan is not None and (plan.courses or plan.breakdowns or not moves):
+        plan = msgspec.structs.replace(plan, verdict=verify(plan))
+        assert plan.verdict is not None
+        status = "solved" if plan.verdict.verified and plan.complete else "refused"
+        if not plan.verdict.verified:
+            return status, plan, (), Deviations((), 0.0, "", None, ())
+        return status if plan.complete else "stuck", plan, (), follow(plan, problem, noise, seed)
+    given, default = problem.options, SolveOptions()
+    budget = next(s for s in (seconds, given.time, SECONDS) if s is not None)
+    options = SolveOptions(
+        bound=given.bound if given.bound in ("seq-path", "path") else default.bound,
+        search=given.search or default.search,
+        time=None if math.isinf(budget) else budget,
+        nodes=given.nodes, solver=given.solver or default.solver, seed=problem.seed, slices=given.slices,
+    )  # fmt: skip
+    chosen = horizon if isinstance(horizon, int) else HORIZON
+    first = None if plan is None else window_of(problem, plan)
+    outcome = Run(problem, RunOptions(options, chosen, noise.position, seed), tell, first).run()
+    return outcome.status, outcome.plan, tuple(outcome.explanation), follow(outcome.plan, problem, noise, seed)

@@ -1,0 +1,215 @@
+"""The command `run`: a task or a plan is carried out in the simulated world."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from .horizon import checked_horizon
+from .interrupt import kept_interrupt
+from .libraries import load_libraries, needing_libraries
+from .outputs import checked_output
+from .parameters import parameters_option
+from .plans import read
+from .sources import reading_sources, show_diagnostics
+from .status import ExitStatus
+
+if TYPE_CHECKING:
+    from ..api import RunResult, Task
+    from ..runtime.horizon.run import RunProgress
+    from ..runtime.plan import Plan
+
+STATUS = {
+    "solved": ExitStatus.DONE,
+    "refused": ExitStatus.REFUSED,
+    "interrupted": ExitStatus.INTERRUPTED,
+    "infeasible": ExitStatus.INFEASIBLE,
+}
+"""The exit status for each status of a run; others mean that the goal was not reached."""
+SECONDS_BETWEEN_LINES = 1.0
+NOISES = ("position", "joint", "drive")
+
+
+def _noise(context: click.Context, option: click.Parameter, texts: tuple[str, ...]) -> dict[str, float]:
+    found = {}
+    for text in texts:
+        name, _, value = (part.strip() for part in text.partition("="))
+        try:
+            sigma = float(value)
+        except ValueError:
+            sigma = -1.0
+        if name not in NOISES or not 0.0 <= sigma < 1e3:
+            raise click.BadParameter(f"{text!r} is not of the form KIND=SIGMA, where KIND is {', '.join(NOISES)}")
+        found[name] = sigma
+    return found
+
+
+@click.command()
+@click.argument("file", metavar="FILE|PLAN.json", type=click.Path(path_type=Path))
+@click.argument("task", required=False)
+@parameters_option
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="For scene, search and noise.")
+@click.option("--horizon", callback=checked_horizon, metavar="N|auto", help="Actions whose motion one window plans.")
+@click.option("--noise", multiple=True, metavar="KIND=SIGMA", callback=_noise,
+              help="position (m) of sensed bodies, joint (rad) of sensed joints, drive (rad/s²); may be repeated.")
+@click.option("--time", "seconds", type=click.FloatRange(min=0, min_open=True), help="Budget in seconds; inf for none.")
+@click.option("--out", type=click.Path(path_type=Path), help="The plan file.  [default: TASK.run.json in this folder]")
+@click.option("--report", type=click.Path(path_type=Path), help="Write the report too: one HTML file.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object on standard output.")
+def run(
+    file: Path,
+    task: str | None,
+    parameters: dict[str, str],
+    seed: int,
+    horizon: int | str | None,
+    noise: dict[str, float],
+    seconds: float | None,
+    out: Path | None,
+    report: Path | None,
+    as_json: bool,
+) -> int:
+    """Carry out a task, planning on the way, or a plan, in the simulated world.
+
+    The scene may move, and modules may fail. What was carried out is a plan file, which is verified.
+    """
+    from ..runtime.horizon.tracking import Noise
+
+    plan = read(file) if file.suffix == ".json" else None
+    if plan is not None and (task is not None or parameters):
+        raise click.UsageError("a plan file says itself which task it solves, with which parameters")
+    loaded = _loaded(file, plan, task, parameters, seed, as_json=as_json)
+    out = out if out is not None else Path(f"{loaded.problem.task}.run.json")
+    for path in (p for p in (out, report) if p is not None):
+        checked_output(path, inputs=(file,))
+    if report is not None and report.absolute() == out.absolute():
+        raise click.UsageError(f"--out and --report are the same file: {report}")
+    with needing_libraries():
+        load_libraries()
+        with kept_interrupt() as check:
+            result = loaded.run(
+                plan=plan, horizon=horizon, noise=Noise(**noise), time=seconds, seed=seed, progress=_told(check)
+            )
+        result.plan.save(out)
+        if report is not None:
+            result.plan.report(report)
+    if as_json:
+        click.echo(json.dumps(_json(loaded, result, out, report)))
+    else:
+        click.echo("\n".join(_lines(loaded, result, out, report)))
+    return STATUS.get(result.status, ExitStatus.NO_PLAN)
+
+
+def _loaded(
+    file: Path, plan: Plan | None, task: str | None, parameters: dict[str, str], seed: int, *, as_json: bool
+) -> Task:
+    from ..api import Task, task_of_plan
+    from ..compiler.pipeline import compile_problem
+
+    with reading_sources(as_json=as_json):
+        if plan is not None:
+            return task_of_plan(plan)
+        loaded = Task(*compile_problem(file, task, parameters, seed))
+    if loaded.warnings:
+        show_diagnostics(loaded.warnings, loaded.problem.sources)
+    return loaded
+
+
+def _told(check: Callable[[], None]) -> Callable[[RunProgress], None]:
+    last = float("-inf")
+
+    def show(progress: RunProgress) -> None:
+        nonlocal last
+        check()
+        if progress.elapsed - last >= SECONDS_BETWEEN_LINES:
+            last = progress.elapsed
+            where = f"{progress.time:.1f} s into the run, {progress.done} done, {progress.left} to do"
+            print(f"{progress.elapsed:6.1f} s  {where}: {progress.message}", file=sys.stderr, flush=True)
+
+    return show
+
+
+def _json(loaded: Task, result: RunResult, out: Path, report: Path | None) -> dict[str, object]:
+    """The object that `run --json` prints; `docs/cli.md` lists its fields."""
+    import msgspec
+
+    from .sources import as_objects
+
+    verdict, record = result.plan.record.verdict, result.plan.record
+    return {
+        "status": result.status,
+        "task": loaded.problem.task,
+        "parameters": dict(loaded.problem.parameters),
+        "seed": record.task.seed,
+        "actions": [p.action for p in record.phases if p.completed],
+        "broken_off": sum(not p.completed for p in record.phases),
+        "seconds": record.times[-1],
+        "windows": msgspec.to_builtins(record.windows),
+        "replans": result.replans,
+        "latency": {"median": result.latency, "worst": result.worst_latency},
+        "deviations": msgspec.to_builtins(result.deviations),
+        "verified": verdict is not None and verdict.verified,
+        "complete": record.complete,
+        "worst": verdict.worst if verdict is not None else {},
+        "plan": str(out),
+        "report": None if report is None else str(report),
+        "explanation": as_objects(result.explanation),
+    }
+
+
+HEADLINES = {
+    "solved": "the goal is reached",
+    "stuck": "nothing leads on to the goal from here",
+    "infeasible": "the goal cannot be reached any more: it is proved that no actions lead there",
+    "lost": "a module that left took others with it",
+    "budget": "the budget is spent",
+    "refused": "the verifier refuses what was carried out",
+    "interrupted": "interrupted",
+}
+
+
+def _lines(loaded: Task, result: RunResult, out: Path, report: Path | None) -> list[str]:
+    """What a person wants to know, on a terminal."""
+    from .plans import verdict_lines
+    from .progress import counted
+    from .sources import as_text
+
+    record = result.plan.record
+    lines = [f"{loaded.problem.task}: {HEADLINES[result.status]}"]
+    for number, phase in enumerate(record.phases, start=1):
+        broken = "" if phase.completed else "  (broken off)"
+        lines.append(f"  {number:2}  {phase.start:7.2f} s  {phase.action}{broken}")
+    for window in record.windows[1:]:
+        lines.append(f"  planned anew at {window.time:.2f} s, in {window.seconds:.2f} s: {window.reason}")
+    if result.replans:
+        lines.append(f"{counted(result.replans, 'replanning')}: {result.latency:.2f} s in the median, "
+                     f"{result.worst_latency:.2f} s at most")  # fmt: skip
+    lines += _deviation_lines(result)
+    if record.verdict is not None:
+        lines += verdict_lines(record.verdict)
+    if not record.complete:
+        lines.append("what was carried out until then stands; the goal is not reached")
+    if result.explanation:
+        lines.append(as_text(result.explanation, "full", loaded.problem.sources))
+    lines.append(f"plan: {out}")
+    return [*lines, f"report: {report}"] if report is not None else lines
+
+
+def _deviation_lines(result: RunResult) -> list[str]:
+    found = result.deviations
+    if not found.joints:
+        return []
+    worst = max(found.joints, key=lambda j: j.worst)
+    rms = max(found.joints, key=lambda j: j.rms)
+    lines = [
+        f"joints off by {worst.worst:.2g} at most ({worst.module} {worst.joint}), {rms.rms:.2g} RMS ({rms.module} "
+        f"{rms.joint})",
+        f"ends off by {1000 * found.switch:.2f} mm at most at switches",
+    ]
+    if found.clearance is not None:
+        lines.append(f"least clearance {1000 * found.clearance:.1f} mm, of {' and '.join(found.clearance_between)}")
+    return lines
