@@ -16,8 +16,6 @@ WORDS = {"speed": "is faster than its limit", "acceleration": "speeds up or slow
 ENDS = {("speed", "revolute"): "rad_s", ("speed", "prismatic"): "m_s",
         ("acceleration", "revolute"): "rad_s2", ("acceleration", "prismatic"): "m_s2"}  # fmt: skip
 
-CUT = 15
-"""Samples at the end of a phase that a breakdown stops in which joints come to rest."""
 SAME = 1e-6
 """Seconds that make no difference."""
 
@@ -29,11 +27,11 @@ def check_rates(problem: ir.Problem, plan: Plan, motion: Motion, findings: Findi
     stopped = {k for k, phase in enumerate(plan.phases) if _stopped(plan, phase)}
     for module in modules.values():
         for index, (first, last) in enumerate(motion.ranges):
-            _check_samples(problem, module, motion, first, last - CUT if index in stopped else last, findings)
+            _check_samples(problem, module, motion, first, last, index in stopped, findings)
     for spline in plan.splines:
-        if spline.module in modules and spline.phase not in stopped:
+        if spline.module in modules:
             knots, values = np.asarray(spline.knots), np.asarray(spline.values)
-            _check_spline(problem, modules[spline.module], knots, values, findings)
+            _check_spline(problem, modules[spline.module], knots, values, spline.phase in stopped, findings)
 
 
 def _stopped(plan: Plan, phase: PhaseRecord) -> bool:
@@ -42,8 +40,9 @@ def _stopped(plan: Plan, phase: PhaseRecord) -> bool:
 
 
 def _check_samples(
-    problem: ir.Problem, module: ModuleRecord, motion: Motion, first: int, last: int, findings: Findings
-) -> None:
+    problem: ir.Problem, module: ModuleRecord, motion: Motion, first: int, last: int, stopped: bool,
+    findings: Findings,
+) -> None:  # fmt: skip
     """Differences of neighbouring samples: what a player of the samples would see."""
     times, joints = motion.times[first : last + 1], motion.joints[module.name][first : last + 1]
     steps = np.diff(times)[:, None]
@@ -51,18 +50,21 @@ def _check_samples(
         return
     speeds = np.diff(joints, axis=0) / steps
     _record(problem, module, "speed", speeds, times[1:], findings)
-    if len(steps) > 1:
+    if len(steps) > 1 and not stopped:
         changes = 2.0 * np.diff(speeds, axis=0) / (steps[1:] + steps[:-1])
         _record(problem, module, "acceleration", changes, times[1:-1], findings)
 
 
-def _check_spline(problem: ir.Problem, module: ModuleRecord, knots: Array, values: Array, findings: Findings) -> None:
+def _check_spline(
+    problem: ir.Problem, module: ModuleRecord, knots: Array, values: Array, stopped: bool, findings: Findings
+) -> None:
     """The acceleration of a cubic spline is linear between knots: it is greatest at one of them, and the speed there or
     where the acceleration is zero."""
     from scipy.interpolate import CubicSpline
 
     curve = CubicSpline(knots, values, bc_type="clamped")
-    _record(problem, module, "acceleration", curve(knots, 2), knots, findings)
+    if not stopped:
+        _record(problem, module, "acceleration", curve(knots, 2), knots, findings)
     _record(problem, module, "speed", curve(knots, 1), knots, findings)
     for index in range(len(module.joints)):
         cubic, square = curve.c[0, :, index], curve.c[1, :, index]
