@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from ..compiler.ir import Action, Problem
+from .ahead import Ahead
 from .assemble import assemble
-from .budget import Budget, OutOfTime
+from .budget import Budget, Clock, OutOfTime
 from .experience import Experience
 from .motion.path import solve_path
-from .motion.phases import UnsupportedPhase, solve_sequence_path
-from .motion.sequence import LONGEST, judged_alone, solve_sequence, window_feasible
+from .motion.sequence import LONGEST, judged_alone, solve_sequence
 from .motion.settings import MotionSettings
 from .plan import BoundRecord, Plan, StatisticsRecord
+from .questions import Attempt, Whole, Window, resampled, sequence_path, unmoved
 from .skeleton import BoundResult, Configuration, PhasePath, Skeleton, Violation
 from .verify import verify
 
@@ -61,21 +58,6 @@ class Judgement:
     conflicts: list[Conflict] = field(default_factory=list)
 
 
-class Clock:
-    """Wall-clock seconds per stage."""
-
-    def __init__(self) -> None:
-        self.seconds: dict[str, float] = {}
-
-    @contextmanager
-    def __call__(self, stage: str) -> Iterator[None]:
-        started = time.monotonic()
-        try:
-            yield
-        finally:
-            self.seconds[stage] = self.seconds.get(stage, 0.0) + time.monotonic() - started
-
-
 class Bounds:
     """The bounds of one run: their settings, their counters, and what single actions were already found to allow."""
 
@@ -87,6 +69,7 @@ class Bounds:
         seed: int,
         budget: Budget,
         tell: Callable[[str, str], None],
+        ahead: Ahead | None = None,
     ) -> None:
         self.problem = problem
         self.settings = settings
@@ -94,6 +77,7 @@ class Bounds:
         self.seed = seed
         self.budget = budget
         self.tell = tell
+        self.ahead = ahead or Ahead()
         self.clock = Clock()
         self._counts: dict[str, list[int]] = {"seq": [0, 0], "seq-path": [0, 0], "path": [0, 0]}
         self._windows: dict[tuple[object, ...], BoundResult] = {}
@@ -112,11 +96,13 @@ class Bounds:
         """Take a skeleton through the bounds; `strains` tells how close the conditions of each action are to their
         limits (`search.roomy`). With `motions` only so many phases get their motion, and P_seq looks farther ahead.
         Raises OutOfTime."""
+        self.ahead.forget()
         expected = self.experience.expected_refusals(skeleton.phases, strains)
         if expected:
             return Judgement(False, conflicts=[Conflict(EXPECTED, *window, ()) for window in expected])
         conflicts = self._refused_actions(skeleton, strains)
         if not conflicts:
+            self._expect_parts(skeleton)
             sequence = self._sequence(skeleton, self.seed, None)
             if sequence.feasible:
                 if self.finest == "seq":
@@ -183,11 +169,13 @@ class Bounds:
     def _refused_actions(self, skeleton: Skeleton, strains: Sequence[float]) -> list[Conflict]:
         """Conflicts of all single actions that P_seq refuses, wherever they start. The most strained go first: those
         that are less so then need no solve."""
-        conflicts = []
-        for k in sorted(range(len(skeleton)), key=lambda k: (-strains[k], k)):
+        conflicts: list[Conflict] = []
+        order = sorted(range(len(skeleton)), key=lambda k: (-strains[k], k))
+        for number, k in enumerate(order):
             phase = skeleton.phases[k]
-            if k and (self.experience.expects_success(phase, strains[k]) or not judged_alone(skeleton, k)):
+            if self._needs_no_solve(skeleton, strains, k):
                 continue
+            self._expect_actions(skeleton, strains, order[number + 1 :], whole=not conflicts)
             result = self._window(skeleton, k, k)
             if not result.feasible:
                 conflicts.append(Conflict("seq", k, k, k == 0, tuple(result.violations)))
@@ -195,22 +183,35 @@ class Bounds:
                 self.experience.accept(phase, strains[k])
         return sorted(conflicts, key=lambda conflict: conflict.first)
 
+    def _needs_no_solve(self, skeleton: Skeleton, strains: Sequence[float], k: int) -> bool:
+        """Whether an action alone is expected to succeed, or cannot be judged alone."""
+        if k == 0:
+            return False
+        return self.experience.expects_success(skeleton.phases[k], strains[k]) or not judged_alone(skeleton, k)
+
     def _window(self, skeleton: Skeleton, first: int, last: int) -> BoundResult:
-        """P_seq of some phases alone. From the start itself names matter, elsewhere interchangeable ones do not."""
-        phases = skeleton.phases[first : last + 1]
-        key = self.experience.lifted(phases) if first else tuple(phase.action for phase in phases)
+        """P_seq of some phases alone."""
+        key = self._window_key(skeleton, first, last)
         if key not in self._windows:
-            self.tell("seq", f"P_seq of {phases[-1].action}")
+            self.tell("seq", f"P_seq of {skeleton.phases[last].action}")
             with self.clock("seq"):
-                result = window_feasible(skeleton, first, last, self.settings, self.seed, self.budget)
+                result = self.ahead.answer(skeleton, Window(self.settings, self.seed, first, last), self.budget)
             self._count("seq", result.feasible)
             self._windows[key] = result
         return self._windows[key]
 
+    def _window_key(self, skeleton: Skeleton, first: int, last: int) -> tuple[object, ...]:
+        """From the start itself names matter, elsewhere interchangeable ones do not."""
+        phases = skeleton.phases[first : last + 1]
+        return self.experience.lifted(phases) if first else tuple(phase.action for phase in phases)
+
     def _sequence(self, skeleton: Skeleton, seed: int, warm: Sequence[Configuration] | None) -> BoundResult:
         self.tell("seq", f"P_seq of {len(skeleton)} actions")
         with self.clock("seq"):
-            result = solve_sequence(skeleton, self.settings, seed, self.budget, warm=warm, tries=self.tries)
+            if warm is None:
+                result = self.ahead.answer(skeleton, Whole(self.settings, seed, self.tries), self.budget)
+            else:
+                result = solve_sequence(skeleton, self.settings, seed, self.budget, warm=warm, tries=self.tries)
         self._count("seq", result.feasible)
         return result
 
@@ -226,6 +227,7 @@ class Bounds:
             known, end = max(0, worst - SPAN), min(end, worst + SPAN)
         while end - known > 1:
             middle = (known + end) // 2
+            self._expect_prefixes(skeleton, known, end)
             result = self._prefix(skeleton, middle)
             if result.feasible:
                 known = middle
@@ -234,27 +236,71 @@ class Bounds:
         for first in range(end - 1, max(0, end - LONGEST_WINDOW - 1), -1):
             if not judged_alone(skeleton, first):
                 continue
+            self._expect_windows(skeleton, first, end - 1)
             window = self._window(skeleton, first, end - 1)
             if not window.feasible:
                 return Conflict("seq", first, end - 1, False, tuple(window.violations))
         return Conflict("seq", 0, end - 1, True, tuple(violations))
+
+    # --- what is probably asked next ------------------------------------------------------------------------------
+
+    def _expect_window(self, skeleton: Skeleton, first: int, last: int) -> bool:
+        if self._window_key(skeleton, first, last) in self._windows:
+            return True
+        return self.ahead.expect(skeleton, Window(self.settings, self.seed, first, last), self.budget)
+
+    def _expect_actions(self, skeleton: Skeleton, strains: Sequence[float], later: Sequence[int], whole: bool) -> None:
+        """The other single actions, then the whole skeleton: it comes next when none of them is refused."""
+        if not self.ahead.helps:
+            return
+        for k in later:
+            if not self._needs_no_solve(skeleton, strains, k) and not self._expect_window(skeleton, k, k):
+                return
+        if whole:
+            self._expect_whole(skeleton)
+
+    def _expect_whole(self, skeleton: Skeleton) -> bool:
+        return self.ahead.expect(skeleton, Whole(self.settings, self.seed, self.tries), self.budget)
+
+    def _expect_parts(self, skeleton: Skeleton) -> None:
+        """What is asked when the whole is refused. Where that blames a phase of many, it is not known before."""
+        if self.ahead.helps and len(skeleton) <= LONGEST:
+            self._expect_prefixes(skeleton, 0, len(skeleton), include_middle=True)
+
+    def _expect_prefixes(self, skeleton: Skeleton, known: int, end: int, include_middle: bool = False) -> None:
+        """Beginnings that halving asks about after the middle one, whatever that gives; the nearest go first."""
+        spans = [(known, end)]
+        for low, high in spans if self.ahead.helps else ():
+            middle = (low + high) // 2
+            if high - low <= 1:
+                continue
+            asked_now = (low, high) == (known, end) and not include_middle
+            if not asked_now and not self._expect_whole(beginning(skeleton, middle)):
+                return
+            spans += [(low, middle), (middle, high)]
+
+    def _expect_windows(self, skeleton: Skeleton, first: int, last: int) -> None:
+        """The next longer windows that end with the same phase."""
+        if self.ahead.helps:
+            for earlier in range(first - 1, max(0, last - LONGEST_WINDOW), -1):
+                if judged_alone(skeleton, earlier) and not self._expect_window(skeleton, earlier, last):
+                    return
 
     def _paths(self, skeleton: Skeleton, sequence: BoundResult) -> Judgement:
         """P_seqPath between the switch poses, drawn anew around phases that fail; then P_path."""
         result: BoundResult | None = None
         blamed: list[set[int]] = []
         for attempt in range(RESAMPLES + 1):
-            if attempt and result is not None:
-                failed = sorted({v.phase for v in result.violations})
-                if attempt == 1:
-                    warm = _unmoved(sequence.configurations, failed)[1:]
-                else:
-                    warm = _resample(sequence.configurations, failed, self.seed + attempt)[1:]
-                again = self._sequence(skeleton, self.seed + attempt, warm)
+            path: BoundResult | None = None
+            if result is not None:
+                again, path = self._attempt(skeleton, sequence, result, attempt)
                 if not again.feasible:
                     continue
                 sequence = again
-            result = self._sequence_path(skeleton, sequence)
+            if path is None:
+                self._expect_attempt(skeleton, sequence, result, attempt + 1)
+                path = self._sequence_path(skeleton, sequence)
+            result = path
             if result.feasible:
                 return Judgement(True, result.paths)
             blamed.append({v.phase for v in result.violations})
@@ -266,6 +312,37 @@ class Bounds:
                 return Judgement(True, free.paths)
             bound = "path"
         return Judgement(False, conflicts=[_blame(bound, result, blamed, len(skeleton))])
+
+    def _drawn(self, sequence: BoundResult, refused: BoundResult, attempt: int) -> Attempt:
+        """The attempt after P_seqPath between the switch poses of `sequence` was refused."""
+        failed = sorted({v.phase for v in refused.violations})
+        if attempt == 1:
+            warm = unmoved(sequence.configurations, failed)[1:]
+        else:
+            warm = resampled(sequence.configurations, failed, self.seed + attempt)[1:]
+        return Attempt(self.settings, self.seed, self.seed + attempt, self.tries, warm)
+
+    def _attempt(
+        self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int
+    ) -> tuple[BoundResult, BoundResult | None]:
+        """P_seq once more, and P_seqPath too where another process has come to it already."""
+        drawn = self._drawn(sequence, refused, attempt)
+        if not self.ahead.expects(skeleton, drawn):
+            return self._sequence(skeleton, drawn.draw, drawn.warm), None
+        self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
+        with self.clock("seq_path"):
+            again, path = self.ahead.answer(skeleton, drawn, self.budget)
+        self._count("seq", again.feasible)
+        if path is not None:
+            self._count("seq-path", path.feasible)
+        return again, path
+
+    def _expect_attempt(
+        self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult | None, attempt: int
+    ) -> None:
+        """The next attempt, if the same phases are refused as before."""
+        if self.ahead.helps and refused is not None and attempt <= RESAMPLES:
+            self.ahead.expect(skeleton, self._drawn(sequence, refused, attempt), self.budget)
 
     def _path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult | None:
         """P_path, with a share of the time that is left; None when that is spent."""
@@ -284,12 +361,7 @@ class Bounds:
     def _sequence_path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult:
         self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
         with self.clock("seq_path"):
-            try:
-                result = solve_sequence_path(
-                    skeleton, sequence.configurations, self.settings, self.seed, self.budget
-                )
-            except UnsupportedPhase:
-                result = solve_path(skeleton, self.settings, self.seed, self.budget, sequence, pinned=True)
+            result = sequence_path(skeleton, sequence, self.settings, self.seed, self.budget)
         self._count("seq-path", result.feasible)
         return result
 
@@ -313,25 +385,3 @@ def _blame(bound: str, refused: BoundResult, blamed: Sequence[set[int]], phases:
         told = tuple(v for v in refused.violations if v.phase == worst)
         return Conflict(bound, worst, worst, False, told)
     return Conflict(bound, 0, worst, True, tuple(refused.violations))
-
-
-def _unmoved(configurations: Sequence[Configuration], failed: Sequence[int]) -> list[Configuration]:
-    """Switch configurations as a start in which the failed phases end where they begin."""
-    result = [configuration.copy() for configuration in configurations]
-    for phase in failed:
-        result[phase + 1] = result[phase].copy()
-    return result
-
-
-def _resample(configurations: Sequence[Configuration], failed: Sequence[int], seed: int) -> list[Configuration]:
-    """Switch configurations 1 … K as a start, with new joint values at both ends of the failed phases."""
-    random = np.random.default_rng(seed)
-    changed = {k for phase in failed for k in (phase, phase + 1)} - {0}
-    result = []
-    for k, configuration in enumerate(configurations):
-        fresh = configuration.copy()
-        if k in changed:
-            for values in fresh.modules.values():
-                values[7:] += random.normal(0.0, 0.4, len(values) - 7)
-        result.append(fresh)
-    return result

@@ -1,8 +1,10 @@
-"""A time budget that every loop of the runtime asks."""
+"""A time budget that every loop of the runtime asks, and a clock for its stages."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 
 class OutOfTime(Exception):
@@ -29,3 +31,18 @@ class Budget:
         """Raise `OutOfTime` once the budget is spent."""
         if self.remaining <= 0.0:
             raise OutOfTime
+
+
+class Clock:
+    """Wall-clock seconds per stage."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def __call__(self, stage: str) -> Iterator[None]:
+        started = time.monotonic()
+        try:
+            yield
+        finally:
+            self.seconds[stage] = self.seconds.get(stage, 0.0) + time.monotonic() - started

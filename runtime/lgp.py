@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from ..compiler.ir import Problem
 from ..compiler.symbolic.successors import Successors
 from ..langs.diagnostics import Diagnostic
+from .ahead import Ahead
 from .bounds import EXPECTED, Bounds
 from .budget import Budget, OutOfTime
 from .motion.settings import MotionSettings
@@ -43,6 +44,7 @@ class SolveOptions:
     solver: str = "algn"
     seed: int = 0
     slices: int | None = None
+    ahead: Ahead = field(default_factory=Ahead, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +103,7 @@ class _Run:
         self.distrusted: list[Plan] = []
         self.first_bound: float | None = None
         settings = motion_settings(problem, options)
-        self.bounds = Bounds(problem, settings, options.bound, options.seed, self.budget, self._tell)
+        self.bounds = Bounds(problem, settings, options.bound, options.seed, self.budget, self._tell, options.ahead)
         self.refusals = Refusals(problem)
         self.search: SkeletonSearch | None = None
         self.again = False
@@ -117,6 +119,7 @@ class _Run:
 
     def _loop(self) -> str:
         clock = self.bounds.clock
+        self.options.ahead.prepare(self.problem)
         self._tell("compile", "compiling the rules")
         with clock("compile"):
             successors = Successors(self.problem)

@@ -39,6 +39,7 @@ class Cluster(Side):
         self._client = _connected(address)
         self._executor = self._client.get_executor(pure=False)
         self._address = address
+        self._closed: type[Exception] = import_module("distributed.client").ClosedClientError
 
     @property
     def width(self) -> int:
@@ -53,6 +54,7 @@ class Cluster(Side):
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         future: Future[T] = Future()
+        future.set_running_or_notify_cancel()  # it cannot be taken back
 
         def finish(inner: Future[Any]) -> None:
             if inner.cancelled():
@@ -62,7 +64,11 @@ class Cluster(Side):
             else:
                 settle(future, inner.result())
 
-        self._executor.submit(_attempt_alone, fn, *args, **kwargs).add_done_callback(finish)
+        try:
+            inner = self._executor.submit(_attempt_alone, fn, *args, **kwargs)
+        except self._closed as error:
+            raise self._gone() from error
+        inner.add_done_callback(finish)
         return future
 
     def kill(self) -> None:

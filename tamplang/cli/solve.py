@@ -14,6 +14,7 @@ from .libraries import load_libraries, needing_libraries
 from .outputs import checked_output, numbered
 from .parameters import parameters_option
 from .progress import shown_progress
+from .side import checked_side, needing_cluster, side_options, without_broken_pipes
 from .solution import Keeper, result_json, result_lines, write
 from .sources import reading_sources, show_diagnostics
 from .status import OF_OUTCOME
@@ -30,7 +31,7 @@ from .status import OF_OUTCOME
 @click.option("--solutions", type=click.IntRange(min=1), default=1, show_default=True, help="How many plans to find.")
 @click.option("--time", "seconds", type=click.FloatRange(min=0, min_open=True), help="Seconds; inf for no limit.")
 @click.option("--nodes", type=click.IntRange(min=1), help="How large the search tree may grow.")
-@click.option("--jobs", type=click.IntRange(min=1), default=1, help="Processes. More than 1 is not available yet.")
+@side_options
 @click.option("--solver", type=click.Choice(["algn", "ipopt"]), help="For the motion programs.")
 @click.option("--out", type=click.Path(path_type=Path), help="The plan file.  [default: TASK.plan.json in this folder]")
 @click.option("--report", type=click.Path(path_type=Path), help="Write the report too: one HTML file.")
@@ -46,7 +47,8 @@ def solve(
     solutions: int,
     seconds: float | None,
     nodes: int | None,
-    jobs: int,
+    jobs: int | None,
+    cluster: str | None,
     solver: str | None,
     out: Path | None,
     report: Path | None,
@@ -58,8 +60,7 @@ def solve(
     """
     if horizon is not None and (solutions > 1 or bound == "seq"):
         raise click.UsageError("--horizon gives one plan with motion: it goes neither with --solutions nor --bound seq")
-    if jobs > 1:
-        raise click.UsageError("--jobs above 1 is not available yet; `sweep --jobs` solves instances side by side")
+    checked_side(jobs, cluster)
     from ..api import Task
     from ..compiler.pipeline import compile_problem
     from ..compiler.scenes.happenings import unseen
@@ -75,7 +76,12 @@ def solve(
     plan_file, report_file = _files(file, loaded.problem.task, solutions, out, report)
     with needing_libraries():
         load_libraries()
-        with kept_interrupt() as check, shown_progress(check) as progress:
+        with (
+            needing_cluster(as_json),
+            kept_interrupt() as check,
+            without_broken_pipes(),
+            shown_progress(check) as progress,
+        ):
             result = loaded.solve(
                 bound=bound,
                 search=search,
@@ -84,6 +90,8 @@ def solve(
                 solutions=solutions,
                 solver=solver,
                 horizon=horizon,
+                jobs=jobs or 1,
+                cluster=cluster,
                 progress=progress,
                 found=Keeper(plan_file),
             )

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
-import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
@@ -20,7 +18,8 @@ from .libraries import load_libraries, needing_libraries
 from .outputs import UnwritableFile, checked_output
 from .parameters import parameters_option
 from .progress import counted
-from .sources import SourceFailure, reading_sources
+from .side import checked_side, needing_cluster, side_options, without_broken_pipes
+from .sources import reading_sources
 from .status import ExitStatus
 
 if TYPE_CHECKING:
@@ -28,22 +27,13 @@ if TYPE_CHECKING:
     from .instances import Instance
     from .results import Results
 
-_ADDRESS = re.compile(r"tcp://([\w.-]+|\[[0-9A-Fa-f:.]+\]):\d{1,5}")
-
-
-def _address(context: click.Context, option: click.Parameter, text: str | None) -> str | None:
-    if text is not None and not _ADDRESS.fullmatch(text):
-        raise click.BadParameter(f"{text!r} is not of the form tcp://HOST:PORT")
-    return text
-
 
 @click.command()
 @click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
 @click.argument("task", required=False)
 @parameters_option
 @click.option("--seeds", default="0", show_default=True, help="Seeds, such as 0..9 or 1,5,7.")
-@click.option("--jobs", type=click.IntRange(min=1, max=1024), help="Processes side by side.  [default: 1]")
-@click.option("--cluster", metavar="ADDRESS", callback=_address, help="Work on a cluster, at tcp://HOST:PORT.")
+@side_options
 @click.option("--bound", type=click.Choice(["seq", "seq-path", "path"]), help="The finest motion bound to try.")
 @click.option("--search", type=click.Choice(["astar", "wastar", "bfs", "guide"]), help="How to look for skeletons.")
 @click.option("--time", type=click.FloatRange(min=0, min_open=True), help="Seconds for each; inf for no limit.")
@@ -69,8 +59,7 @@ def sweep(
     Parameters take several values: -p n=8,16,32 -p width=1m,2m. Instances whose results are in the results file
     already are not solved again.
     """
-    if cluster is not None and jobs is not None:
-        raise click.UsageError("--jobs and --cluster exclude each other")
+    checked_side(jobs, cluster)
 
     with reading_sources(as_json=as_json):
         todo = _instances(file, task, parameters, seeds, options, plans is not None)
@@ -124,9 +113,9 @@ def _finished(
         return True
     try:
         with (
-            _needing_cluster(as_json),
+            needing_cluster(as_json),
             kept_interrupt() as check,
-            _without_broken_pipes(),
+            without_broken_pipes(),
             _executor(jobs, cluster) as executor,
             _shown(len(left)) as show,
         ):
@@ -147,28 +136,6 @@ def _executor(jobs: int, cluster: str | None) -> Side:
         with needing_libraries():
             load_libraries()
     return open_executor(jobs, cluster)
-
-
-@contextmanager
-def _needing_cluster(as_json: bool) -> Iterator[None]:
-    """Turns ClusterUnavailable into its diagnostic."""
-    from ..langs.diagnostics import Diagnostic
-    from ..runtime.parallel import ClusterUnavailable
-
-    try:
-        yield
-    except ClusterUnavailable as error:
-        raise SourceFailure([Diagnostic("S0006", error.message, help=error.hint)], as_json) from error
-
-
-@contextmanager
-def _without_broken_pipes() -> Iterator[None]:
-    """A worker that is gone must not end this process."""
-    before = signal.signal(signal.SIGPIPE, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGPIPE, before)
 
 
 def _record(

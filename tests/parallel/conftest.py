@@ -22,8 +22,13 @@ SMALL = ("-p", "n=1..2", "-p", "crawlers=1")
 
 def start(folder: Path, *arguments: object) -> subprocess.Popen[str]:
     """The command `tamplang sweep climb` in a session of its own, so that it and its processes are known by it."""
+    return begin(folder, "sweep", CLIMB, *arguments)
+
+
+def begin(folder: Path, *arguments: object) -> subprocess.Popen[str]:
+    """The command `tamplang` in a session of its own."""
     return subprocess.Popen(
-        [sys.executable, "-m", "tamplang", "sweep", str(CLIMB), *map(str, arguments)],
+        [sys.executable, "-m", "tamplang", *map(str, arguments)],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         stdin=subprocess.DEVNULL,

@@ -1,0 +1,113 @@
+"""What is asked about skeletons, as values that other processes can answer as well; an answer depends on nothing but
+the question and its skeleton."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from .budget import Budget
+from .motion.path import solve_path
+from .motion.phases import UnsupportedPhase, solve_sequence_path
+from .motion.sequence import solve_sequence, window_feasible
+from .motion.settings import MotionSettings
+from .skeleton import BoundResult, Configuration, Skeleton
+
+Answer = TypeVar("Answer")
+
+
+class Question(ABC, Generic[Answer]):
+    """Questions with the same key, about the same skeleton, have the same answer."""
+
+    @property
+    def key(self) -> Hashable:
+        return self
+
+    @abstractmethod
+    def solved(self, skeleton: Skeleton, budget: Budget) -> Answer:
+        """The answer, computed in this process. Raises OutOfTime."""
+
+
+@dataclass(frozen=True)
+class Whole(Question[BoundResult]):
+    """P_seq of a skeleton from the start, with at most `tries` starts of a span."""
+
+    settings: MotionSettings
+    seed: int
+    tries: int | None
+
+    def solved(self, skeleton: Skeleton, budget: Budget) -> BoundResult:
+        return solve_sequence(skeleton, self.settings, self.seed, budget, tries=self.tries)
+
+
+@dataclass(frozen=True)
+class Window(Question[BoundResult]):
+    """P_seq of phases `first` … `last` alone."""
+
+    settings: MotionSettings
+    seed: int
+    first: int
+    last: int
+
+    def solved(self, skeleton: Skeleton, budget: Budget) -> BoundResult:
+        return window_feasible(skeleton, self.first, self.last, self.settings, self.seed, budget)
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt(Question[tuple[BoundResult, BoundResult | None]]):
+    """P_seq from the switch configurations 1 … K in `warm`, with random numbers from `draw`, and where it is feasible
+    P_seqPath between those it finds, with random numbers from `seed`."""
+
+    settings: MotionSettings
+    seed: int
+    draw: int
+    tries: int | None
+    warm: Sequence[Configuration]
+
+    @property
+    def key(self) -> Hashable:
+        rows = [row.tobytes() for c in self.warm for part in (c.modules, c.bodies) for row in part.values()]
+        return Attempt, self.settings, self.seed, self.draw, self.tries, tuple(rows)
+
+    def solved(self, skeleton: Skeleton, budget: Budget) -> tuple[BoundResult, BoundResult | None]:
+        sequence = solve_sequence(skeleton, self.settings, self.draw, budget, warm=self.warm, tries=self.tries)
+        if not sequence.feasible:
+            return sequence, None
+        return sequence, sequence_path(skeleton, sequence, self.settings, self.seed, budget)
+
+
+def sequence_path(
+    skeleton: Skeleton, sequence: BoundResult, settings: MotionSettings, seed: int, budget: Budget
+) -> BoundResult:
+    """P_seqPath between the switch configurations of `sequence`; as one program where phases cannot be told apart.
+    Raises OutOfTime."""
+    try:
+        return solve_sequence_path(skeleton, sequence.configurations, settings, seed, budget)
+    except UnsupportedPhase:
+        return solve_path(skeleton, settings, seed, budget, sequence, pinned=True)
+
+
+def unmoved(configurations: Sequence[Configuration], failed: Sequence[int]) -> list[Configuration]:
+    """Switch configurations as a start in which the failed phases end where they begin."""
+    result = [configuration.copy() for configuration in configurations]
+    for phase in failed:
+        result[phase + 1] = result[phase].copy()
+    return result
+
+
+def resampled(configurations: Sequence[Configuration], failed: Sequence[int], seed: int) -> list[Configuration]:
+    """Switch configurations as a start, with new joint values at both ends of the failed phases."""
+    random = np.random.default_rng(seed)
+    changed = {k for phase in failed for k in (phase, phase + 1)} - {0}
+    result = []
+    for k, configuration in enumerate(configurations):
+        fresh = configuration.copy()
+        if k in changed:
+            for values in fresh.modules.values():
+                values[7:] += random.normal(0.0, 0.4, len(values) - 7)
+        result.append(fresh)
+    return result
