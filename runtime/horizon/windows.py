@@ -86,6 +86,7 @@ def remember(
     """The memory of a new run. Make a new one when a module has failed: what motion can do is another thing then."""
     told_to = tell or (lambda stage, message: None)
     settings = motion_settings(problem, options)
+    options.ahead.prepare(problem)
     bounds = Bounds(problem, settings, options.bound, options.seed, budget, told_to, options.ahead)
     return Memory(bounds, Refusals(problem))
 
