@@ -14,19 +14,20 @@ from ..langs.reader import read_source
 from ..langs.source import Source
 from .checks.findings import Findings
 from .library import Library, build_library
+from .mesh_files import load_mesh, mesh_calls, mesh_path
 from .standard import EXTENSION, STANDARD, STANDARD_FOLDER
 from .urdf_files import load_urdf, urdf_path
 
 
 class _Loader:
     """Follows imports depth first. `given` holds texts that need no disk, by path; `unfit` is what is wrong with URDF
-    files, which hides no declaration."""
+    and mesh files, which hides no declaration."""
 
     def __init__(self, given: Mapping[str, Source]) -> None:
         self.given = given
         self.sources: dict[str, Source] = {}
         self.files: dict[str, syntax.File] = {}
-        self.urdfs: dict[str, Source] = {}
+        self.models: dict[str, Source] = {}
         self.diagnostics: list[Diagnostic] = []
         self.unfit: list[Diagnostic] = []
         self.open: list[str] = []
@@ -42,14 +43,23 @@ class _Loader:
                 self.follow(source, declaration)
             elif isinstance(declaration, syntax.ModuleDecl) and declaration.urdf is not None:
                 self.read_urdf(source, declaration)
+            for call, name in mesh_calls(declaration):
+                self.read_mesh(source, call, name)
         self.open.pop()
 
     def read_urdf(self, importer: Source, module: syntax.ModuleDecl) -> None:
         path = urdf_path(importer.path, module)
-        if path not in self.urdfs:
+        if path not in self.models:
             found, diagnostics = load_urdf(path, module, self.given)
             self.unfit += diagnostics
-            self.urdfs.update({} if found is None else {path: found})
+            self.models.update({} if found is None else {path: found})
+
+    def read_mesh(self, importer: Source, call: syntax.Call, name: syntax.Text) -> None:
+        path = mesh_path(importer.path, name.value)
+        if path not in self.models or call.function == "mesh":
+            found, diagnostics = load_mesh(path, call, name, self.given)
+            self.unfit += diagnostics
+            self.models.update({} if found is None else {path: found})
 
     def follow(self, importer: Source, declaration: syntax.Import) -> None:
         path = resolved(importer.path, declaration)
@@ -131,13 +141,13 @@ def load_sources(sources: Sequence[Source]) -> tuple[Library, Findings, bool]:
     text could be parsed without errors."""
     loader = _Loader({s.path: s for s in sources[1:]})
     loader.load(sources[0])
-    findings = Findings([*loader.sources.values(), *loader.urdfs.values()])
+    findings = Findings([*loader.sources.values(), *loader.models.values()])
     for diagnostic in loader.diagnostics:
         findings.add(diagnostic)
     parsed = not findings.has_errors
     for diagnostic in loader.unfit:
         findings.add(diagnostic)
-    texts = tuple(loader.sources.values()), tuple(loader.urdfs.values())
+    texts = tuple(loader.sources.values()), tuple(loader.models.values())
     library = build_library(*texts, tuple(loader.files.values()), findings)
     return library, findings, parsed
 

@@ -340,7 +340,8 @@ class Heuristic:
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """`size` in metres: box (x, y, z), sphere (radius,), capsule and cylinder (radius, length along z without caps)."""
+    """`size` in metres: box (x, y, z), sphere (radius,), capsule and cylinder (radius, length along z without caps),
+    convex (the coordinates of all corners in turn, of a hull whose box along the axes has its middle at the origin)."""
 
     kind: str
     size: tuple[float, ...]

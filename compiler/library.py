@@ -42,10 +42,11 @@ class Signature:
 
 @dataclass(frozen=True, slots=True)
 class Library:
-    """Parsed files, the main one first, and their declarations. `urdfs` are the texts that module types come from."""
+    """Parsed files, the main one first, and their declarations. `models` are the texts that module types and shapes come
+    from: URDFs and the corners of meshes."""
 
     sources: tuple[Source, ...]
-    urdfs: tuple[Source, ...]
+    models: tuple[Source, ...]
     files: tuple[syntax.File, ...]
     types: Mapping[str, str | None]
     type_spans: Mapping[str, Span]
@@ -103,7 +104,7 @@ class _Tables:
 
 
 def build_library(
-    sources: tuple[Source, ...], urdfs: tuple[Source, ...], files: tuple[syntax.File, ...], findings: Findings
+    sources: tuple[Source, ...], models: tuple[Source, ...], files: tuple[syntax.File, ...], findings: Findings
 ) -> Library:
     """The tables of `files`. Reports names declared twice, built-in names declared again, unknown parents of types and
     types that are below themselves."""
@@ -115,7 +116,7 @@ def build_library(
     types, spans = _types(tables.of(syntax.TypeDecl), modules, tables)
     return Library(
         sources,
-        urdfs,
+        models,
         files,
         types,
         spans,

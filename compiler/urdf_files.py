@@ -1,6 +1,6 @@
 """URDF files that module types are taken from, read beside the file that names them.
 
-Meshes among the collision shapes are replaced by their bounding boxes when the file is read, so that the text alone
+Meshes among the collision shapes are replaced by their hulls when the file is read, so that the text alone
 says everything: a plan carries it, and a verifier builds the same module without the disk.
 """
 
@@ -16,6 +16,7 @@ from ..langs.diagnostics import Diagnostic, SourceError
 from ..langs.reader import read_source
 from ..langs.source import Source
 from .ir import Vec3
+from .mesh_files import read_mesh
 from .poses import roll_pitch_yaw, rotate
 
 
@@ -28,7 +29,7 @@ def urdf_path(importer: str, module: syntax.ModuleDecl) -> str:
 def load_urdf(
     path: str, module: syntax.ModuleDecl, given: Mapping[str, Source]
 ) -> tuple[Source | None, list[Diagnostic]]:
-    """The text at `path`, from `given` or the disk, with boxes for meshes, and what is wrong with the files."""
+    """The text at `path`, from `given` or the disk, with hulls for meshes, and what is wrong with the files."""
     assert module.urdf is not None
     where = module.urdf.span
     try:
@@ -44,12 +45,14 @@ def load_urdf(
         root = ElementTree.fromstring(source.text)
     except ElementTree.ParseError:
         return source, []
-    diagnostics = [d for c in root.iter("collision") if (d := _box_for_mesh(path, c, module)) is not None]
+    diagnostics = [d for c in root.iter("collision") if (d := _hull_for_mesh(path, c, module)) is not None]
     return Source(path, ElementTree.tostring(root, encoding="unicode")), diagnostics
 
 
-def _box_for_mesh(path: str, collision: ElementTree.Element, module: syntax.ModuleDecl) -> Diagnostic | None:
-    """Put the bounding box in place of a mesh, and move the element's origin to its centre."""
+def _hull_for_mesh(path: str, collision: ElementTree.Element, module: syntax.ModuleDecl) -> Diagnostic | None:
+    """Put the hull in place of a mesh, and move the element's origin to the middle of the box around it."""
+    from .hulls import HullError, convex_shape
+
     assert module.urdf is not None
     geometry = collision.find("geometry")
     mesh = None if geometry is None else geometry.find("mesh")
@@ -60,11 +63,12 @@ def _box_for_mesh(path: str, collision: ElementTree.Element, module: syntax.Modu
     if file is None:
         return Diagnostic("E0515", f'there is no mesh file "{name}" for {path}', module.urdf.span)
     try:
-        lower, upper = _bounds(file, three(mesh, "scale") if mesh.get("scale") else (1.0, 1.0, 1.0))
-    except (ValueError, RuntimeError):
+        points, _ = read_mesh(file, three(mesh, "scale") if mesh.get("scale") else (1.0, 1.0, 1.0))
+        made, middle, simpler = convex_shape(points)
+    except (ValueError, RuntimeError, HullError):
         return Diagnostic("E0515", f'the mesh file "{name}" of {path} cannot be read', module.urdf.span)
     geometry.remove(mesh)
-    geometry.append(ElementTree.Element("box", size=_text(u - w for w, u in zip(lower, upper, strict=True))))
+    geometry.append(ElementTree.Element("convex", points=_text(made.size)))
     origin = collision.find("origin")
     if origin is None:
         origin = ElementTree.SubElement(collision, "origin")
@@ -72,10 +76,10 @@ def _box_for_mesh(path: str, collision: ElementTree.Element, module: syntax.Modu
         place, turn = three(origin, "xyz"), three(origin, "rpy")
     except ValueError:
         return None
-    x, y, z = ((u + w) / 2 for w, u in zip(lower, upper, strict=True))
-    shift = rotate(roll_pitch_yaw(*turn), (x, y, z))
+    shift = rotate(roll_pitch_yaw(*turn), middle)
     origin.set("xyz", _text(p + s for p, s in zip(place, shift, strict=True)))
-    return Diagnostic("W0006", f'the mesh "{name}" is approximated by its bounding box', module.urdf.span)
+    how = "by a simple body around it" if simpler else "by its hull"
+    return Diagnostic("W0006", f'the mesh "{name}" is replaced {how}', module.urdf.span)
 
 
 def _text(values: Iterable[float]) -> str:
@@ -99,13 +103,3 @@ def _mesh_file(path: str, name: str) -> Path | None:
         places = [above / package for above in (folder, *folder.parents)]
         places += [above / package.partition("/")[2] for above in (folder, *folder.parents)]
     return next((p for p in places if p.is_file()), None)
-
-
-def _bounds(file: Path, scale: Vec3) -> tuple[list[float], list[float]]:
-    """The corners of the box around a mesh, metres."""
-    import coal
-    import numpy as np
-
-    mesh = coal.MeshLoader().load(str(file), np.array(scale))
-    mesh.computeLocalAABB()
-    return [float(v) for v in mesh.aabb_local.min_], [float(v) for v in mesh.aabb_local.max_]

@@ -208,7 +208,8 @@ CODES: dict[str, CodeInfo] = {
         "them.",
         "joint j: revolute(y) in 2 rad .. -2 rad", "joint j: revolute(y) in -2 rad .. 2 rad"),
     "E0509": CodeInfo("bad shape", "scene",
-        "Shapes are box(x, y, z), sphere(r), capsule(r, length), cylinder(r, length) with positive sizes.",
+        "Shapes are box(x, y, z), sphere(r), capsule(r, length), cylinder(r, length) with positive sizes, "
+        "hull((x, y, z), …) of at least four corners that do not lie in a plane, and mesh(FILE) or hull(FILE).",
         "box(1 m, 0, 1 m)", "box(1 m, 1 m, 1 m)"),
     "E0510": CodeInfo("too many objects", "scene", "The loops of the scene make more things than can be planned for."),
     "E0511": CodeInfo("more than one", "scene", "A task has at most one guide."),
@@ -220,7 +221,8 @@ CODES: dict[str, CodeInfo] = {
         "The links of a URDF form one tree, its joints are revolute, continuous, prismatic or fixed, with limits, and "
         "its collision shapes are box, sphere, cylinder, capsule or mesh."),
     "E0515": CodeInfo("mesh not found", "scene",
-        "A collision shape of a URDF is a mesh whose file is missing or cannot be read."),
+        "The file of a mesh, of a body or in a URDF, is missing or cannot be read.",
+        'object b: mesh("bracket.slt") at (0, 0, 0)', 'object b: mesh("bracket.stl", 1 mm) at (0, 0, 0)'),
     "E0516": CodeInfo("bad course", "scene",
         "`moves` and `disturb` name a body, a speed above 0 and a time that is not negative; a body starts one course "
         "at a time.",
@@ -228,6 +230,9 @@ CODES: dict[str, CodeInfo] = {
     "E0517": CodeInfo("bad breakdown", "scene",
         "`fail` names a module, a time that is not negative, and `locked` or `gone`.",
         "fail target at 20 s: broken", "fail c[2] at 20 s: locked"),
+    "E0518": CodeInfo("mesh not convex", "scene",
+        "Bodies are convex. `hull` takes the hull of a mesh; a body with hollows is built of several.",
+        'object b: mesh("cup.stl") at (0, 0, 0)', 'object b: hull("cup.stl") at (0, 0, 0)'),
     "S0001": CodeInfo("infeasible", "outcome", "It is proved that no sequence of actions reaches the goal."),
     "S0002": CodeInfo("exhausted", "outcome",
         "Every candidate sequence was refused by the motion solver; this is no proof."),
@@ -248,7 +253,9 @@ CODES: dict[str, CodeInfo] = {
     "W0003": CodeInfo("rule can never fire", "warning", "Its conditions cannot hold, even if nothing is ever deleted."),
     "W0004": CodeInfo("negative cycle", "warning", "Actions that cancel each other make the heuristic ever smaller."),
     "W0005": CodeInfo("unused parameter", "warning", "The declaration never uses this parameter."),
-    "W0006": CodeInfo("mesh as a box", "warning", "Collisions of a mesh are checked with its bounding box."),
+    "W0006": CodeInfo("simplified mesh", "warning",
+        "Bodies are convex and have at most 100 corners. A finer one is replaced by one of 26 faces around it, and a "
+        "mesh of a URDF by its hull."),
     "W0007": CodeInfo("moves into something", "warning",
         "A body that moves on its own gets into a thing that stands still at the start. Nothing stops it."),
     "W0008": CodeInfo("scene that moves", "warning",

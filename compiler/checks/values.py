@@ -2,29 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from ...langs import syntax
-from ...langs.diagnostics import did_you_mean
 from ...langs.source import Span
 from .. import ir
 from .context import Context
-from .kinds import EXAMPLES, LENGTH, UNKNOWN, VALUE_TYPES, Kind
+from .kinds import EXAMPLES, UNKNOWN, VALUE_TYPES, Kind
 from .names import BROKEN, Entry, Scope, Typed
 from .terms import check_scalar, check_term, expect_kind
 
-SHAPES: Mapping[str, tuple[str, ...]] = {
-    "box": ("x", "y", "z"),
-    "sphere": ("radius",),
-    "capsule": ("radius", "length"),
-    "cylinder": ("radius", "length"),
-}
-LINK_SHAPES: Mapping[str, tuple[str, ...]] = {
-    "box": ("x", "y"),
-    "sphere": ("radius",),
-    "capsule": ("radius",),
-    "cylinder": ("radius",),
-}
 PARAMETER_TYPES = ", ".join(VALUE_TYPES)
 
 
@@ -55,33 +42,6 @@ def vector(
         return None
     values = [number(context, scope, item, kind, f"a component of {what}", lenient=True) for item in term.items]
     return None if None in values else tuple(v for v in values if v is not None)
-
-
-def shape(
-    context: Context, scope: Scope, call: syntax.Call, shapes: Mapping[str, tuple[str, ...]] = SHAPES
-) -> ir.Shape | None:
-    """The shape with its sizes in metres, or None where they are not known yet or wrong."""
-    findings = context.findings
-    where = findings.word(call.span, call.function)
-    form = shapes.get(call.function)
-    forms = ", ".join(f"{name}({', '.join(sizes)})" for name, sizes in shapes.items())
-    if form is None:
-        help = did_you_mean(call.function, shapes) or f"shapes are {forms}"
-        findings.report("E0509", where, f"unknown shape `{call.function}`", help=help)
-        return None
-    if len(call.args) != len(form):
-        wanted = f"{len(form)} size{'s' * (len(form) != 1)}"
-        help = f"write `{call.function}({', '.join(form)})`"
-        findings.report("E0509", call.span, f"`{call.function}` has {wanted}, not {len(call.args)}", help=help)
-        return None
-    sizes = []
-    for name, arg in zip(form, call.args, strict=True):
-        value = number(context, scope, arg, LENGTH, f"the {name} of `{call.function}`", lenient=True)
-        if value is not None and value <= 0:
-            findings.report("E0509", arg.span, f"the {name} of `{call.function}` must be positive, not {value:g} m")
-            value = None
-        sizes.append(value)
-    return None if None in sizes else ir.Shape(call.function, tuple(s for s in sizes if s is not None))
 
 
 def parameter_entries(

@@ -17,7 +17,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..extents import box_sides
+from ..hulls import hull
 from ..ir import Body, Chain, Fact, Function, Joint, ModuleType, Pose, Problem, Shape, Var, Vec3, World
+from .covers import cover_hull
 
 if TYPE_CHECKING:
     from ...runtime.skeleton import Phase, Skeleton
@@ -120,6 +123,8 @@ def cover(shape: Shape, margin: float) -> tuple[tuple[Vec3, float], ...]:
         return (((0.0, 0.0, 0.0), size[0]),)
     if shape.kind == "box":
         return tuple(_cover_box((size[0] / 2, size[1] / 2, size[2] / 2), margin))
+    if shape.kind == "convex":
+        return cover_hull(shape, margin)
     if shape.kind == "capsule":
         return tuple(_cover_capsule(size[0], size[1], margin))
     return tuple(_cover_cylinder(size[0], size[1], margin))
@@ -130,6 +135,8 @@ def bounding_radius(shape: Shape) -> float:
     size = shape.size
     if shape.kind == "sphere":
         return size[0]
+    if shape.kind == "convex":
+        return hull(shape).radius
     if shape.kind == "box":
         return 0.5 * math.hypot(*size)
     if shape.kind == "capsule":
@@ -362,8 +369,7 @@ def standing_clearance(type_: ModuleType, effector: str) -> float:
     e = type_.effector(effector)
     if e.shape is None:
         return math.inf
-    kind, size = e.shape.kind, e.shape.size
-    sole = {"box": size[-1] / 2, "sphere": size[0], "cylinder": size[-1] / 2, "capsule": size[0] + size[-1] / 2}[kind]
+    sole = box_sides(e.shape)[2] / 2
     frame = np.linalg.inv(pose_matrix(e.placement))
     heights = (
         sole - float((frame @ np.array([*s.centre, 1.0]))[2]) - s.radius
@@ -377,8 +383,8 @@ def shape_distance(shape: Shape, frame: Array, point: Array) -> float:
     """Distance from a point `(3,)` to a shape whose frame is `(4, 4)`, both in the world; 0 inside, and a lower
     bound unless the shape is a box or a sphere."""
     x, y, z = (abs(v) for v in (frame[:3, :3].T @ (point - frame[:3, 3])).tolist())
-    if shape.kind == "box":
-        return math.hypot(*(max(v - s / 2, 0.0) for v, s in zip((x, y, z), shape.size, strict=True)))
+    if shape.kind in ("box", "convex"):
+        return math.hypot(*(max(v - s / 2, 0.0) for v, s in zip((x, y, z), box_sides(shape), strict=True)))
     return max(0.0, math.hypot(x, y, z) - bounding_radius(shape))
 
 

@@ -46,17 +46,18 @@ class EffectorKind:
 
 @dataclass(frozen=True, slots=True)
 class BodyKind:
-    """A body that may move: its pose is slot number `slot`, its sizes are parameters."""
+    """A body that may move: its pose is slot number `slot`, its sizes are parameters; a convex one is given as a
+    whole."""
 
-    shape: str
+    shape: str | ir.Shape
     slot: int
 
 
 @dataclass(frozen=True, slots=True)
 class RestKind:
-    """A body that never moves: pose and sizes are parameters."""
+    """A body that never moves: pose and sizes are parameters; a convex one is given as a whole."""
 
-    shape: str
+    shape: str | ir.Shape
 
 
 Kind = EffectorKind | BodyKind | RestKind
@@ -116,9 +117,9 @@ def parameter_sizes(kinds: tuple[Kind, ...]) -> list[int]:
             case EffectorKind():
                 count.append(0)
             case BodyKind(shape=shape):
-                count.append(SIZES[shape])
+                count.append(_size_count(shape))
             case RestKind(shape=shape):
-                count.append(7 + SIZES[shape])
+                count.append(7 + _size_count(shape))
     return count
 
 
@@ -131,10 +132,19 @@ def _solid(kind: Kind, slots: list[Expression], constants: Expression) -> Solid:
             frame = effector_frame(module, name, slots[slot])
             return Solid(frame, shape.kind, shape.size, *_balance(module, slots[slot]))
         case BodyKind(shape=shape, slot=slot):
-            return Solid(pose_frame(slots[slot]), shape, [constants[i] for i in range(SIZES[shape])])
+            return _shaped(pose_frame(slots[slot]), shape, constants)
         case RestKind(shape=shape):
-            sizes = [constants[7 + i] for i in range(SIZES[shape])]
-            return Solid(Frame(constants[:3], constants[3:7]), shape, sizes)
+            return _shaped(Frame(constants[:3], constants[3:7]), shape, constants[7:])
+
+
+def _size_count(shape: str | ir.Shape) -> int:
+    return 0 if isinstance(shape, ir.Shape) else SIZES[shape]
+
+
+def _shaped(frame: Frame, shape: str | ir.Shape, sizes: Expression) -> Solid:
+    if isinstance(shape, ir.Shape):
+        return Solid(frame, shape.kind, shape.size)
+    return Solid(frame, shape, [sizes[i] for i in range(SIZES[shape])])
 
 
 def _balance(module: ir.ModuleType, slot: Expression) -> tuple[Expression, Expression]:

@@ -7,7 +7,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 
+from ..hulls import Hull, hull, top_edges
+from ..ir import Shape
 from .inertia import DENSITY
 from .kinematics import Expression, Frame, axis, unrotate
 
@@ -18,7 +21,10 @@ PARALLEL = 1e-6
 """Squared sine below which two edges count as parallel and give no separating axis."""
 
 SIZES = {"box": 3, "sphere": 1, "capsule": 2, "cylinder": 2}
-"""How many numbers describe each kind of shape, in the order of `ir.Shape.size`."""
+"""How many numbers describe each kind of shape that is not given as a whole, in the order of `ir.Shape.size`."""
+
+NOWHERE = -1.0
+"""Metres: how far anything is inside a top that is only an edge or a point."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,11 +56,19 @@ def rounded_box_distance(excess: Sequence[Expression]) -> Expression:
     return _length(outside) + ca.fmin(_largest(excess), 0)
 
 
+def _hull(solid: Solid) -> Hull:
+    """The planes and corners of a convex solid, the sizes of which are always plain numbers."""
+    return hull(Shape("convex", tuple(float(s) for s in solid.size)))
+
+
 def _point_gap(point: Expression, solid: Solid) -> Expression:
     """Signed distance of a point (3,) to the surface of a shape."""
     if solid.kind == "sphere":
         return _length(point - solid.frame.position) - solid.size[0]
     local = unrotate(solid.frame.quaternion, point - solid.frame.position)
+    if solid.kind == "convex":
+        body = _hull(solid)
+        return _largest([ca.dot(ca.SX(n), local) - d for n, d in zip(body.normals, body.offsets, strict=True)])
     if solid.kind == "box":
         return rounded_box_distance([ca.fabs(local[i]) - solid.size[i] / 2 for i in range(3)])
     radius, half = solid.size[0], solid.size[1] / 2
@@ -67,6 +81,9 @@ def _point_gap(point: Expression, solid: Solid) -> Expression:
 def extent(solid: Solid, direction: Expression) -> Expression:
     """How far the shape reaches from its centre along a unit direction (3,)."""
     along = [ca.dot(direction, axis(solid.frame.quaternion, letter)) for letter in "xyz"]
+    if solid.kind == "convex":
+        local = ca.vertcat(*along)
+        return _largest([ca.dot(ca.SX(corner), local) for corner in _hull(solid).corners])
     if solid.kind == "sphere":
         return solid.size[0]
     if solid.kind == "box":
@@ -85,6 +102,8 @@ def _separation(a: Solid, b: Solid) -> Expression:
     def along(direction: Expression) -> Expression:
         return ca.fabs(ca.dot(offset, direction)) - extent(a, direction) - extent(b, direction)
 
+    if "convex" in (a.kind, b.kind):
+        return _faces_apart(a, b)
     axes_a = [axis(a.frame.quaternion, letter) for letter in "xyz"]
     axes_b = [axis(b.frame.quaternion, letter) for letter in "xyz"]
     gaps = [along(direction) for direction in axes_a + axes_b]
@@ -93,6 +112,20 @@ def _separation(a: Solid, b: Solid) -> Expression:
             edge = ca.cross(first, second)
             squared = ca.dot(edge, edge)
             gaps.append(ca.if_else(squared < PARALLEL, -1e3, along(edge / ca.sqrt(squared + SMOOTH))))
+    return _largest(gaps)
+
+
+def _faces_apart(a: Solid, b: Solid) -> Expression:
+    """Largest separation along the outward normals of both shapes' faces, and of the axes of shapes without: zero or
+    less when they touch, and never above the true distance."""
+    gaps = []
+    for one, other in ((a, b), (b, a)):
+        letters = [axis(one.frame.quaternion, letter) for letter in "xyz"]
+        normals = _hull(one).normals if one.kind == "convex" else np.vstack([np.eye(3), -np.eye(3)])
+        for normal in normals.tolist():
+            direction = sum(c * letter for c, letter in zip(normal, letters, strict=True))
+            offset = ca.dot(other.frame.position - one.frame.position, direction)
+            gaps.append(offset - extent(one, direction) - extent(other, -direction))
     return _largest(gaps)
 
 
@@ -112,16 +145,22 @@ def top(solid: Solid) -> Expression:
 
 def bottom(solid: Solid) -> Expression:
     """Height of the lowest point."""
-    return solid.frame.position[2] - extent(solid, ca.SX([0, 0, 1]))
+    return solid.frame.position[2] - extent(solid, ca.SX([0, 0, -1]))
 
 
 def inside(solid: Solid, surface: Solid) -> Expression:
     """How far the centre of `solid` is inside the four sides of the top face of `surface`, in the axes of
-    `surface` (4,); for a round surface four times the distance to its rim."""
+    `surface` (4,); for a round surface four times the distance to its rim, for a convex one to a quarter of its edges
+    each."""
     local = unrotate(surface.frame.quaternion, solid.frame.position - surface.frame.position)
     if surface.kind == "box":
         x, y = surface.size[0] / 2, surface.size[1] / 2
         return ca.vertcat(x - local[0], x + local[0], y - local[1], y + local[1])
+    if surface.kind == "convex":
+        normals, offsets = top_edges(Shape("convex", tuple(float(s) for s in surface.size)))
+        within = [d - ca.dot(ca.SX(n), local[:2]) for n, d in zip(normals, offsets, strict=True)]
+        quarters = [within[len(within) * k // 4 :][: max(1, len(within) // 4 + 1)] for k in range(4)]
+        return ca.vertcat(*[-_largest([-w for w in quarter]) if quarter else NOWHERE for quarter in quarters])
     return ca.repmat(surface.size[0] - _length(local[:2]), 4, 1)
 
 
@@ -131,6 +170,8 @@ def radius(solid: Solid) -> Expression:
         return ca.SX(solid.size[0])
     if solid.kind == "box":
         return ca.sqrt(sum(s**2 for s in solid.size)) / 2
+    if solid.kind == "convex":
+        return ca.SX(_hull(solid).radius)
     if solid.kind == "capsule":
         return solid.size[0] + solid.size[1] / 2
     return ca.sqrt(solid.size[0] ** 2 + (solid.size[1] / 2) ** 2)
@@ -139,6 +180,8 @@ def radius(solid: Solid) -> Expression:
 def mass(solid: Solid) -> Expression:
     """Kilograms of a solid shape at the density of water."""
     size = solid.size
+    if solid.kind == "convex":
+        return ca.SX(DENSITY * _hull(solid).volume)
     if solid.kind == "box":
         return DENSITY * size[0] * size[1] * size[2]
     ball = 4.0 / 3.0 * math.pi * size[0] ** 3

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from ..hulls import hull
 from ..ir import ModuleType, Pose, Shape
 
 DENSITY = 1000.0
@@ -13,6 +14,8 @@ DENSITY = 1000.0
 def shape_mass(shape: Shape) -> float:
     """Kilograms of a solid shape."""
     size = shape.size
+    if shape.kind == "convex":
+        return DENSITY * hull(shape).volume
     if shape.kind == "box":
         return DENSITY * size[0] * size[1] * size[2]
     ball = 4.0 / 3.0 * math.pi * size[0] ** 3

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from ...langs.source import Span
 from .. import ir
 from ..checks.findings import Findings
+from ..extents import corners
 from ..poses import compose, joint_frames, orientation, position, rotate
 
 TOLERANCE = 1e-3
@@ -77,6 +78,13 @@ def volumes(world: ir.World) -> Iterator[Volume]:
 def bounds(shape: ir.Shape, pose: ir.Pose) -> Box:
     """The axis-aligned box around a shape, metres in the world."""
     q = orientation(pose)
+    x, y, z = position(pose)
+    if shape.kind == "convex":
+        along = list(zip(*(rotate(q, c) for c in corners(shape)), strict=True))
+        return (
+            x + min(along[0]), y + min(along[1]), z + min(along[2]),
+            x + max(along[0]), y + max(along[1]), z + max(along[2]),
+        )  # fmt: skip
     if shape.kind == "sphere":
         reach = [shape.size[0]] * 3
     elif shape.kind == "box":
@@ -87,7 +95,6 @@ def bounds(shape: ir.Shape, pose: ir.Pose) -> Box:
         axis = rotate(q, (0.0, 0.0, 1.0))
         round_end = shape.kind == "capsule"
         reach = [abs(a) * length / 2 + radius * (1.0 if round_end else math.sqrt(max(0.0, 1.0 - a * a))) for a in axis]
-    x, y, z = position(pose)
     return x - reach[0], y - reach[1], z - reach[2], x + reach[0], y + reach[1], z + reach[2]
 
 
@@ -128,6 +135,10 @@ def penetration(one: Volume, other: Volume) -> float:
 def _geometry(shape: ir.Shape) -> object:
     import coal
 
+    if shape.kind == "convex":
+        from ..hulls import convex_geometry
+
+        return convex_geometry(shape)
     if shape.kind == "box":
         return coal.Box(*shape.size)
     if shape.kind == "sphere":

@@ -108,5 +108,5 @@ def _problem(
         goal=goal,
         world=ir.World(built.modules, bodies, *happenings),
         options=built.options,
-        sources=library.sources + library.urdfs,
+        sources=library.sources + library.models,
     )

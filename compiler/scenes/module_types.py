@@ -18,7 +18,8 @@ from ..checks.context import Context
 from ..checks.formulas import check_literal
 from ..checks.kinds import LENGTH, NUMBER
 from ..checks.names import Entry, Family, Objects, Scope
-from ..checks.values import LINK_SHAPES, number, parameter_entries, shape, vector
+from ..checks.shapes import LINK_SHAPES, shape
+from ..checks.values import number, parameter_entries, vector
 from ..poses import between, make, orientation, unit
 from ..urdf_files import urdf_path
 from .joints import lower_joint
@@ -89,7 +90,7 @@ def _from_urdf(context: Context, scope: Scope, module: syntax.ModuleDecl, name: 
         else:
             context.findings.report("E0508", item.span, "joints and links of this module come from its URDF")
     path = urdf_path(module.span.file, module)
-    source = next((s for s in context.library.urdfs if s.path == path), None)
+    source = next((s for s in context.library.models if s.path == path), None)
     complete = source is not None and len(ends) == sum(isinstance(i, syntax.EffectorItem) for i in module.items)
     built = build_urdf(context, module, source, ends, name) if source is not None and complete else None
     return None if built is None else BuiltModule(built, tuple(facts))

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from .. import ir
+from ..extents import box_sides
 from ..poses import between, effector_pose, make, orientation, position, product, rotate, yaw
 
 DOWN: ir.Vec3 = (0.0, 0.0, -1.0)
@@ -13,30 +14,34 @@ DOWN: ir.Vec3 = (0.0, 0.0, -1.0)
 
 def top_of(shape: ir.Shape) -> float:
     """How far the highest point of an upright shape lies above its centre, metres."""
-    if shape.kind == "box":
-        return shape.size[2] / 2
-    if shape.kind == "sphere":
-        return shape.size[0]
-    return shape.size[1] / 2 + (shape.size[0] if shape.kind == "capsule" else 0.0)
+    return box_sides(shape)[2] / 2
+
+
+def has_flat_top(shape: ir.Shape) -> bool:
+    """Whether things can be put on an upright shape."""
+    if shape.kind != "convex":
+        return shape.kind in ("box", "cylinder")
+    from ..hulls import top_edges
+
+    return len(top_edges(shape)[1]) > 0
 
 
 @dataclass(frozen=True, slots=True)
 class Support:
-    """The top face of a body: its centre in the world, the heading of its x-axis, and its outline. `half` holds the
-    half sizes of a box, or the radius of a cylinder."""
+    """The top face of a body: its centre in the world, the heading of its x-axis, and the shape of the body."""
 
     name: str
     type: str
     centre: ir.Vec3
     heading: float
-    half: tuple[float, ...]
+    shape: ir.Shape
 
     @staticmethod
     def of(body: ir.Body) -> Support:
         x, y, z = position(body.pose)
         axis = rotate(orientation(body.pose), (1.0, 0.0, 0.0))
-        half = (body.shape.size[0] / 2, body.shape.size[1] / 2) if body.shape.kind == "box" else body.shape.size[:1]
-        return Support(body.name, body.type, (x, y, z + top_of(body.shape)), math.atan2(axis[1], axis[0]), half)
+        top = (x, y, z + top_of(body.shape))
+        return Support(body.name, body.type, top, math.atan2(axis[1], axis[0]), body.shape)
 
     def point(self, at: tuple[float, float]) -> ir.Vec3:
         """The point of the top face at `at`, measured from its centre along its own axes, in the world."""
@@ -44,15 +49,22 @@ class Support:
         return self.centre[0] + dx, self.centre[1] + dy, self.centre[2]
 
     def carries(self, at: tuple[float, float]) -> bool:
-        if len(self.half) == 1:
-            return math.hypot(*at) <= self.half[0] + 1e-9
-        return abs(at[0]) <= self.half[0] + 1e-9 and abs(at[1]) <= self.half[1] + 1e-9
+        if self.shape.kind == "convex":
+            from ..hulls import top_edges
+
+            normals, offsets = top_edges(self.shape)
+            return bool((normals @ at <= offsets + 1e-9).all())
+        width, depth, _ = box_sides(self.shape)
+        if self.shape.kind == "cylinder":
+            return math.hypot(*at) <= width / 2 + 1e-9
+        return abs(at[0]) <= width / 2 + 1e-9 and abs(at[1]) <= depth / 2 + 1e-9
 
     @property
     def extent(self) -> str:
-        if len(self.half) == 1:
-            return f"round with radius {self.half[0]:g} m"
-        return f"{2 * self.half[0]:g} m by {2 * self.half[1]:g} m"
+        width, depth, _ = box_sides(self.shape)
+        if self.shape.kind == "cylinder":
+            return f"round with radius {width / 2:g} m"
+        return f"{'within ' if self.shape.kind == 'convex' else ''}{width:g} m by {depth:g} m"
 
 
 def module_pose(module: ir.ModuleType, effector: str, point: ir.Vec3, heading: float) -> ir.Pose:

@@ -17,13 +17,14 @@ from ..checks.context import Context
 from ..checks.formulas import check_formula, check_literal
 from ..checks.kinds import ANGLE, LENGTH
 from ..checks.names import Entry, Objects, Scope
+from ..checks.shapes import shape
 from ..checks.terms import check_term
-from ..checks.values import bind_arguments, number, shape, vector
+from ..checks.values import bind_arguments, number, vector
 from ..poses import make, yaw
 from .evaluate import truth
 from .happenings import Way, check_breakdown, check_way
 from .module_types import BuiltModule, build_module, effector_types, entries_key
-from .placing import Support, module_pose, top_of
+from .placing import Support, has_flat_top, module_pose, top_of
 from .scene_names import base_and_indices, full_name
 from .task_options import check_options
 
@@ -251,7 +252,7 @@ class SceneBuilder:
             if scope.values_known or not self.context.library.is_a(typed.kind.type, "object"):
                 self.findings.report("E0501", term.span, f"`{typed.term.name}` is not a body that can carry something")
             return None
-        if body.shape.kind not in ("box", "cylinder"):
+        if not has_flat_top(body.shape):
             self.findings.report("E0501", term.span, f"`{body.name}` is a {body.shape.kind} and has no flat top")
             return None
         return Support.of(body)

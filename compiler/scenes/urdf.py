@@ -228,6 +228,8 @@ def _shapes(link: ElementTree.Element, frames: Mapping[str, tuple[int, ir.Pose]]
 
 
 def _shape(link: str, form: ElementTree.Element) -> ir.Shape:
+    if form.tag == "convex":
+        return ir.Shape("convex", tuple(map(float, form.get("points", "").split())))
     if form.tag == "box":
         size: tuple[float, ...] = _three(form, "size")
     elif form.tag in ("sphere", "capsule", "cylinder"):

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...compiler.hulls import hull
 from ...compiler.ir import Fact, Module, Problem, Shape
 from ...compiler.motion.collision import (
     CHECK_MARGIN,
@@ -212,6 +213,8 @@ def _distance(points: Array, shape: Shape, poses: Array) -> Array:
         along = np.clip(local[:, :, 2], -size[1] / 2, size[1] / 2)
         local = np.concatenate([local[:, :, :2], (local[:, :, 2] - along)[:, :, None]], axis=2)
         return np.asarray(np.linalg.norm(local, axis=2) - size[0])
+    if shape.kind == "convex":
+        return hull(shape).distance(local)
     if shape.kind == "box":
         excess = np.abs(local) - np.array(size) / 2
     else:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from ...compiler.hulls import slices
 from ...compiler.ir import Body, Problem
 from ...compiler.motion.collision import Sphere, body_spheres, module_spheres, pose_matrix
 from ...compiler.motion.constraints import sphere_stage
@@ -181,6 +182,8 @@ class Obstacles:
             return [(origin, origin, size[0])]
         if body.shape.kind == "capsule":
             return [(origin, (0.0, 0.0, size[1] / 2), size[0])]
+        if body.shape.kind == "convex":
+            return [(centre, half, 0.0) for centre, half in slices(body.shape)]
         return [(s.centre, origin, s.radius) for s in body_spheres(body)]
 
     def arrays(self) -> tuple[Array, Array, Array, Array]:

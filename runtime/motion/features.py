@@ -33,7 +33,7 @@ class _Instances:
 class _Argument:
     """A resolved argument: its key for caching, its slot's name ("" for none), kind without slot, constants."""
 
-    key: tuple[str, ...]
+    key: tuple[str | ir.Shape, ...]
     slot: str
     kind: Kind
     constants: Array
@@ -66,11 +66,13 @@ class Features:
             module = world.modules[name]
             return _Argument(("module", module.type.name), name, EffectorKind(module.type, "", 0), np.zeros(0))
         body = world.bodies[name]
-        size = np.array(body.shape.size)
+        whole = body.shape.kind == "convex"
+        shape = body.shape if whole else body.shape.kind
+        size = np.array(() if whole else body.shape.size)
         if body.movable:
-            return _Argument(("body", body.shape.kind), name, BodyKind(body.shape.kind, 0), size)
+            return _Argument(("body", shape), name, BodyKind(shape, 0), size)
         pose = self.layout.resting[name]
-        return _Argument(("rest", body.shape.kind), "", RestKind(body.shape.kind), np.concatenate([pose, size]))
+        return _Argument(("rest", shape), "", RestKind(shape), np.concatenate([pose, size]))
 
     def _rows_of(self, predicate: str) -> list[tuple[ir.Row, tuple[str, ...], tuple[str, ...]]]:
         if predicate not in self._rows:

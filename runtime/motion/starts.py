@@ -9,6 +9,7 @@ from itertools import permutations
 import numpy as np
 
 from ...compiler import poses
+from ...compiler.extents import box_sides
 from ...compiler.ir import Body, Fact, Module, Pose, Problem
 from ...compiler.motion.collision import bounding_radius, keeps_pose
 from ..skeleton import Array, Configuration, Skeleton
@@ -50,7 +51,8 @@ def put_effector(module: Module, effector: str, slot: Array, target: Pose) -> No
 
 def _height(body: Body) -> float:
     """Half the height of a body that lies in its own axes."""
-    return body.shape.size[2] / 2 if body.shape.kind == "box" else bounding_radius(body.shape)
+    flat = body.shape.kind in ("box", "convex")
+    return box_sides(body.shape)[2] / 2 if flat else bounding_radius(body.shape)
 
 
 class Guess:

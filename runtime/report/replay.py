@@ -10,6 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...compiler.extents import box_sides
+from ...compiler.hulls import hull
+from ...compiler.ir import Shape
 from ..plan import BodyRecord, PhaseRecord, Plan, ShapeRecord
 from ..transforms import Array, rotate
 from .kinematics import joint_frames, pose_rows
@@ -89,6 +92,9 @@ def parts(shape: ShapeRecord) -> list[tuple[str, Any, Array]]:
         return [("box", geometry.Box(size), centre)]
     if shape.kind == "sphere" and len(size) == 1:
         return [("ball", geometry.Sphere(size[0]), centre)]
+    if shape.kind == "convex":
+        body = hull(Shape("convex", tuple(size)))
+        return [("hull", geometry.TriangularMeshGeometry(body.corners, body.triangles), centre)]
     if shape.kind in ("capsule", "cylinder") and len(size) == 2:
         radius, length = size
         result = [("tube", geometry.Cylinder(length, radius), upright)]
@@ -105,6 +111,8 @@ def extent(shape: ShapeRecord | None) -> float:
     """Radius of a ball around the shape's centre that holds it, metres."""
     if shape is None or not shape.size:
         return 0.0
+    if shape.kind == "convex":
+        return float(np.linalg.norm(np.reshape(shape.size, (-1, 3)), axis=1).max())
     if shape.kind == "box":
         return float(np.linalg.norm(shape.size)) / 2.0
     return float(shape.size[0]) + (float(shape.size[1]) / 2.0 if len(shape.size) > 1 else 0.0)
@@ -218,7 +226,9 @@ class Builder:
 
 def box_corners(body: BodyRecord, pose: Array) -> Array:
     """Corners `(8, 3)` of a box around the body, in the world."""
-    half = np.array(body.shape.size) / 2.0 if body.shape.kind == "box" else np.full(3, extent(body.shape))
+    half = np.full(3, extent(body.shape))
+    if body.shape.kind in ("box", "convex"):
+        half = np.array(box_sides(Shape(body.shape.kind, tuple(body.shape.size)))) / 2.0
     signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
     return pose[:3] + rotate(np.broadcast_to(pose[3:], (8, 4)), signs * half)
 

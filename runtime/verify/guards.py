@@ -11,7 +11,7 @@ import numpy as np
 
 from ...compiler import ir
 from .geometry import Frames, frames
-from .shapes import Ruler, geometry, half_heights, round_radius, transform
+from .shapes import Ruler, corners, geometry, heights, round_radius, transform
 
 POINT = 1e-9
 FACE = 1e-9
@@ -116,8 +116,10 @@ class Guards:
     def _face(self, name: str, inset: float) -> _Placed:
         placed = self._shapes(name)[0]
         shape, at = placed.shape, placed.frame
+        if shape.kind == "convex":
+            shape = ir.Shape("box", tuple(np.ptp(corners(shape.size), axis=0)))
         if shape.kind != "box":
-            height = float(half_heights(shape.kind, shape.size, at.rotation)[0])
+            height = float(heights(shape.kind, shape.size, at.rotation)[0])
             highest = at.position + np.array([0.0, 0.0, height])
             return _Placed(ir.Shape("sphere", (POINT,)), Frames(highest, at.rotation))
         upright = int(np.argmax(np.abs(at.rotation[0, 2])))

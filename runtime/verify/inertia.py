@@ -6,12 +6,15 @@ import numpy as np
 
 from ...compiler import ir
 from .geometry import Array, Frames, Indices, frames
+from .shapes import volume
 
 KILOGRAMS_PER_LITRE = 1.0
 
 
 def mass_of(shape: ir.Shape) -> float:
     """Kilograms of a solid shape given in metres."""
+    if shape.kind == "convex":
+        return 1000.0 * KILOGRAMS_PER_LITRE * volume(shape.size)
     match shape.kind, [10.0 * s for s in shape.size]:
         case "box", [x, y, z]:
             litres = x * y * z

@@ -12,7 +12,7 @@ from ...compiler import ir
 from .geometry import Array, Frames, Indices
 from .inertia import centre_of, mass_of
 from .kinematics import Motion
-from .shapes import Ruler, geometry, half_heights, round_radius, transform
+from .shapes import Ruler, geometry, heights, inside_top, round_radius, transform
 
 LETTERS = {"x": 0, "y": 1, "z": 2}
 LENGTHS = frozenset({"position", "centre", "gap", "top", "bottom", "inside", "radius"})
@@ -71,8 +71,8 @@ class Evaluator:
             case ("top" | "bottom"), (subject,):
                 sign = 1.0 if node.name == "top" else -1.0
                 frame = self.frame(subject, names, index)
-                half = self._half_heights(_name(subject, names), frame)
-                return Quantity((frame.position[:, 2] + sign * half)[:, None], unit)
+                reach = self._heights(_name(subject, names), frame, node.name == "top")
+                return Quantity((frame.position[:, 2] + sign * reach)[:, None], unit)
             case "radius", (subject,):
                 shape = self._shapes[_name(subject, names)]
                 radius = 0.0 if shape is None else round_radius(shape.kind, shape.size)
@@ -93,9 +93,9 @@ class Evaluator:
         mass = 0.0 if shape is None else mass_of(shape)
         return mass, self._motion.frames[name][index].position
 
-    def _half_heights(self, name: str, frame: Frames) -> Array:
+    def _heights(self, name: str, frame: Frames, up: bool) -> Array:
         shape = self._shapes[name]
-        return np.zeros(len(frame)) if shape is None else half_heights(shape.kind, shape.size, frame.rotation)
+        return np.zeros(len(frame)) if shape is None else heights(shape.kind, shape.size, frame.rotation, up)
 
     def _gap(self, first: ir.Term, second: ir.Term, names: Mapping[str, str], index: Indices) -> Array:
         sides = []
@@ -115,6 +115,8 @@ class Evaluator:
         local = self.frame(first, names, index).relative_to(self.frame(second, names, index)).position
         if shape is None:
             raise MeaninglessRow(f"{_name(second, names)} has no shape to be inside of")
+        if shape.kind == "convex":
+            return np.repeat(inside_top(shape.size, local[:, :2])[:, None], 4, axis=1)
         if shape.kind != "box":
             return np.repeat(shape.size[0] - np.hypot(local[:, 0], local[:, 1])[:, None], 4, axis=1)
         x, y = 0.5 * shape.size[0], 0.5 * shape.size[1]

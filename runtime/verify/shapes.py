@@ -1,9 +1,10 @@
-"""Shapes as coal geometries, their sizes, and their vertical extent. Sizes in metres; see `ir.Shape`."""
+"""Shapes as coal geometries, their sizes, and how high they reach. Sizes in metres; see `ir.Shape`."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,58 @@ from ..native import load_coal
 from .geometry import Array
 
 SIZES = {"box": 3, "sphere": 1, "capsule": 2, "cylinder": 2}
+"""How many numbers describe each kind of shape; a convex one has three for each of its corners."""
+FLAT = 1e-6
+"""Metres by which the corners of a flat top may differ in height."""
+
+
+def corners(size: Sequence[float]) -> Array:
+    """The corners `(N, 3)` of a convex shape."""
+    return np.asarray(size, dtype=float).reshape(-1, 3)
+
+
+def is_solid(size: Sequence[float]) -> bool:
+    """Whether the corners of a convex shape are at least four and do not lie in a plane."""
+    points = corners(size)
+    return len(points) >= 4 and int(np.linalg.matrix_rank(points - points[0], tol=FLAT)) == 3
+
+
+@lru_cache(maxsize=256)
+def _convex(size: tuple[float, ...]) -> Any:
+    """The coal geometry of a convex shape, from the triangles that SciPy finds for its hull."""
+    from scipy.spatial import ConvexHull
+
+    coal, points = load_coal(), corners(size)
+    made = ConvexHull(points)
+    listed, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+    listed.extend(list(points))
+    for triangle, plane in zip(made.simplices, made.equations, strict=True):
+        a, b, c = (int(k) for k in triangle)
+        if np.dot(np.cross(points[b] - points[a], points[c] - points[a]), plane[:3]) < 0:
+            b, c = c, b
+        triangles.append(coal.Triangle(a, b, c))
+    return coal.Convex(listed, triangles)
+
+
+def volume(size: Sequence[float]) -> float:
+    """The volume of a convex shape, cubic metres. Raises MissingLibrary."""
+    return float(_convex(tuple(size)).computeVolume())
+
+
+def inside_top(size: Sequence[float], points: Array) -> Array:
+    """How far points `(T, 2)` lie inside the edge of the flat top of a convex shape, in its own axes `(T,)`; -1 where
+    it has none."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    found = corners(size)
+    top = found[found[:, 2] >= found[:, 2].max() - FLAT, :2]
+    if len(top) < 3:
+        return np.full(len(points), -1.0)
+    try:
+        edges = ConvexHull(top).equations
+    except QhullError:
+        return np.full(len(points), -1.0)
+    return np.asarray((-(points @ edges[:, :2].T) - edges[:, 2]).min(axis=1))
 
 
 def geometry(kind: str, size: Sequence[float]) -> Any:
@@ -26,6 +79,8 @@ def geometry(kind: str, size: Sequence[float]) -> Any:
             return coal.Capsule(*size)
         case "cylinder":
             return coal.Cylinder(*size)
+        case "convex":
+            return _convex(tuple(size))
         case _:
             raise ValueError(f"unknown shape {kind}")
 
@@ -59,17 +114,23 @@ def bounding_radius(kind: str, size: Sequence[float]) -> float:
             return size[0] + 0.5 * size[1]
         case "cylinder":
             return math.hypot(size[0], 0.5 * size[1])
+        case "convex":
+            return float(np.linalg.norm(corners(size), axis=1).max())
         case _:
             return size[0]
 
 
 def round_radius(kind: str, size: Sequence[float]) -> float:
     """What `radius(X)` means: the radius of a round shape, or of the sphere around another one."""
-    return bounding_radius(kind, size) if kind == "box" else size[0]
+    return bounding_radius(kind, size) if kind in ("box", "convex") else size[0]
 
 
-def half_heights(kind: str, size: Sequence[float], rotation: Array) -> Array:
-    """Half the vertical extent `(T,)` of a shape turned by `rotation` `(T, 3, 3)`."""
+def heights(kind: str, size: Sequence[float], rotation: Array, up: bool = True) -> Array:
+    """How far the highest point of a shape turned by `rotation` `(T, 3, 3)` lies above its centre `(T,)`, or not `up`
+    the lowest point below."""
+    if kind == "convex":
+        along = rotation[:, 2, :] @ corners(size).T
+        return np.asarray(along.max(axis=1) if up else -along.min(axis=1))
     upright = np.abs(rotation[:, 2, 2])
     match kind:
         case "box":

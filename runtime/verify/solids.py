@@ -13,7 +13,7 @@ from ..plan import ModuleRecord, Plan, ShapeRecord
 from .geometry import Array, Frames, frames
 from .kinematics import Kinematics
 from .sampler import IDENTITY, Placement
-from .shapes import Ruler, bounding_radius, geometry, transform
+from .shapes import Ruler, bounding_radius, corners, geometry, transform
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +76,8 @@ def _hull(kind: str, size: tuple[float, ...]) -> tuple[Array, float]:
             return np.zeros((1, 3)), size[0]
         case "capsule":
             return np.array([[0.0, 0.0, -size[1] / 2], [0.0, 0.0, size[1] / 2]]), size[0]
+        case "convex":
+            return corners(size), 0.0
         case "cylinder":
             half = [size[0], size[0], size[1] / 2]
         case _:

@@ -10,7 +10,7 @@ import numpy as np
 from ..plan import FORMAT, ModuleRecord, Plan, ShapeRecord
 from .findings import Findings
 from .limits import LIMITS
-from .shapes import SIZES
+from .shapes import SIZES, is_solid
 
 LARGEST = 1e10
 """Numbers beyond it, infinities and NaN count as not finite."""
@@ -86,8 +86,12 @@ def phase_ranges(times: Sequence[float]) -> list[tuple[int, int]]:
 
 
 def _check_shape(shape: ShapeRecord, owner: str, findings: Findings) -> None:
-    good = SIZES.get(shape.kind) == len(shape.size) and _numbers([shape.size], len(shape.size))
-    if not good or min(shape.size) <= 0:
+    good = _numbers([shape.size], len(shape.size))
+    if shape.kind == "convex":
+        good = good and len(shape.size) % 3 == 0 and is_solid(shape.size)
+    else:
+        good = good and SIZES.get(shape.kind) == len(shape.size) and min(shape.size) > 0
+    if not good:
         message = f"{owner} has a {shape.kind} of size {shape.size}"
         findings.fail("structure", message, between=[owner])
 

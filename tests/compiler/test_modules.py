@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tamplang.compiler import ir
+from tamplang.compiler.extents import box_sides
 from tamplang.compiler.pipeline import check, compile_problem, compile_sources, compile_text
 from tamplang.compiler.poses import effector_pose, position
 
@@ -107,7 +108,7 @@ def test_urdf_gives_speeds_and_accelerations_or_leaves_them_to_the_defaults() ->
     assert rates["prismatic"] == (0.2, 1.0)
 
 
-def test_mesh_becomes_its_bounding_box(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_mesh_becomes_its_hull(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "meshes").mkdir()
     _write_stl(tmp_path / "meshes" / "wedge.stl", np.array([[0, 0, 0], [2, 0, 0], [0, 4, 0], [0, 0, 6.0]]))
@@ -121,10 +122,11 @@ def test_mesh_becomes_its_bounding_box(monkeypatch: pytest.MonkeyPatch, tmp_path
         task t() { arm a: at (0, 0, 0) goal (lit) }""")
     problem, warnings = compile_problem("task.tamp")
     assert [(w.code, w.message) for w in warnings] == [
-        ("W0006", 'the mesh "package://arm/meshes/wedge.stl" is approximated by its bounding box')
+        ("W0006", 'the mesh "package://arm/meshes/wedge.stl" is replaced by its hull')
     ]
     (link,) = problem.world.modules["a"].type.links
-    assert link.shape.size == pytest.approx((0.2, 0.4, 0.6))
+    assert link.shape.kind == "convex" and box_sides(link.shape) == pytest.approx((0.2, 0.4, 0.6))
+    assert len(link.shape.size) == 3 * 4
     assert position(link.placement) == pytest.approx((1 - 0.2, 0.1, 0.3))
     assert check("task.tamp") == warnings
     Path("arm.urdf").unlink()

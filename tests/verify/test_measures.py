@@ -58,11 +58,11 @@ def test_angles_are_accurate_near_zero(angle: float) -> None:
 @pytest.mark.parametrize(
     ("kind", "size"), [("box", (0.2, 0.3, 0.4)), ("sphere", (0.2,)), ("capsule", (0.1, 0.5)), ("cylinder", (0.1, 0.5))]
 )
-def test_half_heights_touch_the_floor(kind: str, size: tuple[float, ...]) -> None:
+def test_heights_touch_the_floor(kind: str, size: tuple[float, ...]) -> None:
     """A thing whose lowest point is at height 0 touches a slab that ends there."""
     rotations = Rotation.random(10, random_state=3).as_matrix()
     ruler, slab = shapes.Ruler(), shapes.geometry("box", (10.0, 10.0, 1.0))
-    for rotation, half in zip(rotations, shapes.half_heights(kind, size, rotations), strict=True):
+    for rotation, half in zip(rotations, shapes.heights(kind, size, rotations), strict=True):
         at = shapes.transform(np.array([0.0, 0.0, half]), rotation)
         floor = shapes.transform(np.array([0.0, 0.0, -0.5]), np.eye(3))
         assert ruler.distance(shapes.geometry(kind, size), at, slab, floor) == pytest.approx(0.0, abs=1e-5)

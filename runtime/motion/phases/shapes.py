@@ -1,11 +1,13 @@
 """Distances from points to convex shapes, in batches. Every shape is a box with half sizes and a rounding radius: a
-sphere is a rounded point, a capsule a rounded line; a cylinder is treated in its radius and height."""
+sphere is a rounded point, a capsule a rounded line; a cylinder is treated in its radius and height, and a convex shape
+is replaced by the box around it."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ....compiler.extents import box_sides
 from ....compiler.ir import Shape
 from ...skeleton import Array
 
@@ -17,8 +19,8 @@ NEARLY_PLAIN = 1e-8
 def half_sizes(shape: Shape) -> tuple[Array, float, bool]:
     """Half sizes `(3,)`, rounding radius, and whether the first size is a radius across the z-axis."""
     size = shape.size
-    if shape.kind == "box":
-        return np.array(size) / 2, 0.0, False
+    if shape.kind in ("box", "convex"):
+        return np.array(box_sides(shape)) / 2, 0.0, False
     if shape.kind == "sphere":
         return np.zeros(3), size[0], False
     if shape.kind == "capsule":

@@ -1,0 +1,107 @@
+"""Shapes of bodies, effectors and links."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ...langs import syntax
+from ...langs.diagnostics import did_you_mean
+from .. import ir
+from ..mesh_files import corner_list, mesh_path
+from .context import Context
+from .kinds import LENGTH
+from .names import Scope
+from .values import number, vector
+
+SHAPES: Mapping[str, tuple[str, ...]] = {
+    "box": ("x", "y", "z"),
+    "sphere": ("radius",),
+    "capsule": ("radius", "length"),
+    "cylinder": ("radius", "length"),
+}
+HULLS: Mapping[str, str] = {"hull": "hull((x, y, z), …)", "mesh": 'mesh("file.stl")'}
+LINK_SHAPES: Mapping[str, tuple[str, ...]] = {
+    "box": ("x", "y"),
+    "sphere": ("radius",),
+    "capsule": ("radius",),
+    "cylinder": ("radius",),
+}
+
+
+def shape(
+    context: Context, scope: Scope, call: syntax.Call, shapes: Mapping[str, tuple[str, ...]] = SHAPES
+) -> ir.Shape | None:
+    """The shape with its sizes in metres, or None where they are not known yet or wrong."""
+    findings = context.findings
+    if shapes is SHAPES and call.function in HULLS:
+        return _convex(context, scope, call)
+    where = findings.word(call.span, call.function)
+    form = shapes.get(call.function)
+    if form is None:
+        forms = [f"{name}({', '.join(sizes)})" for name, sizes in shapes.items()]
+        forms += HULLS.values() if shapes is SHAPES else ()
+        names = [*shapes, *(HULLS if shapes is SHAPES else ())]
+        help = did_you_mean(call.function, names) or f"shapes are {', '.join(forms)}"
+        findings.report("E0509", where, f"unknown shape `{call.function}`", help=help)
+        return None
+    if len(call.args) != len(form):
+        wanted = f"{len(form)} size{'s' * (len(form) != 1)}"
+        help = f"write `{call.function}({', '.join(form)})`"
+        findings.report("E0509", call.span, f"`{call.function}` has {wanted}, not {len(call.args)}", help=help)
+        return None
+    sizes = []
+    for name, arg in zip(form, call.args, strict=True):
+        value = number(context, scope, arg, LENGTH, f"the {name} of `{call.function}`", lenient=True)
+        if value is not None and value <= 0:
+            findings.report("E0509", arg.span, f"the {name} of `{call.function}` must be positive, not {value:g} m")
+            value = None
+        sizes.append(value)
+    return None if None in sizes else ir.Shape(call.function, tuple(s for s in sizes if s is not None))
+
+
+def _convex(context: Context, scope: Scope, call: syntax.Call) -> ir.Shape | None:
+    """The hull of the points in the text, or of a mesh in a file, which may be followed by the length of its unit."""
+    from ..hulls import HullError, convex_shape
+
+    named = bool(call.args) and isinstance(call.args[0], syntax.Text)
+    if not named and call.function == "mesh":
+        context.findings.report("E0509", call.span, "`mesh` names a file", help='write `mesh("file.stl")`')
+        return None
+    points = _mesh_points(context, scope, call) if named else _listed_points(context, scope, call)
+    if points is None:
+        return None
+    try:
+        made, _, simpler = convex_shape(points)
+    except HullError as error:
+        context.findings.report("E0509", call.span, f"`{call.function}` is no body: {error}")
+        return None
+    if simpler:
+        message = "this body has many corners, and is replaced by a simpler one around it"
+        context.findings.report("W0006", call.span, message)
+    return made
+
+
+def _listed_points(context: Context, scope: Scope, call: syntax.Call) -> list[tuple[float, ...]] | None:
+    found = [vector(context, scope, arg, 3, LENGTH, "a corner of a hull") for arg in call.args]
+    return None if None in found else [p for p in found if p is not None]
+
+
+def _mesh_points(context: Context, scope: Scope, call: syntax.Call) -> list[tuple[float, ...]] | None:
+    name, *rest = call.args
+    assert isinstance(name, syntax.Text)
+    unit: float | None = 1.0
+    if len(rest) > 1:
+        help = f'write `{call.function}("{name.value}", 1 mm)`'
+        message = f"`{call.function}` takes a file and the length of its unit"
+        context.findings.report("E0509", call.span, message, help=help)
+        return None
+    if rest:
+        unit = number(context, scope, rest[0], LENGTH, "the unit of a mesh", lenient=True)
+    if unit is not None and unit <= 0:
+        context.findings.report("E0509", rest[0].span, f"the unit of a mesh must be positive, not {unit:g} m")
+        return None
+    path = mesh_path(call.span.file, name.value)
+    source = next((s for s in context.library.models if s.path == path), None)
+    if source is None or unit is None:
+        return None
+    return [tuple(unit * x for x in corner) for corner in corner_list(source)]
