@@ -99,7 +99,8 @@ class Violation:
 @dataclass(slots=True)
 class BoundResult:
     """What one bound says about a skeleton. `configurations` are the K + 1 switch configurations, start included
-    (P_seq and above); `paths` the K phase motions (P_seqPath and P_path). `violations` is largest first."""
+    (P_seq and above); `paths` the K phase motions (P_seqPath and P_path). `violations` is largest first. `cost_before`
+    is the cost before feasible motions were polished, None when they were not."""
 
     bound: str
     feasible: bool
@@ -109,3 +110,4 @@ class BoundResult:
     configurations: list[Configuration]
     paths: list[PhasePath]
     violations: list[Violation]
+    cost_before: float | None = None

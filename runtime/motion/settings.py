@@ -9,7 +9,7 @@ from dataclasses import dataclass
 class MotionSettings:
     """`slices` per phase on a path; `margin` between surfaces along a path and `switch_margin` at switches, metres;
     `limit_margin` pulls joint limits in at switches, radians; `tolerance` is the largest violation of a single row
-    that still counts as feasible (metres or radians)."""
+    that still counts as feasible (metres or radians). With `polish`, motions become cheaper once they are feasible."""
 
     slices: int = 20
     margin: float = 0.02
@@ -18,3 +18,4 @@ class MotionSettings:
     tolerance: float = 2e-3
     solver: str = "algn"
     collisions: bool = True
+    polish: bool = True

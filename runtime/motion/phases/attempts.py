@@ -27,6 +27,7 @@ REPAIRED = 0.06
 WIDER = Schedule(widening=1.6, iterations=25)
 LOOKS = (2, 4)
 """How often per slice it is then looked at, one time after the other."""
+NEARER = Schedule(weight=1e5, widening=1.15, iterations=15, tolerance=1e-4)
 TO_THE_END = Schedule(weight=1e5, iterations=100, tolerance=1e-5)
 HOPELESS = 5e-3
 """A path on which the optimiser's spheres, which lie within the shapes, overlap by more, metres, is not checked."""
@@ -34,13 +35,21 @@ HOPELESS = 5e-3
 
 @dataclass(slots=True)
 class Group:
-    """A batch with the best path of each phase so far."""
+    """A batch with the best path of each phase so far; `detour` tells which phases no straight start solved."""
 
     batch: Batch
     paths: Array
     cost: Array
     solved: NDArray[np.bool_]
     clearance: Array
+    detour: NDArray[np.bool_]
+
+
+def start_group(batch: Batch) -> Group:
+    """Straight paths, which nobody has checked."""
+    paths, count = batch.with_ends(straight(batch)), len(batch)
+    unknown = np.full(count, -np.inf)
+    return Group(batch, paths, path_cost(batch, paths), np.zeros(count, bool), unknown, np.zeros(count, bool))
 
 
 def straight(batch: Batch) -> Array:
@@ -105,6 +114,7 @@ def attempt(group: Group, index: Indices, inner: Array, schedule: Schedule, budg
     batch = group.batch.take(index)
     inner, iterations = smooth_paths(batch, inner, schedule, budget)
     _keep_best(group, index, batch, batch.with_ends(inner), budget)
+    group.detour |= ~group.solved
     for looks in LOOKS:
         near = np.unique(index[~group.solved[index] & (group.clearance[index] > -REPAIRED)])
         if len(near):
@@ -156,6 +166,20 @@ def _try_sampled(group: Group, phase: int, random: np.random.Generator, budget: 
     if starts is None:
         return 0
     return attempt(group, np.repeat(np.intp(phase), SAMPLED_STARTS), starts, Schedule(weight=1e5), budget)
+
+
+def polish_groups(groups: Sequence[Group], budget: Budget) -> int:
+    """Optimise the paths that keep clear of something by a detour once more, nearer to what they keep clear of; returns
+    the iterations of the longest phases. Others are as cheap as they can be near where they are."""
+    iterations = 0
+    for group in groups:
+        late = np.flatnonzero(group.detour & group.solved)
+        if len(late):
+            batch = group.batch.take(late).looking(LOOKS[0])
+            inner, more = smooth_paths(batch, group.paths[late, 1:-1], NEARER, budget)
+            _keep_best(group, late, batch, batch.with_ends(inner), budget)
+            iterations += more
+    return iterations
 
 
 def improve(group: Group, random: np.random.Generator, starts: int, budget: Budget) -> int:

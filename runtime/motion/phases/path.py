@@ -9,16 +9,17 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 
 import numpy as np
 
 from ....compiler.ir import World
 from ....compiler.motion.collision import contacts
-from ...budget import Budget
+from ...budget import Budget, OutOfTime
 from ...skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton, Violation
 from ..settings import MotionSettings
 from ..timing import shortest_duration
-from .attempts import Group, improve, solve_groups, straight
+from .attempts import Group, improve, polish_groups, solve_groups, start_group
 from .batch import Batch, excess_clearance, worst_clash
 from .geometry import make_parts
 from .kinematics import mounted_poses
@@ -85,7 +86,11 @@ def solve_sequence_path(
         failures = [v for group in groups for v in _failures(group, skeleton.problem.world)]
         result.violations += [v for v in failures if v.literal[0] != "step"]
         coarse = {v.phase for v in failures if v.literal[0] == "step"}
-        result.cost = float(sum(group.cost.sum() for group in groups))
+        result.cost = _cost(groups)
+        if settings.polish and not failures:
+            with suppress(OutOfTime):
+                result.iterations += polish_groups(groups, budget)
+            result.cost_before, result.cost = result.cost, _cost(groups)
         result.paths = _paths(skeleton, groups, trees, states, settings.slices)
         _refine(skeleton, result, states, sorted(coarse), settings, budget)
         _solve_others(skeleton, result, states, others, settings, seed, budget)
@@ -122,6 +127,8 @@ def _solve_others(
         result.paths[phase] = found.path
         result.violations += found.violations
         result.cost += found.cost
+        if result.cost_before is not None:
+            result.cost_before += found.cost
         result.iterations += found.iterations
 
 
@@ -142,12 +149,17 @@ def polish(
             group.paths[row] = np.stack(columns, axis=1)
         group.cost, group.solved = path_cost(group.batch, group.paths), np.ones(len(group.batch), bool)
         iterations += improve(group, np.random.default_rng([seed, k]), starts, budget)
-    cost = float(sum(group.cost.sum() for group in groups))
+    cost = _cost(groups)
     seconds = result.seconds + time.perf_counter() - started
     paths = _paths(skeleton, groups, trees, states, settings.slices)
     for phase in others:
         paths[phase] = result.paths[phase]
-    return BoundResult(result.bound, True, cost, seconds, iterations, result.configurations, paths, [])
+    before = result.cost if result.cost_before is None else result.cost_before
+    return BoundResult(result.bound, True, cost, seconds, iterations, result.configurations, paths, [], before)
+
+
+def _cost(groups: Sequence[Group]) -> float:
+    return float(sum(group.cost.sum() for group in groups))
 
 
 def _chain(
@@ -192,9 +204,7 @@ def _groups(
             [parts[p] for p in members], [states[p] for p in members], world, touching,
             settings.slices, settings.margin, settings.collisions,
         )
-        count = len(members)
-        paths = batch.with_ends(straight(batch))
-        groups.append(Group(batch, paths, path_cost(batch, paths), np.zeros(count, bool), np.full(count, -np.inf)))
+        groups.append(start_group(batch))
     return groups
 
 

@@ -1,0 +1,133 @@
+"""P_seqPath between slices and next to contacts: what is repaired, what it keeps clear of, and what polishing saves."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tamplang.compiler.ir import IDENTITY, Action, Body, Effector, Joint, Link, Module, ModuleType, Shape
+from tamplang.compiler.motion.collision import PhaseContacts, contacts, taper
+from tamplang.runtime.budget import Budget
+from tamplang.runtime.motion.phases import solve_sequence_path
+from tamplang.runtime.motion.phases.attempts import Group, attempt, homeward, start_group, straight
+from tamplang.runtime.motion.phases.batch import Batch
+from tamplang.runtime.motion.phases.geometry import make_parts
+from tamplang.runtime.motion.phases.shares import BOTH, END, FULL, NEVER, START, kind_of, share_table
+from tamplang.runtime.motion.phases.smoothing import Schedule, smooth_paths
+from tamplang.runtime.motion.phases.swept import sweep
+from tamplang.runtime.motion.phases.tree import phase_tree
+from tamplang.runtime.motion.sequence import solve_sequence
+from tamplang.runtime.motion.settings import MotionSettings
+from tamplang.runtime.skeleton import Configuration, Phase, Skeleton, start_configuration
+
+from .fixtures import box, make_problem, pick_and_place
+from .test_phases import arm_scene, planar_arm
+
+SETTINGS = MotionSettings()
+
+
+def cart_type() -> ModuleType:
+    """A ball of 5 cm that slides in the plane; effector A stays, B is the ball."""
+    joints = tuple(
+        Joint(f"j{i + 1}", "prismatic", i - 1, IDENTITY, axis, -9.0, 9.0, 0.0, 2.0)
+        for i, axis in enumerate(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+    )
+    ball = Shape("sphere", (0.05,))
+    return ModuleType("arm", joints, (Effector("A", "gripper", -1, IDENTITY, None),), (Link(1, IDENTITY, ball),))
+
+
+def cart_scene(bodies: list[Body], *ends: tuple[float, float]) -> tuple[Skeleton, list[Configuration]]:
+    """A cart that slides from one place to the next."""
+    foot = box("foot", (0.05, 0.05, 0.05), (0.0, 0.0, -0.5))
+    mode = frozenset({("stable", "foot", "arm.A")})
+    problem = make_problem([foot, *bodies], [Module("arm", cart_type(), IDENTITY, ends[0])], set(mode), "cart")
+    configurations = [start_configuration(problem) for _ in ends]
+    for configuration, values in zip(configurations, ends, strict=True):
+        configuration.modules["arm"][7:] = values
+    phases = tuple(Phase(Action("move", ()), mode, frozenset()) for _ in ends[1:])
+    return Skeleton(problem, phases, mode), configurations
+
+
+def group_of(skeleton: Skeleton, configurations: list[Configuration], phases: list[int]) -> Group:
+    world, pairs = skeleton.problem.world, [(configurations[p], configurations[p + 1]) for p in phases]
+    trees = [
+        phase_tree(skeleton.problem, p, skeleton.phases[p], *ends) for p, ends in zip(phases, pairs, strict=True)
+    ]
+    parts = [make_parts(tree, world) for tree in trees]
+    return start_group(Batch(parts, pairs, world, contacts(skeleton), SETTINGS.slices, SETTINGS.margin))
+
+
+def test_a_post_between_two_slices_is_passed_after_repair() -> None:
+    """The ball makes 0.4 m per slice half-way, and the post is in its way where no slice is."""
+    scene = cart_scene([box("post", (0.02, 0.02, 0.3), (0.2, 0.01, 0.0))], (-2.8, 0.0), (2.8, 0.0))
+    group = group_of(*scene, [0])
+    inner, _ = smooth_paths(group.batch, straight(group.batch), Schedule(), Budget(20.0))
+    path = group.batch.with_ends(inner)
+    obstacles, _, _ = group.batch.coarse.clearances(path)
+    assert obstacles.min() > SETTINGS.margin and not sweep(group.batch, path).clean[0]
+    attempt(group, np.arange(1), straight(group.batch), Schedule(), Budget(20.0))
+    assert group.solved[0] and group.detour[0]
+    away = np.linalg.norm(np.maximum(np.abs(dense(group.paths[0]) - [0.2, 0.01]) - 0.01, 0.0), axis=1) - 0.05
+    assert 1e-3 <= away.min() < 0.06
+
+
+def dense(path: np.ndarray) -> np.ndarray:
+    from scipy.interpolate import CubicSpline
+
+    return np.asarray(CubicSpline(np.arange(len(path)), path, bc_type="clamped")(np.linspace(0, len(path) - 1, 2001)))
+
+
+def test_the_first_bent_start_goes_towards_home() -> None:
+    scene = cart_scene([], (-2.0, 1.0), (2.0, 1.0))
+    batch = group_of(*scene, [0]).batch
+    assert homeward(batch, 1.0)[0, 9] == pytest.approx([0.0, 0.0])
+    assert homeward(batch, 0.5)[0, 9] == pytest.approx([0.0, 0.5])
+
+
+def test_sliding_joints_make_no_jumps() -> None:
+    """9 m in 20 slices are more than 0.5 m per slice."""
+    far = group_of(*cart_scene([], (-4.5, 0.0), (4.5, 0.0)), [0])
+    checked = sweep(far.batch, far.paths)
+    assert checked.step[0] > 0.0 and not checked.clean[0]
+    near = group_of(*cart_scene([], (-2.0, 0.0), (2.0, 0.0)), [0])
+    assert sweep(near.batch, near.paths).clean[0]
+
+
+def test_kinds_of_pairs_fade_as_contacts_do() -> None:
+    one, two, three, four = (("a", name) for name in ("b", "c", "d", "e"))
+    contact = PhaseContacts(frozenset({one}), frozenset({two, four}), frozenset({three, four}))
+    assert [kind_of(contact, name, "a") for name in "bcdef"] == [NEVER, START, END, BOTH, FULL]
+    times = np.linspace(0.0, 20.0, 41)
+    table = share_table(times, 20)
+    for objects, kind in ((two, START), (three, END), (four, BOTH), (("a", "f"), FULL)):
+        assert np.array_equal(table[kind], taper(contact, objects, times, 20))
+    assert taper(contact, one, times, 20) is None and np.isneginf(table[NEVER]).all()
+
+
+def test_repair_sees_the_true_corners_of_what_is_put_down() -> None:
+    skeleton = pick_and_place(2)
+    sequence = solve_sequence(skeleton, SETTINGS, 0, Budget(20.0))
+    batch = group_of(skeleton, sequence.configurations, [1, 3]).batch
+    assert batch.fading is None
+    seen = batch.looking(2).fading
+    assert seen is not None and 0 < len(seen.radius) < len(batch.fine.radius)
+    assert not (seen.obstacle_kinds == FULL).any() and (seen.obstacle_kinds >= START).any()
+    assert seen.radius.max() < batch.coarse.radius.max()
+
+
+def test_polishing_saves_cost_and_says_how_much() -> None:
+    scene = cart_scene([box("post", (0.02, 0.02, 0.3), (0.2, 0.01, 0.0))], (-2.8, 0.0), (2.8, 0.0))
+    raw = solve_sequence_path(*scene, replace(SETTINGS, polish=False), 0, Budget(20.0))
+    fine = solve_sequence_path(*scene, SETTINGS, 0, Budget(20.0))
+    assert raw.feasible and fine.feasible and raw.cost_before is None
+    assert fine.cost_before == raw.cost and fine.cost < 0.99 * raw.cost
+
+
+def test_hard_phases_fail_soon_when_switches_can_be_drawn_anew() -> None:
+    walls = [box("east", (1.0, 0.06, 0.3), (0.62, 0.0, 0.0)), box("west", (1.0, 0.06, 0.3), (-0.62, 0.0, 0.0))]
+    scene = arm_scene(planar_arm(2, 0.4), walls, (0.8, 0.2), (-0.8, -0.2))
+    soon = solve_sequence_path(*scene, SETTINGS, 0, Budget(20.0), thorough=False)
+    late = solve_sequence_path(*scene, SETTINGS, 0, Budget(20.0))
+    assert not soon.feasible and not late.feasible and soon.iterations < late.iterations
