@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ...compiler import ir
 from ...langs.diagnostics import Diagnostic
 from ..motion.movement import carrier, followers, involved, robots
 from ..resampling import kept_pairs
-from ..skeleton import Phase, Skeleton
+from ..skeleton import Configuration, Phase, PhasePath, Skeleton
 from .breakdowns import frozen, without
 from .state import Reached
 
@@ -70,6 +72,19 @@ class Failures:
         for module in sorted(self.locked - self.gone):
             problem = frozen(problem, module)
         return problem
+
+    def whole(self, path: PhasePath, configuration: Configuration) -> PhasePath:
+        """A motion with the joints of modules that are stuck or gone, at rest."""
+        modules = {}
+        count = len(next(iter(path.modules.values())))
+        for name, state in configuration.modules.items():
+            rows = path.modules.get(name)
+            if rows is None:
+                rows = np.tile(state, (count, 1))
+            elif rows.shape[1] < len(state):
+                rows = np.hstack([rows[:, :7], np.tile(state[7:], (count, 1))])
+            modules[name] = rows
+        return PhasePath(modules, path.bodies, path.duration)
 
     def _lost(self, breakdown: ir.Breakdown, reached: Reached) -> Diagnostic | None:
         """Why nothing can go on when a module leaves: it carries the rest of its robot, or holds something."""

@@ -31,11 +31,13 @@ LET_GO = 0.01
 
 
 def foreseen_problem(
-    problem: ir.Problem, reached: Reached, expected: Mapping[str, Array], met: frozenset[str]
-) -> ir.Problem:
+    problem: ir.Problem, reached: Reached, expected: Mapping[str, Array], met: frozenset[str],
+    passed: Mapping[str, str],
+) -> ir.Problem:  # fmt: skip
     """The task, begun from `reached` as it will be when bodies are at their `expected` poses `(7,)`.
 
-    Bodies in `met` are there even when a robot lets go of them now.
+    Bodies in `met` are there even when a robot lets go of them now. Those that `passed` names are where they are now,
+    as seen from that module.
     """
     if not expected:
         return reached_problem(problem, reached)
@@ -50,6 +52,9 @@ def foreseen_problem(
         shift = compose(modules[module][:7], inverse(now.modules[module][:7]))
         bodies[body] = compose(shift, now.bodies[body])
         bodies[body][:3] += AWAY * _outward(problem, end, modules[module])
+    for body, module in passed.items():
+        shift = compose(modules[module][:7], inverse(now.modules[module][:7]))
+        bodies[body] = compose(shift, now.bodies[body])
     return reached_problem(problem, replace(reached, configuration=Configuration(modules, bodies)))
 
 

@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 from ...compiler import ir
 from ..budget import Budget
 from ..lgp import SolveOptions, motion_settings
+from ..motion.movement import carrier
 from ..motion.path import solve_path
 from ..motion.phases import UnsupportedPhase, solve_sequence_path
 from ..motion.sequence import solve_sequence
 from ..motion.settings import MotionSettings
 from ..refusals import Refusals
-from ..skeleton import PhasePath, Skeleton
+from ..skeleton import BoundResult, PhasePath, Skeleton
 from ..verify.formulas import ReplayError
 from ..verify.replay import Interpreter
 from .foresight import concerned
@@ -42,12 +43,14 @@ class Window:
 
 class Planner:
     """Plans windows for one run. `status` says, after no way was found, why: "stuck" or "infeasible"; `refusals`
-    explain it. `failures` counts windows that were not found, one after the other: the next tries are others."""
+    explain it. `failures` counts windows that were not found, one after the other: the next tries are others.
+    `blamed` maps bodies that were in the way of the first phase of the last one to the modules that they stopped."""
 
     def __init__(self, options: SolveOptions) -> None:
         self.options = options
         self.status = "running"
         self.failures = 0
+        self.blamed: dict[str, str] = {}
         self.refusals: Refusals | None = None
 
     def known_way(
@@ -63,9 +66,10 @@ class Planner:
         for attempt, margin in enumerate(MARGINS):
             settings = _wider(motion_settings(problem, self.options), wider + margin)
             seed = self.options.seed + FRESH * self.failures + attempt
-            paths = _motions(skeleton, motions, settings, seed, budget)
-            if paths is not None:
-                return Window(problem, tuple(actions), skeleton, paths, moving)
+            found = _motions(skeleton, motions, settings, seed, budget)
+            if found.feasible:
+                return Window(problem, tuple(actions), skeleton, found.paths, moving)
+            self.blamed = _in_the_way(problem, found)
         return None
 
     def new_way(
@@ -116,16 +120,28 @@ def _replayed(problem: ir.Problem, actions: Sequence[ir.Action]) -> Skeleton | N
 
 def _motions(
     skeleton: Skeleton, motions: int, settings: MotionSettings, seed: int, budget: Budget
-) -> list[PhasePath] | None:
-    """Switches of the whole skeleton, then motions of its first phases; None when there are none."""
+) -> BoundResult:
+    """Switches of the whole skeleton, then motions of its first phases."""
     sequence = solve_sequence(skeleton, settings, seed, budget)
     if not sequence.feasible:
-        return None
+        return sequence
     first = _first(skeleton, motions)
     switches = sequence.configurations[: len(first) + 1]
     try:
-        found = solve_sequence_path(first, switches, settings, seed, budget)
+        return solve_sequence_path(first, switches, settings, seed, budget)
     except UnsupportedPhase:
         cut = replace(sequence, configurations=switches)
-        found = solve_path(first, settings, seed, budget, cut, pinned=True)
-    return found.paths if found.feasible else None
+        return solve_path(first, settings, seed, budget, cut, pinned=True)
+
+
+def _in_the_way(problem: ir.Problem, refused: BoundResult) -> dict[str, str]:
+    """Bodies that the first phase collides with, and the module that does."""
+    found = {}
+    for violation in refused.violations:
+        if violation.literal[0] == "collision" and violation.phase == 0:
+            _, *pair = violation.literal
+            for body, other in (pair, pair[::-1]):
+                module = carrier(problem, other)
+                if body in problem.world.bodies and module in problem.world.modules:
+                    found[body] = module
+    return found

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from ...compiler import ir
 from ..budget import Budget, OutOfTime
 from ..lgp import SolveOptions
-from ..skeleton import Array, PhasePath
+from ..resampling import kept_pairs
+from ..skeleton import Array, Phase, PhasePath
+from .drift import LOOKS, deepest
 from .failures import Failures
 from .foresight import displaced, foreseen_problem
 from .lookout import Lookout
@@ -18,10 +23,14 @@ FIRST_GUESS = 2.0
 """Seconds that a phase is assumed to take before any was seen."""
 ROOM = 1.1
 """What is added to the seconds that a phase takes."""
-ATTEMPTS = 4
+ATTEMPTS = 5
 """How often a window is planned anew because its first phase takes longer than assumed, or meets what it lets go."""
 SHORT = 0.3
 """What is left of a phase that was broken off may take so many seconds more."""
+WIDER = 0.01
+"""Metres by which margins grow for a phase that would get into what moves."""
+DEEP = 8e-4
+"""Metres that a phase may be in something, as when it leaves what rises."""
 LONGEST_SEARCH = 10.0
 """Seconds that the search for another way may take in mid-run."""
 
@@ -82,12 +91,17 @@ class Route:
         """A window whose first phase ends when its scene is the foreseen one."""
         poses = self.lookout.look(world)
         self.lookout.expect(world.time, poses)
-        met = frozenset[str]()
+        met, passed, wider = frozenset[str](), dict[str, str](), 0.0
         for _ in range(ATTEMPTS):
             expected = {b: self.lookout.sensing.foreseen(b, pose, seconds) for b, pose in poses.items()}
             base = self.failures.base(self.problem)
-            problem = self.failures.stuck(foreseen_problem(base, world.reached, expected, met))
-            window = self._search(world, problem) if search else self._known(problem)
+            problem = self.failures.stuck(foreseen_problem(base, world.reached, expected, met, passed))
+            window = self._search(world, problem) if search else self._known(problem, wider)
+            if window is None and not search:
+                more = self._in_the_way(world, passed)
+                if more:
+                    passed |= more
+                    continue
             if window is None or not window.moving or not window.paths:
                 return window
             self.way, search = window.actions, False
@@ -96,15 +110,33 @@ class Route:
             elsewhere = named & displaced(problem, world.reached, expected)
             if elsewhere:
                 met |= elsewhere
+                passed = {body: module for body, module in passed.items() if body not in elsewhere}
             elif window.paths[0].duration > seconds:
                 seconds = ROOM * window.paths[0].duration
+            elif self._meets(world, first, in_time(window.paths[0], seconds), poses):
+                wider += WIDER
             else:
                 self._seconds[first.action.rule] = ROOM * window.paths[0].duration
                 return replace(window, paths=[in_time(window.paths[0], seconds)])
         return None
 
-    def _known(self, problem: ir.Problem) -> Window | None:
-        return self.planner.known_way(problem, self.way, self.horizon, self._moving(), 0.0, self.budget)
+    def _in_the_way(self, world: World, passed: Mapping[str, str]) -> dict[str, str]:
+        """Bodies that only come in the way later, and that the robot passes meanwhile."""
+        kept = {name for pair in kept_pairs(self.problem, world.reached.mode) for name in pair}
+        bodies = self.problem.world.bodies
+        blamed = self.planner.blamed.items()
+        return {b: m for b, m in blamed if b not in passed and b not in kept and not bodies[b].movable}
+
+    def _meets(self, world: World, phase: Phase, path: PhasePath, poses: Mapping[str, Array]) -> bool:
+        """Whether a phase gets into something while bodies move on as they seem to."""
+        times = np.linspace(0.0, path.duration, LOOKS)
+        foreseen = self.lookout.sensing.foreseen
+        own = {body: np.array([foreseen(body, pose, float(t)) for t in times]) for body, pose in poses.items()}
+        whole = self.failures.whole(path, world.reached.configuration)
+        return deepest(self.problem, world.reached.configuration, phase, whole, own) > DEEP
+
+    def _known(self, problem: ir.Problem, wider: float) -> Window | None:
+        return self.planner.known_way(problem, self.way, self.horizon, self._moving(), wider, self.budget)
 
     def _search(self, world: World, problem: ir.Problem) -> Window | None:
         previous = world.reached.previous

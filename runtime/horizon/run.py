@@ -199,7 +199,7 @@ class Run:
         """Carry out the phases of a window that have motions; why the next one is planned."""
         for phase, path in zip(window.skeleton.phases, window.paths, strict=False):
             self._say(str(phase.action))
-            reason = self._carry_out(phase, self._whole(path), window)
+            reason = self._carry_out(phase, self._failures.whole(path, self.world.reached.configuration), window)
             if reason is not None:
                 return reason
         return "next window"
@@ -254,20 +254,6 @@ class Run:
         self.world.reached = replace(reached, facts=outcome.facts, mode=outcome.motion, previous=action)
         self.world.begin(outcome.motion)
         self._route.done()
-
-    def _whole(self, path: PhasePath) -> PhasePath:
-        """The motion with the joints of modules that are stuck or gone, at rest."""
-        modules = {}
-        count = _knots(path)
-        for name, state in self.world.reached.configuration.modules.items():
-            rows = path.modules.get(name)
-            if rows is None:
-                modules[name] = np.tile(state, (count, 1))
-            elif rows.shape[1] < len(state):
-                modules[name] = np.hstack([rows[:, :7], np.tile(state[7:], (count, 1))])
-            else:
-                modules[name] = rows
-        return PhasePath(modules, path.bodies, path.duration)
 
     # --- the outcome ---------------------------------------------------------------------------------------------
 

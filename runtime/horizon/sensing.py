@@ -9,11 +9,11 @@ import numpy as np
 
 from ..skeleton import Array
 
-PERIOD = 0.1
+PERIOD = 0.05
 """Seconds between two looks at the scene."""
-MEMORY = 10
+MEMORY = 20
 """Looks from which a velocity is estimated."""
-TOLERANCE = 1e-3
+TOLERANCE = 5e-4
 """Metres by which a body may be off where a window expects it."""
 SURE = 5.0
 """Standard deviations of the noise that make no difference."""
