@@ -12,6 +12,16 @@ import numpy as np
 from ..ir import And, Arith, Compare, Exists, Forall, Formula, Function, Not, Number, Or, Term
 from .normal_form import FALSE, NEGATED, TRUE
 
+COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
+    "=": operator.eq,
+    "!=": operator.ne,
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+}
+SLACK = 1e-9
+
 
 def flip(formula: Formula) -> Formula:
     """The negation of a normal-form formula, negations at the leaves again."""
@@ -86,3 +96,9 @@ MATHS: dict[str, Callable[..., Any]] = {
     "cos": math.cos,
     "floor": math.floor,
 }
+
+
+def holds(comparison: str, left: Any, right: Any) -> Any:
+    """Compare two lengths; bounds are loosened by a rounding error. Works on arrays."""
+    slack = {"<=": SLACK, ">": SLACK, ">=": -SLACK, "<": -SLACK}.get(comparison, 0.0)
+    return COMPARISONS[comparison](left, right + slack)

@@ -15,11 +15,15 @@ from numpy.typing import NDArray
 
 from ..ir import Chain, ModuleType, Pose, Problem, Shape
 from ..poses import compose, joint_frames, make, orientation, position, rotate
+from .lengths import longest_chain, path_length, shape_radius
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 STRAIGHT = 1e-9
 THIN = 1e-4
+UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+FEW = 4
+"""So many single lengths from an object are looked up one by one before all of them are computed at once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +55,7 @@ class Geometry:
         self._all_plain = bool(self._plain.all())
         self._pairs: dict[tuple[str, int, int, float], float] = {}
         self._rows: dict[tuple[str, int, float], list[float]] = {}
+        self._asked: dict[tuple[str, int, float], int] = {}
         self._tables: dict[tuple[Any, ...], Array] = {}
         self._reaches: dict[tuple[str, str, str], float] = {}
 
@@ -83,14 +88,7 @@ class Geometry:
 
     def longest_reach(self, modules: int) -> float:
         """No chain of so many of the scene's modules reaches farther."""
-        lengths = []
-        for name, module in self.problem.world.modules.items():
-            ends = [e.name for e in module.type.effectors]
-            radii = [float(self._radius[self.index[f"{name}.{e}"]]) for e in ends] or [0.0]
-            longest = max((path_length(module.type, a, b) for a in ends for b in ends), default=0.0)
-            lengths.append((longest + 2 * max(radii), min(radii)))
-        thinnest = min((thin for _, thin in lengths), default=0.0)
-        return sum(sorted((whole for whole, _ in lengths), reverse=True)[:modules]) - 2 * thinnest
+        return longest_chain(self.problem.world.modules.values(), modules)
 
     def _effector(self, name: str) -> tuple[ModuleType, str]:
         found = self.problem.world.effector(name)
@@ -100,12 +98,7 @@ class Geometry:
 
     def _lookup(self, kind: str, i: Any, j: Any, inset: float) -> Any:
         if isinstance(i, int) and isinstance(j, int):
-            row = self._rows.get((kind, i, inset))
-            if row is None:
-                everything = np.arange(len(self.names))
-                row = self._rows[kind, i, inset] = self._formula(kind, np.array(i), everything, inset).tolist()
-            plain = self._plain[i] and self._plain[j]
-            return row[j] if plain else self._exact(kind, i, j, inset)
+            return self._single(kind, i, j, inset)
         i, j = np.asarray(i), np.asarray(j)
         if i.ndim < 2 or j.ndim < 2:
             return self._table(kind, i, j, inset)
@@ -113,6 +106,23 @@ class Geometry:
         if key not in self._tables:
             self._tables[key] = self._table(kind, i, j, inset)
         return self._tables[key]
+
+    def _single(self, kind: str, i: int, j: int, inset: float) -> float:
+        """One length; lengths are the same both ways, so the object that is asked for most gets a whole row."""
+        if not (self._plain[i] and self._plain[j]):
+            return self._exact(kind, i, j, inset)
+        for a, b in ((i, j), (j, i)):
+            known = self._rows.get((kind, a, inset))
+            if known is not None:
+                return known[b]
+        for a, b in ((i, j), (j, i)):
+            self._asked[kind, a, inset] = self._asked.get((kind, a, inset), 0) + 1
+            if self._asked[kind, a, inset] > FEW:
+                everything = np.arange(len(self.names))
+                row: list[float] = self._formula(kind, np.array(a), everything, inset).tolist()
+                self._rows[kind, a, inset] = row
+                return row[b]
+        return float(self._formula(kind, np.array(i), np.array(j), inset))
 
     def _table(self, kind: str, i: Indices, j: Indices, inset: float) -> Array:
         values = self._formula(kind, i, j, inset)
@@ -174,7 +184,7 @@ class Geometry:
         if len(placed) != 1:
             return
         shape, pose = placed[0].shape, placed[0].pose
-        self._radius[i] = shape.size[0] if shape.kind != "box" else math.hypot(*shape.size) / 2
+        self._radius[i] = shape_radius(shape)
         grown = grown_box(shape, pose)
         if grown is None:
             return
@@ -184,31 +194,6 @@ class Geometry:
         self._half[i], self._round[i] = half, radius
         self._top[i, 2] += half[2] + radius
         self._face[i] = half[:2]
-
-
-def path_length(module: ModuleType, start: str, end: str) -> float:
-    """Upper bound in metres on the distance of two effectors of a module: lengths of the placements on the way between
-    them, with the full travel of prismatic joints."""
-
-    def climb(name: str) -> list[tuple[int, tuple[float, float, float], float]]:
-        effector = module.effector(name)
-        at, point, travel = effector.joint, position(effector.placement), 0.0
-        steps = [(at, point, 0.0)]
-        while at >= 0:
-            joint = module.joints[at]
-            travel += math.hypot(*point)
-            if joint.kind == "prismatic":
-                travel += max(abs(joint.lower), abs(joint.upper))
-            at, point = joint.parent, position(joint.placement)
-            steps.append((at, point, travel))
-        return steps
-
-    first, second = climb(start), {at: (point, travel) for at, point, travel in climb(end)}
-    for at, point, travel in first:
-        if at in second:
-            other, rest = second[at]
-            return travel + rest + math.dist(point, other)
-    return math.inf
 
 
 def grown_box(shape: Shape, pose: Pose) -> tuple[tuple[float, float, float], float] | None:
@@ -221,6 +206,8 @@ def grown_box(shape: Shape, pose: Pose) -> tuple[tuple[float, float, float], flo
         local, radius = [0.0, 0.0, shape.size[1] / 2], shape.size[0]
     else:
         return None
+    if orientation(pose) == UPRIGHT:
+        return (local[0], local[1], local[2]), radius
     half = [0.0, 0.0, 0.0]
     for k in range(3):
         axis = rotate(orientation(pose), (float(k == 0), float(k == 1), float(k == 2)))

@@ -6,11 +6,11 @@ between small objects and hence the chains. What remains is a formula over the o
 
 from __future__ import annotations
 
-import operator
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..ir import (
     Aggregate,
@@ -41,7 +41,7 @@ from ..ir import (
     Var,
     Variable,
 )
-from .algebra import MATHS, arithmetic, conjunction, disjunction, flip, is_plain, negation
+from .algebra import COMPARISONS, MATHS, arithmetic, conjunction, disjunction, flip, holds, is_plain, negation
 from .chains import Word
 from .geometry import Geometry
 from .layout import FIELD, FLAG, STATIC, Layout
@@ -49,15 +49,6 @@ from .normal_form import FALSE, TRUE, free_names
 
 Environment = Mapping[str, Any]
 """Values of variables: an object's name, a number, a chain; or an array of object indices for a whole row at once."""
-COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
-    "=": operator.eq,
-    "!=": operator.ne,
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-}
-SLACK = 1e-9
 FEW = 4
 
 
@@ -74,6 +65,7 @@ class Guards:
         self._types: dict[str, tuple[str, ...]] = {}
         self._order = geometry.index
         self._ordered: dict[frozenset[str], tuple[Value, ...]] = {}
+        self._indices: dict[int, tuple[Sequence[Value], NDArray[np.int64]]] = {}
 
     # --- terms ---------------------------------------------------------------------------------------------------
 
@@ -211,16 +203,10 @@ class Guards:
             if _is_thing(left, env) or _is_thing(right, env):
                 return Compare(formula.operator, left, right)
             if free_names(left) | free_names(right) <= env.keys():
-                return TRUE if self.holds(formula.operator, self.number(left, env), self.number(right, env)) else FALSE
+                return TRUE if holds(formula.operator, self.number(left, env), self.number(right, env)) else FALSE
         except Undefined:
             return FALSE
         return Compare(formula.operator, left, right)
-
-    @staticmethod
-    def holds(comparison: str, left: Any, right: Any) -> Any:
-        """Compare two lengths; bounds are loosened by a rounding error. Works on arrays."""
-        slack = {"<=": SLACK, ">": SLACK, ">=": -SLACK, "<": -SLACK}.get(comparison, 0.0)
-        return COMPARISONS[comparison](left, right + slack)
 
     def _exists(self, formula: Exists, env: Environment, word: Word | None) -> Formula:
         kept = [v for v in formula.variables if not self.is_small(v)]
@@ -386,12 +372,19 @@ class Guards:
         usable = [f for f in live if isinstance(f, Compare) and free_names(f) == {variable.name} and is_plain(f)]
         if not usable:
             return values, live
-        indices = np.array([self._order[str(v)] for v in values])
+        indices = self._indices_of(values)
         keep = np.ones(len(indices), dtype=bool)
         for formula in usable:
             inner = {**env, variable.name: indices}
-            keep &= self.holds(formula.operator, self.number(formula.left, inner), self.number(formula.right, inner))
+            keep &= holds(formula.operator, self.number(formula.left, inner), self.number(formula.right, inner))
         return [values[int(i)] for i in np.flatnonzero(keep)], [f for f in live if f not in usable]
+
+    def _indices_of(self, values: Sequence[Value]) -> NDArray[np.int64]:
+        """The indices of objects; those of a list that is met again are kept."""
+        known = self._indices.get(id(values))
+        if known is None or known[0] is not values:
+            known = self._indices[id(values)] = values, np.array([self._order[str(v)] for v in values])
+        return known[1]
 
 
 def _is_thing(term: Term, env: Environment) -> bool:

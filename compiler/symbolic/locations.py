@@ -7,7 +7,6 @@ some choice of everything else: lengths that depend on chains or modules count w
 
 from __future__ import annotations
 
-import heapq
 import itertools
 import math
 from collections.abc import Mapping, Sequence
@@ -30,6 +29,7 @@ from ..ir import (
     Type,
     Var,
 )
+from .algebra import holds
 from .domains import FlatRule, scoped_effects
 from .guards import Guards
 from .layout import FIELD, Field
@@ -159,21 +159,22 @@ class Family:
         return self._distances[key]
 
     def _shortest(self, starts: NDArray[np.bool_], modules: int) -> list[float]:
+        """Dijkstra's distances, all places of one cost at a time."""
         edges = self.edges(modules)
         best = np.where(starts, 0.0, math.inf)
-        queue = [(0.0, int(i)) for i in np.flatnonzero(starts)]
-        while queue:
-            cost, y = heapq.heappop(queue)
-            if cost > best[y]:
-                continue
+        waiting: NDArray[np.bool_] = starts
+        while waiting.any():
+            cost = float(best[waiting].min())
+            level: NDArray[np.bool_] = waiting & (best == cost)
+            waiting = waiting & ~level
             for edge in edges:
                 if edge.matrix is None:
-                    better = best > cost + edge.cost if edge.targets[y] else np.zeros(len(best), dtype=bool)
+                    near = np.full(len(best), bool((edge.targets & level).any()))
                 else:
-                    better = edge.matrix[:, y] & (best > cost + edge.cost)
-                for x in np.flatnonzero(better):
-                    best[x] = cost + edge.cost
-                    heapq.heappush(queue, (float(best[x]), int(x)))
+                    near = edge.matrix[:, level].any(axis=1)
+                better = near & (best > cost + edge.cost)
+                best[better] = cost + edge.cost
+                waiting = waiting | better
         return [float(b) for b in best]
 
     def _from_nowhere(self, distances: Sequence[float], modules: int) -> float:
@@ -210,8 +211,7 @@ class Bounds:
                 low, high = self.interval(formula.left, env), self.interval(formula.right, env)
                 if formula.operator in (">", ">="):
                     low, high = high, low
-                comparison = "<=" if formula.operator in ("<=", ">=") else "<"
-                found = found & self.guards.holds("<=" if comparison == "<" else comparison, low[0], high[1])
+                found = found & holds("<=", low[0], high[1])
         return found
 
     def interval(self, term: Term, env: Mapping[str, Any]) -> Interval:

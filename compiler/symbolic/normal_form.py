@@ -40,6 +40,9 @@ FALSE = Or(())
 MOST_ALTERNATIVES = 16
 NEGATED = {"=": "!=", "!=": "=", "<": ">=", ">=": "<", "<=": ">", ">": "<="}
 Renaming = Mapping[str, Term]
+MOST_KNOWN = 10000
+_free: dict[int, tuple[Formula | Term | Type, frozenset[str]]] = {}
+"""By identity: equality of large terms costs more than what is looked up."""
 
 
 class NormalForm:
@@ -202,8 +205,15 @@ def _chain_name(name: str, renaming: Renaming) -> str:
 
 
 def free_names(item: Formula | Term | Type) -> frozenset[str]:
-    """Names of the variables that are free in a formula, term or type."""
-    return frozenset(_names(item))
+    """Names of the variables that are free in a formula, term or type; those of the last `MOST_KNOWN` are kept."""
+    known = _free.get(id(item))
+    if known is not None and known[0] is item:
+        return known[1]
+    if len(_free) >= MOST_KNOWN:
+        _free.clear()
+    names = frozenset(_names(item))
+    _free[id(item)] = item, names
+    return names
 
 
 def _names(item: Formula | Term | Type) -> Iterator[str]:

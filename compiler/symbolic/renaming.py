@@ -119,6 +119,10 @@ def renamed_action(action: Action, names: Mapping[str, str]) -> Action:
     return Action(action.rule, tuple(map(renamed, action.args)))
 
 
+Linked = tuple[list[Fact], dict[str, list[tuple[int, str]]]]
+"""The links that hold, and for each object its neighbours by them."""
+
+
 class Renaming:
     """Sorts interchangeable modules, and their ends, by what holds of them and of what they are linked to."""
 
@@ -150,7 +154,7 @@ class Renaming:
             self.pair_mask |= bit
         self._shapes: dict[int, dict[str, int]] = {}
         """Colours by the flags alone: they come first, so that few flag words stand for all."""
-        self._links: dict[int, list[Fact]] = {}
+        self._links: dict[int, Linked] = {}
         self._known: dict[int, int] = {}
 
     def canonical(self, state: int) -> int:
@@ -167,14 +171,21 @@ class Renaming:
     def _values(self, state: int) -> dict[str, tuple[int, ...]]:
         return {o: tuple([state >> shift & mask for _, shift, mask in self.places[o]]) for o in self.objects}
 
-    def _linked(self, state: int) -> list[Fact]:
+    def _linked(self, state: int) -> Linked:
         word = state & self.pair_mask
-        links = self._links.get(word)
-        if links is None:
-            links = self._links[word] = [fact for bit, fact in self.pairs if word & bit]
-        return links
+        known = self._links.get(word)
+        if known is None:
+            facts = [fact for bit, fact in self.pairs if word & bit]
+            around: dict[str, list[tuple[int, str]]] = {o: [] for o in self.objects}
+            for fact in facts:
+                symmetric = self.layout.problem.predicates[fact[0]].symmetric
+                for k, (here, there) in enumerate(((fact[1], fact[2]), (fact[2], fact[1]))):
+                    if here in around:
+                        around[here].append((0 if symmetric else k, there))
+            known = self._links[word] = facts, around
+        return known
 
-    def _named(self, state: int, values: Mapping[str, tuple[int, ...]], links: list[Fact]) -> dict[str, str]:
+    def _named(self, state: int, values: Mapping[str, tuple[int, ...]], links: Linked) -> dict[str, str]:
         flags = state & self.layout.flag_mask
         shape = self._shapes.get(flags)
         if shape is None:
@@ -190,27 +201,23 @@ class Renaming:
         for old, new in names.items():
             for value, (_, shift, _) in zip(values[old], self.places[new], strict=True):
                 renamed |= value << shift
-        for fact in links:
+        for fact in links[0]:
             pair = (fact[0], names.get(fact[1], fact[1]), names.get(fact[2], fact[2]))
             renamed |= self.layout.flags[self.layout.canonical(pair)]
         return renamed
 
-    def _colours(self, values: Mapping[str, tuple[int, ...]], links: list[Fact]) -> dict[str, int]:
+    def _colours(self, values: Mapping[str, tuple[int, ...]], links: Linked) -> dict[str, int]:
         """A number per object that depends on what holds of it and, step by step, of its neighbours."""
+        facts, around = links
         colours = {o: hash(value) for o, value in values.items()}
-        for _ in range(min(len(links), len(self.objects)) + 1):
-            around: dict[str, list[int]] = {o: [] for o in self.objects}
-            for fact in links:
-                symmetric = self.layout.problem.predicates[fact[0]].symmetric
-                for k, (here, there) in enumerate(((fact[1], fact[2]), (fact[2], fact[1]))):
-                    if here in around:
-                        around[here].append(hash((0 if symmetric else k, colours.get(there, 0))))
+        for _ in range(min(len(facts), len(self.objects)) + 1):
             fresh = {}
             for group in self.groups:
                 for module in group:
                     whole = hash(tuple(sorted([colours[o] for o in module])))
                     for o in module:
-                        fresh[o] = hash((colours[o], whole, tuple(sorted(around[o]))))
+                        near = sorted([hash((k, colours.get(there, 0))) for k, there in around[o]])
+                        fresh[o] = hash((colours[o], whole, tuple(near)))
             colours = fresh
         return colours
 
