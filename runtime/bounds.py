@@ -55,6 +55,8 @@ class Judgement:
 
     accepted: bool
     paths: list[PhasePath] | None = None
+    path_cost: float | None = None
+    path_cost_before: float | None = None
     conflicts: list[Conflict] = field(default_factory=list)
 
 
@@ -128,11 +130,11 @@ class Bounds:
         self.tries = None
 
     def believe(
-        self, skeleton: Skeleton, actions: Sequence[Action], paths: Sequence[PhasePath], statistics: StatisticsRecord
+        self, skeleton: Skeleton, actions: Sequence[Action], judgement: Judgement, statistics: StatisticsRecord
     ) -> Plan:
         """The plan with the verifier's verdict in it. One that is refused gets a second motion, with larger margins and
         from another seed. Raises OutOfTime."""
-        plan = self._verified(skeleton, actions, paths, statistics)
+        plan = self._verified(skeleton, actions, judgement, statistics)
         if plan.verdict is not None and plan.verdict.verified:
             return plan
         careful, seed = self.settings, self.seed
@@ -145,16 +147,19 @@ class Bounds:
             self.settings, self.seed = careful, seed
         if judgement.paths is None:
             return plan
-        again = self._verified(skeleton, actions, judgement.paths, statistics)
+        again = self._verified(skeleton, actions, judgement, statistics)
         return again if again.verdict is not None and again.verdict.verified else plan
 
     def _verified(
-        self, skeleton: Skeleton, actions: Sequence[Action], paths: Sequence[PhasePath], statistics: StatisticsRecord
+        self, skeleton: Skeleton, actions: Sequence[Action], judgement: Judgement, statistics: StatisticsRecord
     ) -> Plan:
         import msgspec
 
+        statistics = msgspec.structs.replace(
+            statistics, path_cost=judgement.path_cost, path_cost_before=judgement.path_cost_before
+        )
         self.tell("verify", f"verifying a plan of {len(actions)} actions")
-        plan = assemble(self.problem, actions, skeleton, paths, statistics)
+        plan = assemble(self.problem, actions, skeleton, judgement.paths or [], statistics)
         with self.clock("verify"):
             verdict = verify(plan)
         return msgspec.structs.replace(plan, verdict=verdict)
@@ -299,17 +304,17 @@ class Bounds:
                 sequence = again
             if path is None:
                 self._expect_attempt(skeleton, sequence, result, attempt + 1)
-                path = self._sequence_path(skeleton, sequence)
+                path = self._sequence_path(skeleton, sequence, result is not None)
             result = path
             if result.feasible:
-                return Judgement(True, result.paths)
+                return Judgement(True, result.paths, path_cost=result.cost, path_cost_before=result.cost_before)
             blamed.append({v.phase for v in result.violations})
         assert result is not None
         bound = "seq-path"
         if self.finest == "path":
             free = self._path(skeleton, sequence)
             if free is not None and free.feasible:
-                return Judgement(True, free.paths)
+                return Judgement(True, free.paths, path_cost=free.cost)
             bound = "path"
         return Judgement(False, conflicts=[_blame(bound, result, blamed, len(skeleton))])
 
@@ -358,10 +363,10 @@ class Bounds:
         self._count("path", result.feasible)
         return result
 
-    def _sequence_path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult:
+    def _sequence_path(self, skeleton: Skeleton, sequence: BoundResult, thorough: bool) -> BoundResult:
         self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
         with self.clock("seq_path"):
-            result = sequence_path(skeleton, sequence, self.settings, self.seed, self.budget)
+            result = sequence_path(skeleton, sequence, self.settings, self.seed, self.budget, thorough)
         self._count("seq-path", result.feasible)
         return result
 

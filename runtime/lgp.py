@@ -15,7 +15,7 @@ from ..compiler.ir import Problem
 from ..compiler.symbolic.successors import Successors
 from ..langs.diagnostics import Diagnostic
 from .ahead import Ahead
-from .bounds import EXPECTED, Bounds
+from .bounds import EXPECTED, Bounds, Judgement
 from .budget import Budget, OutOfTime
 from .motion.settings import MotionSettings
 from .plan import Plan, StatisticsRecord
@@ -23,7 +23,7 @@ from .refusals import Refusals, fewer
 from .search.best_first import Candidate, SkeletonSearch
 from .search.roomy import Strain, Surcharge, roomier
 from .search.skeletons import build_skeleton
-from .skeleton import PhasePath, Skeleton
+from .skeleton import Skeleton
 
 BOUNDS = ("seq", "seq-path", "path")
 SEARCHES = ("astar", "wastar", "bfs", "guide")
@@ -151,7 +151,7 @@ class _Run:
         skeleton = build_skeleton(self.problem, candidate.actions, search.successors)
         judgement = self.bounds.judge(skeleton, self.strain.along(candidate.numbers))
         if judgement.accepted:
-            if judgement.paths is None or self._believed(skeleton, candidate, judgement.paths):
+            if judgement.paths is None or self._believed(skeleton, candidate, judgement):
                 self.accepted.append(candidate)
                 self._tell("solved", f"plan {len(self.accepted)}: {len(candidate.actions)} actions")
             search.forbid_plan(candidate)
@@ -164,9 +164,10 @@ class _Run:
             short = not self.again and conflict.bound in ("seq", EXPECTED) and conflict.last < MOST_REMEMBERED
             search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start and not short)
 
-    def _believed(self, skeleton: Skeleton, candidate: Candidate, paths: list[PhasePath]) -> bool:
+    def _believed(self, skeleton: Skeleton, candidate: Candidate, judgement: Judgement) -> bool:
         """Whether the verifier believes a motion; then the plan is kept and handed on."""
-        plan = self.bounds.believe(skeleton, candidate.actions, paths, self._statistics([*self.accepted, candidate]))
+        statistics = self._statistics([*self.accepted, candidate])
+        plan = self.bounds.believe(skeleton, candidate.actions, judgement, statistics)
         if plan.verdict is None or not plan.verdict.verified:
             self.distrusted.append(plan)
             return False
@@ -198,6 +199,8 @@ class _Run:
         self.accepted = [self.accepted[i] for i in order]
         plans = [_with_statistics(self.plans[i], statistics, self.accepted[k].cost) for k, i in enumerate(order)
                  if i < len(self.plans)]  # fmt: skip
+        if plans:
+            statistics = plans[0].statistics
         explanation = self.refusals.explain(status) if not self.accepted else []
         if self.accepted:
             missing = self.options.solutions - len(self.accepted)
@@ -233,9 +236,12 @@ def motion_settings(problem: Problem, options: SolveOptions) -> MotionSettings:
 
 
 def _with_statistics(plan: Plan, statistics: StatisticsRecord, cost: float) -> Plan:
-    """The plan with the figures of the whole run, but its own cost and gap."""
+    """The plan with the figures of the whole run, but its own costs and gap."""
     import msgspec
 
     gap = None if statistics.gap is None else statistics.gap + cost - statistics.cost
-    own = msgspec.structs.replace(statistics, cost=cost, gap=gap, optimal=gap == 0.0)
+    path, before = plan.statistics.path_cost, plan.statistics.path_cost_before
+    own = msgspec.structs.replace(
+        statistics, cost=cost, gap=gap, optimal=gap == 0.0, path_cost=path, path_cost_before=before
+    )
     return msgspec.structs.replace(plan, statistics=own)

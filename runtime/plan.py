@@ -191,6 +191,8 @@ class SearchNode(msgspec.Struct, frozen=True):
 
 
 class StatisticsRecord(msgspec.Struct, frozen=True):
+    """How a plan was found. `path_cost` is the cost of its motion, `path_cost_before` that before it was polished."""
+
     tree_nodes: int = 0
     expanded_nodes: int = 0
     optimal: bool = False
@@ -200,6 +202,8 @@ class StatisticsRecord(msgspec.Struct, frozen=True):
     bounds: list[BoundRecord] = []
     refusals: list[RefusalRecord] = []
     tree: list[SearchNode] = []
+    path_cost: float | None = None
+    path_cost_before: float | None = None
 
 
 class SourceRecord(msgspec.Struct, frozen=True):

@@ -81,12 +81,13 @@ class Attempt(Question[tuple[BoundResult, BoundResult | None]]):
 
 
 def sequence_path(
-    skeleton: Skeleton, sequence: BoundResult, settings: MotionSettings, seed: int, budget: Budget
-) -> BoundResult:
+    skeleton: Skeleton, sequence: BoundResult, settings: MotionSettings, seed: int, budget: Budget,
+    thorough: bool = True,
+) -> BoundResult:  # fmt: skip
     """P_seqPath between the switch configurations of `sequence`; as one program where phases cannot be told apart.
-    Raises OutOfTime."""
+    Unless `thorough`, hard phases fail soon. Raises OutOfTime."""
     try:
-        return solve_sequence_path(skeleton, sequence.configurations, settings, seed, budget)
+        return solve_sequence_path(skeleton, sequence.configurations, settings, seed, budget, thorough)
     except UnsupportedPhase:
         return solve_path(skeleton, settings, seed, budget, sequence, pinned=True)
 

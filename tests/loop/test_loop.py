@@ -100,3 +100,6 @@ def test_plans_are_handed_on_as_they_are_found() -> None:
     assert len({plan.actions for plan in found}) == 2
     costs = [plan.record.statistics.cost for plan in result.plans]
     assert costs == sorted(costs)
+    for plan in result.plans:
+        cost, before = plan.record.statistics.path_cost, plan.record.statistics.path_cost_before
+        assert cost is not None and before is not None and 0.0 < cost <= before
