@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from ..compiler.ir import Action, Problem
 from .ahead import Ahead
 from .assemble import assemble
 from .budget import Budget, Clock, OutOfTime
 from .experience import Experience
 from .motion.path import solve_path
-from .motion.sequence import LONGEST, judged_alone, solve_sequence
+from .motion.sequence import LONGEST, NOISE, judged_alone, solve_sequence
 from .motion.settings import MotionSettings
+from .motion.starts import guess
 from .plan import BoundRecord, Plan, StatisticsRecord
 from .questions import Attempt, Whole, Window, resampled, sequence_path, unmoved
 from .skeleton import BoundResult, Configuration, PhasePath, Skeleton, Violation
@@ -51,13 +54,15 @@ class Conflict:
 
 @dataclass(slots=True)
 class Judgement:
-    """Either accepted, with the motion of every phase unless only P_seq was asked for, or refused with conflicts."""
+    """Either accepted, with the motion of every phase unless only P_seq was asked for, or refused with conflicts.
+    `ahead` holds the switch configurations behind the phases that got their motion."""
 
     accepted: bool
     paths: list[PhasePath] | None = None
     path_cost: float | None = None
     path_cost_before: float | None = None
     conflicts: list[Conflict] = field(default_factory=list)
+    ahead: list[Configuration] = field(default_factory=list)
 
 
 class Bounds:
@@ -109,18 +114,32 @@ class Bounds:
             if sequence.feasible:
                 if self.finest == "seq":
                     return Judgement(True)
-                if motions is not None and motions < len(skeleton):
-                    skeleton = beginning(skeleton, motions)
-                    sequence = replace(sequence, configurations=sequence.configurations[: motions + 1])
-                if not skeleton.phases:
-                    return Judgement(True, paths=[])
-                return self._paths(skeleton, sequence)
+                return self._beginning(skeleton, sequence, len(skeleton) if motions is None else motions)
             conflicts = [self._shrink(skeleton, sequence)]
         for c in conflicts:
             window = slice(c.first, c.last + 1)
             if not (c.from_start and self.tries is None):
                 self.experience.refuse(skeleton.phases[window], strains[window], c.from_start)
         return Judgement(False, conflicts=conflicts)
+
+    def go_on(self, skeleton: Skeleton, motions: int, ahead: Sequence[Configuration]) -> Judgement:
+        """As `judge`, for a way that was seen before: `ahead` holds its first switch configurations as they were
+        expected then. A refusal has no conflicts. Raises OutOfTime."""
+        random = np.random.default_rng(self.seed)
+        rest = range(len(ahead), len(skeleton))
+        warm = [*ahead[: len(skeleton)], *guess(skeleton, rest, ahead[-1], random, NOISE)]
+        sequence = self._sequence(skeleton, self.seed, warm)
+        return self._beginning(skeleton, sequence, motions) if sequence.feasible else Judgement(False)
+
+    def _beginning(self, skeleton: Skeleton, sequence: BoundResult, motions: int) -> Judgement:
+        """Motion for the first phases of a skeleton between the switches that P_seq has found."""
+        first = beginning(skeleton, motions)
+        if not first.phases:
+            return Judgement(True, paths=[])
+        known = sequence.configurations[: len(first) + 1]
+        judgement = self._paths(first, replace(sequence, configurations=known))
+        judgement.ahead = sequence.configurations[len(first) + 1 :]
+        return judgement
 
     def try_harder(self) -> None:
         """Forget every refusal; from now on each span gets all its starts, and others than before."""

@@ -34,8 +34,8 @@ HARD = 2
 """So many refused candidates in one window make the adaptive horizon grow."""
 BACKTRACKS = 24
 """How many windows are undone before the run gives up."""
-ALTERNATIVES = 3
-"""How many beginnings are forbidden at one state before the window that led there is undone."""
+MOTIONS = 2
+"""How many motions a beginning gets before it is forbidden; and how often as many windows are undone before more."""
 VISITS = 2
 """How often windows may start at the same facts."""
 SEEDS = 101
@@ -92,6 +92,7 @@ class _Run:
         self.levels = [_Level(start(problem))]
         self.kept: list[_Kept] = []
         self.plan: Plan | None = None
+        self.deepest = self.setbacks = 0
         self.undone = self.doubts = self.tree_nodes = self.expanded_nodes = self.candidates = 0
         self.reason = "start"
         self.first_motion: float | None = None
@@ -132,7 +133,7 @@ class _Run:
             window = plan_window(
                 self.problem, level.reached, self.options, self.horizon, self.budget, self.memory,
                 seed=self.options.seed + SEEDS * level.failures, forbidden=tuple(level.forbidden),
-                lookahead=lookahead,
+                lookahead=lookahead, before=self.kept[-1].window if self.kept and not level.failures else None,
             )  # fmt: skip
             self.tree_nodes += window.tree_nodes
             self.expanded_nodes += window.expanded_nodes
@@ -164,20 +165,31 @@ class _Run:
     # --- dead ends -----------------------------------------------------------------------------------------------
 
     def _backtrack(self) -> bool:
-        """Undo windows until one can be planned otherwise; False when none is left or too many were undone."""
+        """Undo windows so that one can be planned otherwise: one at first, more when the same depth stays a dead end.
+        The window gets other motions, and other actions in turn. Where nothing is left at the start, everything is
+        allowed again, with other motions. False when nothing is left to try or too many were undone."""
         self._adapt(True)
-        while self.kept and self.undone < self.backtracks:
-            self.undone += 1
-            self.levels.pop()
-            window = self.kept.pop().window
-            level = self.levels[-1]
+        self.reason = "dead end"
+        if self.undone >= self.backtracks:
+            return False
+        self.undone += 1
+        depth = len(self.kept)
+        if depth == 0:
+            level = self.levels[0]
+            forgotten, level.forbidden = bool(level.forbidden), []
             level.failures += 1
-            if level.failures > 1:
-                level.forbidden.append(_beginning(window))
-            self.reason = "dead end"
-            if level.failures <= 1 + ALTERNATIVES:
-                return True
-        return False
+            return forgotten
+        if depth > self.deepest:
+            self.deepest, self.setbacks = depth, 0
+        back = min(1 + self.setbacks // MOTIONS, depth)
+        self.setbacks += 1
+        window = self.kept[-back].window
+        del self.kept[-back:], self.levels[-back:]
+        level = self.levels[-1]
+        level.failures += 1
+        if level.failures % MOTIONS == 0:
+            level.forbidden.append(_beginning(window))
+        return True
 
     def _doubt(self, plan: Plan) -> bool:
         """Undo the windows from the one on that the verifier blames, and keep larger margins from now on; False when

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 
 from ...compiler import ir
 from ...compiler.symbolic.successors import Successors
-from ..bounds import EXPECTED, Bounds, beginning
+from ..bounds import EXPECTED, Bounds, Judgement, beginning
 from ..budget import Budget
 from ..lgp import SolveOptions, motion_settings
 from ..plan import SearchNode
@@ -22,7 +22,7 @@ from ..refusals import Refusals
 from ..search.best_first import Candidate, SkeletonSearch
 from ..search.roomy import Strain, Surcharge, roomier
 from ..search.skeletons import build_skeleton
-from ..skeleton import PhasePath, Skeleton
+from ..skeleton import Configuration, PhasePath, Skeleton
 from .goals import ordered, parts_of, told, unmet
 from .state import Reached, after, reached_problem
 
@@ -64,6 +64,13 @@ class Window:
     tree_nodes: int = 0
     expanded_nodes: int = 0
     tree: tuple[SearchNode, ...] = ()
+    ahead: tuple[Configuration, ...] = ()
+    """The switches behind those of `paths`, as far as P_seq looked."""
+
+    @property
+    def rest(self) -> tuple[ir.Action, ...]:
+        """The way on, as seen now."""
+        return self.actions[len(self.paths) :]
 
 
 @dataclass(slots=True)
@@ -102,13 +109,15 @@ def plan_window(
     seed: int | None = None,
     forbidden: Sequence[tuple[ir.Action, ...]] = (),
     lookahead: int = LOOKAHEAD,
+    before: Window | None = None,
 ) -> Window:
     """Plan from `reached` on: actions that do not begin with one of `forbidden`, motion for the first `horizon` of
-    them. `problem` is the task; its own start does not matter. Another `seed` gives other motions. Raises OutOfTime,
-    ReplayError, MissingLibrary."""
+    them. `problem` is the task; its own start does not matter. Another `seed` gives other motions. `before` is
+    the window that led here, if things went as it said: its way on is tried first. Raises OutOfTime, ReplayError,
+    MissingLibrary."""
     here = reached_problem(problem, reached)
     memory.bounds.restart(here, options.seed if seed is None else seed, budget)
-    planner = _Planner(here, reached, options, horizon, budget, memory, tuple(forbidden), lookahead)
+    planner = _Planner(here, reached, options, horizon, budget, memory, tuple(forbidden), lookahead, before)
     return planner.run()
 
 
@@ -117,12 +126,13 @@ class _Planner:
 
     def __init__(
         self, problem: ir.Problem, reached: Reached, options: SolveOptions, horizon: int, budget: Budget,
-        memory: Memory, forbidden: tuple[tuple[ir.Action, ...], ...], lookahead: int,
+        memory: Memory, forbidden: tuple[tuple[ir.Action, ...], ...], lookahead: int, before: Window | None,
     ) -> None:  # fmt: skip
         self.problem, self.reached, self.options = problem, reached, options
         self.horizon, self.budget, self.memory = horizon, budget, memory
         self.forbidden = list(forbidden)
         self.lookahead = lookahead
+        self.before = before
         self.began = time.monotonic()
         self.refused = self.tree_nodes = self.expanded_nodes = 0
         self.tree: tuple[SearchNode, ...] = ()
@@ -136,6 +146,9 @@ class _Planner:
         self.unmet = unmet(self.problem, self.reached.facts, self.memory.order)
         if not self.unmet:
             return self._window(DONE)
+        on = self._go_on()
+        if on is not None:
+            return on
         for goal, method, nodes in self._goals():
             found = self._try(goal, method, nodes)
             if found is not None:
@@ -146,6 +159,28 @@ class _Planner:
             if self.proved:
                 return self._window(INFEASIBLE)
         return self._window(STUCK)
+
+    def _go_on(self) -> Window | None:
+        """The way that the window before has seen, where that is long enough, from the switches that it expected."""
+        before = self.before
+        if before is None or not before.rest or not before.ahead:
+            return None
+        actions, successors = before.rest, Successors(self.problem)
+        numbers = numbers_of(successors, actions)
+        long = len(actions) >= self.horizon + self.lookahead
+        if numbers is None or not (long or successors.is_goal(end_of(successors, numbers))):
+            return None
+        seen, count = self._seen(build_skeleton(self.problem, actions, successors))
+        judgement = self.memory.bounds.go_on(seen, count, before.ahead)
+        if not judgement.accepted:
+            return None
+        cost = sum(successors.cost(number) for number in numbers[:count])
+        return self._planned(actions, cost, beginning(seen, count), judgement)
+
+    def _seen(self, skeleton: Skeleton) -> tuple[Skeleton, int]:
+        """The phases that P_seq looks at, and how many of them get their motion."""
+        seen = beginning(skeleton, self.horizon + self.lookahead)
+        return replace(seen, coming=self._coming()), min(self.horizon, len(skeleton))
 
     def _goals(self) -> Iterator[tuple[ir.Formula, str, int]]:
         """What is planned for, by which method, with how many nodes: the whole goal where that is short, else what
@@ -223,14 +258,11 @@ class _Planner:
     def _judge(
         self, search: SkeletonSearch, strain: Strain, surcharge: Surcharge, candidate: Candidate
     ) -> Window | None:
-        skeleton = build_skeleton(self.problem, candidate.actions, search.successors)
-        seen = beginning(skeleton, self.horizon + self.lookahead)
-        seen = replace(seen, coming=self._coming())
-        count = min(self.horizon, len(skeleton))
+        seen, count = self._seen(build_skeleton(self.problem, candidate.actions, search.successors))
         judgement = self.memory.bounds.judge(seen, strain.along(candidate.numbers[: len(seen)]), count)
         if judgement.accepted:
             cost = sum(search.successors.cost(number) for number in candidate.numbers[:count])
-            return self._planned(candidate.actions, cost, beginning(seen, count), tuple(judgement.paths or ()))
+            return self._planned(candidate.actions, cost, beginning(seen, count), judgement)
         self.refused += 1
         for conflict in judgement.conflicts:
             if conflict.bound != EXPECTED:
@@ -252,12 +284,16 @@ class _Planner:
         return tuple(found)
 
     def _planned(
-        self, actions: tuple[ir.Action, ...], cost: float, skeleton: Skeleton, paths: tuple[PhasePath, ...]
+        self, actions: tuple[ir.Action, ...], cost: float, skeleton: Skeleton, judgement: Judgement
     ) -> Window:
+        paths = tuple(judgement.paths or ())
         self.memory.bounds.tell("state", "following the motion to its end")
         reached = after(self.problem, skeleton, paths, begin=self.reached)
         plain = self._window(PLANNED)
-        return replace(plain, actions=actions, cost=cost, skeleton=skeleton, paths=paths, reached=reached)
+        return replace(
+            plain, actions=actions, cost=cost, skeleton=skeleton, paths=paths, reached=reached,
+            ahead=tuple(judgement.ahead), seconds=time.monotonic() - self.began,
+        )  # fmt: skip
 
     def _window(self, status: str) -> Window:
         return Window(
@@ -269,12 +305,26 @@ class _Planner:
 
 def forbid(search: SkeletonSearch, actions: Sequence[ir.Action]) -> None:
     """Forbid plans that begin with these actions, if they can be done at all."""
-    successors, state = search.successors, search.successors.initial
-    numbers = []
+    numbers = numbers_of(search.successors, actions)
+    if numbers is not None:
+        search.no_goods.forbid_prefix(numbers)
+
+
+def numbers_of(successors: Successors, actions: Sequence[ir.Action]) -> list[int] | None:
+    """The numbers of actions done one after the other from the start; None when they cannot be."""
+    state, numbers = successors.initial, []
     for action in actions:
         found = next(((t, n) for t, n in successors.expand(state) if successors.action(n) == action), None)
         if found is None:
-            return
+            return None
         state = found[0]
         numbers.append(found[1])
-    search.no_goods.forbid_prefix(numbers)
+    return numbers
+
+
+def end_of(successors: Successors, numbers: Sequence[int]) -> int:
+    """The state after actions that can be done from the start."""
+    state = successors.initial
+    for number in numbers:
+        state = next(t for t, n in successors.expand(state) if n == number)
+    return state

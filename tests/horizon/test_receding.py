@@ -11,7 +11,7 @@ from tamplang.api import load
 from tamplang.compiler.ir import Pose, Problem
 from tamplang.compiler.pipeline import compile_problem
 from tamplang.runtime.horizon.receding import solve_receding
-from tamplang.runtime.lgp import Progress, SolveOptions
+from tamplang.runtime.lgp import Outcome, Progress, SolveOptions
 from tamplang.runtime.verify import verify
 
 HERE = Path(__file__).parent
@@ -28,25 +28,41 @@ def _options(seed: int = SEED) -> SolveOptions:
     return SolveOptions(time=60.0, seed=seed)
 
 
-def test_without_backtracking_a_window_walks_into_a_dead_end() -> None:
+def _thesis(seed: int) -> Outcome:
     """The scheme of the thesis: no look beyond the window, no way back."""
-    outcome = solve_receding(_slots(), _options(), 2, lookahead=0, backtracks=0)
+    return solve_receding(_slots(seed), _options(seed), 1, lookahead=0, backtracks=0)
+
+
+@pytest.fixture(scope="module")
+def stuck() -> tuple[int, Outcome]:
+    """The first seed with which the scheme of the thesis puts the first thing where it leaves no room."""
+    return next((seed, found) for seed in range(8) if (found := _thesis(seed)).status != "solved")
+
+
+def test_without_backtracking_a_window_walks_into_a_dead_end(stuck: tuple[int, Outcome]) -> None:
+    outcome = stuck[1]
     assert outcome.status == "exhausted"
     assert outcome.explanation[0].code == "S0002"
-    assert "2 actions in 1 windows were planned" in outcome.explanation[0].message
+    assert "3 actions in 3 windows were planned" in outcome.explanation[0].message
     (plan,) = outcome.plans
-    assert not plan.complete and len(plan.phases) == 2
+    assert not plan.complete and len(plan.phases) == 3
     assert plan.verdict is not None and plan.verdict.verified
     assert verify(plan).verified
 
 
-def test_the_same_window_is_undone_and_planned_otherwise() -> None:
-    outcome = solve_receding(_slots(), _options(), 2, lookahead=0)
+def test_the_window_of_a_dead_end_is_undone_and_planned_otherwise(stuck: tuple[int, Outcome]) -> None:
+    outcome = solve_receding(_slots(stuck[0]), _options(stuck[0]), 1, lookahead=0)
     assert outcome.status == "solved"
     (plan,) = outcome.plans
     assert plan.complete and plan.verdict is not None and plan.verdict.verified
-    assert [window.motions for window in plan.windows] == [2, 2]
-    assert plan.windows[0].reason == "dead end"
+    assert [window.motions for window in plan.windows] == [1, 1, 1, 1]
+    assert "dead end" in {window.reason for window in plan.windows}
+
+
+def test_every_seed_that_got_stuck_is_solved_by_looking_ahead(stuck: tuple[int, Outcome]) -> None:
+    outcome = solve_receding(_slots(stuck[0]), _options(stuck[0]), 1)
+    assert outcome.status == "solved"
+    assert outcome.plans[0].verdict is not None and outcome.plans[0].verdict.verified
 
 
 @pytest.mark.parametrize("horizon", range(1, 9))
