@@ -25,6 +25,10 @@ SURROUNDINGS = 0.25
 UPRIGHT = (0.0, 0.0, 0.0, 0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
 
 
+OUT_OF_SIGHT = 1000.0
+"""Metres below the scene where things are drawn that have left it."""
+
+
 class Recorder:
     """Stands in for meshcat's window: keeps the packed commands instead of sending them to a server."""
 
@@ -151,12 +155,16 @@ class Builder:
         self.viewer[path].set_transform(matrix(placement))
         return drawn
 
-    def add_frame(self, path: str, poses: Array, size: float) -> None:
-        """A frame at its first pose; when it moves, its poses too."""
+    def add_frame(self, path: str, poses: Array, size: float, gone: NDArray[np.bool_] | None = None) -> None:
+        """A frame at its first pose; when it moves, its poses too. Once `gone`, it is out of sight."""
         self.viewer[path].set_transform(matrix(poses[0]))
         moves = len(poses) > 1 and bool(np.ptp(poses, axis=0).max() > 1e-7)
+        hidden = poses.copy()
+        if gone is not None and len(gone) == len(poses) and gone.any():
+            hidden[gone, 2] -= OUT_OF_SIGHT
+            moves = True
         if moves:
-            self.scene.frames.append((path, poses))
+            self.scene.frames.append((path, hidden))
         ball = np.concatenate([poses[:, :3], np.full((len(poses), 1), size)], axis=1)
         (self.scene.points if moves else self.scene.still).append(ball)
 
@@ -173,9 +181,14 @@ class Builder:
                 base = pose_rows([module.pose])
                 joints = joint_rows([module.start], module.start, len(module.joints))
             frames = joint_frames(module, base, joints)
-            self.add_module(index, frames, colours[index])
+            self.add_module(index, frames, colours[index], self.gone(module.name))
 
-    def add_module(self, index: int, frames: list[Array], colour: str) -> None:
+    def gone(self, module: str) -> NDArray[np.bool_]:
+        """At which of the kept time stamps a module has left the scene `(T,)`."""
+        times = [b.time for b in self.plan.breakdowns if b.module == module and b.kind == "gone"]
+        return np.asarray(self.scene.times > min(times, default=np.inf))
+
+    def add_module(self, index: int, frames: list[Array], colour: str, gone: NDArray[np.bool_]) -> None:
         module = self.plan.modules[index]
         root = f"module{index}"
         self.scene.names[module.name] = f"{root}/frame0"
@@ -197,7 +210,7 @@ class Builder:
                 self.scene.paint.append((part, index, 0.45))
         size = max([0.02, *(extent(e.shape) for e in module.effectors)])
         for at in sorted(used):
-            self.add_frame(f"{root}/frame{at}", frames[at], size)
+            self.add_frame(f"{root}/frame{at}", frames[at], size, gone)
 
     def add_bodies(self) -> None:
         tracks = {t.name: t for t in self.plan.body_tracks}
@@ -291,7 +304,8 @@ def replay_data(plan: Plan) -> dict[str, Any]:
         if t.name == m.name and t.joints and m.joints
     ]
     phases = [
-        (p.start, p.end, f"{i}. {p.action}", joined_modules(plan, p)) for i, p in enumerate(plan.phases, 1)
+        (p.start, p.end, f"{i}. {p.action}{'' if p.completed else ' (broken off)'}", joined_modules(plan, p))
+        for i, p in enumerate(plan.phases, 1)
     ]
     return {
         "commands": scene.recorder.commands,

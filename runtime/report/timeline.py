@@ -30,6 +30,17 @@ class Block:
     robot: str
     acts: bool
     title: str
+    completed: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """One planning of a run: where on the axis, in percent; `anew` when something made it necessary."""
+
+    left: float
+    time: float
+    title: str
+    anew: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +71,21 @@ class Timeline:
     rows: list[TimelineRow]
     brackets: list[Bracket]
     ticks: list[tuple[float, str]]
+    marks: list[Mark]
+
+
+ROUTINE = ("start", "next window")
+"""Reasons of windows that nothing unexpected brought about."""
+
+
+def marks(plan: Plan, scale: float) -> list[Mark]:
+    """The windows of a run, each with its reason and how long it took to plan."""
+    return [
+        Mark(
+            w.time * scale, w.time, f"{w.time:.2f} s: {w.reason}; planned in {w.seconds:.2f} s", w.reason not in ROUTINE
+        )
+        for w in plan.windows
+    ]
 
 
 def total_time(plan: Plan) -> float:
@@ -137,7 +163,8 @@ def build_timeline(plan: Plan) -> Timeline:
             colours[phase.rule],
             robot,
             acts,
-            f"{index + 1}. {phase.action}",
+            f"{index + 1}. {phase.action}{'' if phase.completed else ' (broken off)'}",
+            phase.completed,
         )
 
     def bracket(index: int, robot: Robot) -> Bracket:
@@ -156,7 +183,7 @@ def build_timeline(plan: Plan) -> Timeline:
             rows.append(TimelineRow(body.name, "body", [block(i, body.name, ACCENT) for i in count]))
     brackets = [bracket(i, r) for i in count for r in robots[i] if len(r.modules) > 1]
     actions = [block(i, "", "") for i in count]
-    return Timeline(total, list(colours.items()), actions, rows, brackets, ticks(total))
+    return Timeline(total, list(colours.items()), actions, rows, brackets, ticks(total), marks(plan, scale))
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import median
 
 from ..plan import LiteralRecord, MeasureRecord, PhaseRecord, Plan
 from .robots import Robot, group_modules, literal_text
@@ -71,6 +72,13 @@ class View:
     residuals: list[MeasureView]
     tree: Tree
     sources: Sources
+    latency: tuple[float, float] | None
+    """Seconds for a window after the first: median and worst."""
+
+
+def latency(plan: Plan) -> tuple[float, float] | None:
+    seconds = [w.seconds for w in plan.windows[1:]]
+    return (median(seconds), max(seconds)) if seconds else None
 
 
 def figure(amount: float, unit: str) -> str:
@@ -172,4 +180,5 @@ def build_view(plan: Plan) -> View:
         shares(verdict.residuals if verdict else [], sources),
         build_tree(plan),
         sources,
+        latency(plan),
     )
