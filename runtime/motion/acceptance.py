@@ -68,12 +68,13 @@ def _poses(problem: Problem, name: str, motion: Resampled, start: Configuration)
 
 
 def steps(problem: Problem, phase: int, path: PhasePath) -> Iterator[Violation]:
-    """Joints that turn by more than GREATEST_STEP from one slice to the next."""
+    """Joints that turn or slide by more than GREATEST_STEP from one slice to the next."""
     for name, rows in path.modules.items():
         largest = np.abs(np.diff(rows[:, 7:], axis=0)).max(axis=0, initial=0.0)
         for joint, amount in zip(problem.world.modules[name].type.joints, largest, strict=True):
-            if joint.kind == "revolute" and amount > GREATEST_STEP:
-                yield Violation(phase, ("step", name, joint.name), float(amount - GREATEST_STEP), "rad")
+            if amount > GREATEST_STEP:
+                unit = "rad" if joint.kind == "revolute" else "m"
+                yield Violation(phase, ("step", name, joint.name), float(amount - GREATEST_STEP), unit)
 
 
 # --- clearances ------------------------------------------------------------------------------------------------------

@@ -91,6 +91,8 @@ def test_sliding_joints_make_no_jumps() -> None:
     far = group_of(*cart_scene([], (-4.5, 0.0), (4.5, 0.0)), [0])
     checked = sweep(far.batch, far.paths)
     assert checked.step[0] > 0.0 and not checked.clean[0]
+    result = solve_sequence_path(*cart_scene([], (-4.5, 0.0), (4.5, 0.0)), SETTINGS, 0, Budget(20.0))
+    assert result.feasible and np.abs(np.diff(result.paths[0].modules["arm"][:, 7:], axis=0)).max() <= 0.5
     near = group_of(*cart_scene([], (-2.0, 0.0), (2.0, 0.0)), [0])
     assert sweep(near.batch, near.paths).clean[0]
 
