@@ -6,15 +6,18 @@ import math
 
 import numpy as np
 
+from ...compiler.extents import box_sides
 from ...compiler.ir import Body
 from ...compiler.motion.collision import bounding_radius, keeps_pose
 from ..skeleton import Array, Skeleton
 from .movement import followers
 
-MANY = 9
+MANY = 7
 """From how many things on a body on they are laid out; fewer find room from any guess."""
 EDGE, GAP = 0.03, 0.02
-"""Metres kept to the edge of the top, and between things at least."""
+"""Metres kept to the edge of the top, and between things at least, however they are turned."""
+TIGHT_EDGE, TIGHT_GAP = 0.025, 0.03
+"""The same where that leaves too little room: to the middles of things, and between things side by side."""
 WIDE = 2.0
 """Grids get no wider than this, in widths of the largest thing: far corners may be out of reach."""
 
@@ -24,8 +27,7 @@ Places = dict[tuple[int, str], Array]
 
 def outline(body: Body) -> Array:
     """Lengths in x and y of the top of a body that lies in its own axes."""
-    width = 2 * body.shape.size[0]
-    return np.array(body.shape.size[:2] if body.shape.kind == "box" else (width, width))
+    return np.array(box_sides(body.shape)[:2])
 
 
 def _put_down(skeleton: Skeleton) -> dict[str, list[tuple[int, str]]]:
@@ -52,7 +54,7 @@ def _cells(sides: Array, count: int, least: float, most: float, taken: list[tupl
     """At least `count` free places on a grid over a rectangle, as wide as fits; none when it does not fit. The
     rectangle is of the places' middles; `taken` tells where something lies, and how far to stay off it."""
     wide = most
-    while wide >= least:
+    while True:
         rows = [int(side / wide + 1e-9) + 1 for side in sides]
         steps = [min(most, side / (n - 1)) if n > 1 else 0.0 for side, n in zip(sides, rows, strict=True)]
         x, y = (step * (np.arange(n) - (n - 1) / 2) for step, n in zip(steps, rows, strict=True))
@@ -60,8 +62,9 @@ def _cells(sides: Array, count: int, least: float, most: float, taken: list[tupl
         free = [c for c in cells if all(math.dist(c, there) >= off for there, off in taken)]
         if len(free) >= count:
             return sorted(free, key=lambda c: float(c @ c))[:count]
-        wide *= 0.95
-    return []
+        if wide <= least:
+            return []
+        wide = max(0.95 * wide, least)
 
 
 def places(skeleton: Skeleton) -> Places:
@@ -73,17 +76,27 @@ def places(skeleton: Skeleton) -> Places:
         things = list(dict.fromkeys([*(name for _, name in put_down), *later]))
         if len(things) < MANY:
             continue
-        radius = max(float(np.hypot(*outline(world.bodies[name]))) / 2 for name in things)
         middle = np.array(world.bodies[base].pose[:2])
-        taken = [
-            (np.array(body.pose[:2]) - middle, radius + bounding_radius(body.shape) + GAP)
+        resting = [
+            (np.array(body.pose[:2]) - middle, bounding_radius(body.shape))
             for body in _resting(skeleton, base)
             if body.name not in things
         ]
-        sides = np.maximum(outline(world.bodies[base]) - 2 * (radius + EDGE), 0.0)
-        least = 2 * radius + GAP
-        cells = dict(zip(things, _cells(sides, len(things), least, WIDE * least, taken), strict=False))
-        order = sorted(cells.values(), key=lambda c: (-round(float(np.hypot(*c)), 6), *c))
+        found = _lay_out(world.bodies[base], [world.bodies[name] for name in things], resting)
+        order = sorted(found, key=lambda c: (-round(float(np.hypot(*c)), 6), *c))
         cells = dict(zip(things, order, strict=False))
         result |= {(number, name): middle + cells[name] for number, name in put_down if name in cells}
     return result
+
+
+def _lay_out(base: Body, things: list[Body], resting: list[tuple[Array, float]]) -> list[Array]:
+    """As many places on a base as there are things, from its middle: with room to turn them, else side by side."""
+    radius = max(float(np.hypot(*outline(thing))) / 2 for thing in things)
+    side = max(float(outline(thing).max()) for thing in things)
+    for edge, least in ((radius + EDGE, 2 * radius + GAP), (TIGHT_EDGE, side + TIGHT_GAP)):
+        taken = [(place, least / 2 + GAP / 2 + around) for place, around in resting]
+        sides = np.maximum(outline(base) - 2 * edge, 0.0)
+        found = _cells(sides, len(things), least, max(least, WIDE * (2 * radius + GAP)), taken)
+        if found:
+            return found
+    return []

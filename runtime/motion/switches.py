@@ -24,8 +24,10 @@ from .solver import Options, Outcome, project, solve
 
 HOMING = 0.1
 VELOCITY = 0.3
-PLACE = 8.0
-"""How strongly things are drawn to the places that are laid out for them, against homing and velocity."""
+PLACE = 60.0
+"""How strongly things are drawn to the places that are laid out for them, against homing and velocity …"""
+TURN = 3.0
+"""… and to lie turned as they lay at the start."""
 REFRESHES = 4
 """How often pairs that came near during a solve are taken in and the solve is resumed."""
 NEIGHBOUR = 0.006
@@ -101,20 +103,27 @@ class SwitchProgram:
             limits(self.problem, self.layout, self.settings.limit_margin, phase_of),
             homing(self.problem, self.layout, HOMING),
             differences(self.layout, self.layout.modules, steps, (-1.0, 1.0), VELOCITY),
-            self._tidy(),
+            *self._tidy(),
         ]
 
-    def _tidy(self) -> LinearGroup:
-        """½ PLACE² Σ (xy − place)² over the things that are put down where many are laid out."""
-        columns, targets = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
-        planned = places(self.skeleton)
-        for (phase, name), place in planned.items():
+    def _tidy(self) -> list[LinearGroup]:
+        """½ PLACE² Σ (xy − place)² + ½ TURN² Σ (q − q at the start)² over the things that are put down where many are
+        laid out."""
+        spots: list[tuple[int, float]] = []
+        turns: list[tuple[int, float]] = []
+        for (phase, name), place in places(self.skeleton).items():
             slice_ = phase - self.phases[0] + 1
             if phase in self.phases and self.layout.is_unknown(slice_, name):
-                columns.append(self.layout.slot(slice_, name)[:2])
-                targets.append(place)
-        slots = np.concatenate(columns).reshape(-1, 1)
-        return LinearGroup("cost", slots, np.ones((1, 1)), np.concatenate(targets), [], PLACE)
+                slot, pose = self.layout.slot(slice_, name), self.problem.world.bodies[name].pose
+                spots += zip(slot[:2], place, strict=True)
+                turns += zip(slot[3:6], pose[3:6], strict=True)
+        return [self._pull(spots, PLACE), self._pull(turns, TURN)]
+
+    @staticmethod
+    def _pull(targets: Sequence[tuple[int, float]], scale: float) -> LinearGroup:
+        """½ scale² Σ (z − target)² over places in z."""
+        columns = np.array([at for at, _ in targets], dtype=np.int64).reshape(-1, 1)
+        return LinearGroup("cost", columns, np.ones((1, 1)), np.array([t for _, t in targets]), [], scale)
 
     @cached_property
     def _clearance(self) -> list[ClearanceGroup]:

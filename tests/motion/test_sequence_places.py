@@ -87,3 +87,14 @@ def test_robots_that_stand_on_two_feet_are_judged_from_the_start_only() -> None:
     phases = (*skeleton.phases[:2], twice)
     assert not judged_alone(replace(skeleton, phases=phases), 2)
     assert judged_alone(replace(skeleton, phases=(twice, *phases)), 0)
+
+
+def test_tight_tops_are_filled_side_by_side() -> None:
+    """Fifteen things of 6 cm on 0.5 m × 0.3 m: no room to turn them, but to set them down as they lay."""
+    skeleton = pick_and_place(15)
+    found = places(skeleton)
+    assert len(found) == 15
+    for one, other in combinations(found.values(), 2):
+        assert np.abs(one - other).max() >= 0.09 - 1e-9
+    for place in found.values():
+        assert np.all(np.abs(place - (0.0, -0.6)) <= (0.225 + 1e-9, 0.125 + 1e-9))
