@@ -60,6 +60,8 @@ def solve(
     """
     if horizon is not None and (solutions > 1 or bound == "seq"):
         raise click.UsageError("--horizon gives one plan with motion: it goes neither with --solutions nor --bound seq")
+    if horizon is not None and ((jobs or 1) > 1 or cluster is not None):
+        raise click.UsageError("--horizon plans window after window in one process: leave out --jobs and --cluster")
     checked_side(jobs, cluster)
     from ..api import Task
     from ..compiler.pipeline import compile_problem
@@ -69,7 +71,7 @@ def solve(
     with reading_sources(as_json=as_json):
         loaded = Task(*compile_problem(file, task, parameters, seed))
     compiled = time.monotonic() - started
-    later = unseen(loaded.problem.world) if horizon is None else None
+    later = unseen(loaded.problem.world)
     warnings = (*loaded.warnings, *((later,) if later is not None else ()))
     if warnings:
         show_diagnostics(warnings, loaded.problem.sources)
