@@ -77,6 +77,12 @@ def reversed_path(world: ir.World, path: PhasePath, share: float) -> PhasePath:
     return result
 
 
+def first_part(path: PhasePath, share: float) -> PhasePath:
+    """The first `share` of a motion, from rest to rest, on the same way."""
+    count = len(next(iter(path.modules.values())))
+    return at_times(path, np.linspace(0.0, share * path.duration, count), share * path.duration)
+
+
 def waiting(configuration: Configuration, seconds: float) -> PhasePath:
     """No motion."""
     rows = {name: np.tile(state, (5, 1)) for name, state in configuration.modules.items()}

@@ -57,7 +57,7 @@ class Route:
         if not self.way:
             return None
         usual = self._seconds.get(self.way[0].rule, FIRST_GUESS)
-        guesses = [usual] if left is None else [min(usual, left + SHORT), usual]
+        guesses = [usual, 0.5 * usual] if left is None else [min(usual, left + SHORT), usual]
         for seconds in guesses:
             window = self._timed(world, seconds, search=False)
             if window is not None:

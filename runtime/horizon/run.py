@@ -26,7 +26,7 @@ from ..plan import Plan, StatisticsRecord, WindowRecord
 from ..skeleton import Phase, PhasePath
 from ..verify import verify
 from ..verify.replay import Interpreter
-from .braking import braked, reversed_path, stopped, waiting
+from .braking import braked, first_part, reversed_path, stopped, waiting
 from .failures import Failures
 from .foresight import concerned, touched
 from .lookout import Lookout
@@ -38,8 +38,9 @@ from .world import Interval, World
 
 HORIZON = 4
 """Actions that get their motion in one window, where nothing else is said."""
-BACK = 0.5
-"""Share of a broken-off motion that is gone back where nothing leads on from its end."""
+BACK, SHORT = 0.5, 0.4
+"""Share of a broken-off motion that is gone back where nothing leads on from its end; one of so many seconds is gone
+back as a whole."""
 WAIT = 0.5
 """Seconds that the run waits where nothing leads on, in the hope that what moves does so."""
 MOST_WAITS = 40
@@ -96,7 +97,8 @@ class Run:
         self._lookout = Lookout(sensing)
         self._route = Route(problem, options.solve, options.horizon, self._failures, self._lookout, self.budget)
         self._places: dict[ir.Fact, Span | None] = {}
-        self._cut: tuple[PhasePath, float] | None = None
+        self._trail: list[PhasePath] = []
+        self._left: float | None = None
         self._waits = 0
         self._first = first
         self._explanation: list[Diagnostic] = []
@@ -156,8 +158,8 @@ class Run:
         if window is not None:
             self._route.take(self.world, window)
         else:
-            window = self._route.on_the_way(self.world, None if self._cut is None else self._cut[1])
-        if window is None and not self._can_go_back():
+            window = self._route.on_the_way(self.world, self._left)
+        if window is None and not self._trail:
             window = self._route.another_way(self.world)
         seconds = time.process_time() - began
         actions = [str(a) for a in window.actions] if window is not None else []
@@ -167,19 +169,19 @@ class Run:
         )
         return window
 
-    def _can_go_back(self) -> bool:
-        return self._cut is not None
-
     def _gave_way(self) -> bool:
-        """Where nothing leads on: go back some of a motion that was broken off, or wait for what moves."""
-        if not self.steps:
+        """Where nothing leads on: go back some of what was broken off, the way it came, or wait for what moves."""
+        if not self.steps or not self._route.way:
             return False
         self._route.planner.failures += 1
-        last = self.steps[-1].executed.interval
-        if self._cut is not None:
-            path = reversed_path(self.problem.world, last.path, BACK)
-            self._cut = None
-        elif self._waits < MOST_WAITS and self.world.on_course and self._route.way and not self._pushed():
+        self._left = None
+        if self._trail:
+            last = self._trail.pop()
+            share = BACK if last.duration > SHORT else 1.0
+            path = reversed_path(self.problem.world, last, share)
+            if share < 1.0:
+                self._trail.append(first_part(last, 1.0 - share))
+        elif self._waits < MOST_WAITS and self.world.on_course and not self._pushed():
             path = waiting(self.world.reached.configuration, WAIT)
             self._waits += 1
         else:
@@ -206,7 +208,7 @@ class Run:
 
     def _carry_out(self, phase: Phase, path: PhasePath, window: Window) -> str | None:
         """One phase; when it is broken off, why."""
-        self._cut = None
+        self._left = None
         alone = replace(window.skeleton, phases=(phase,))
         near = concerned(alone, frozenset(self.world.on_course))
         named = frozenset(a for literal in phase.mode | phase.added for a in literal[1:])
@@ -224,7 +226,9 @@ class Run:
             if found is not None:
                 slowed = braked(self.problem.world, path, float(look))
                 self._perform(phase, slowed, completed=slowed is path)
-                self._cut = None if slowed is path else (path, path.duration - float(look))
+                if slowed is not path:
+                    self._trail.append(slowed)
+                    self._left = path.duration - float(look)
                 return found
         if failure is not None and failure.time < begin + path.duration:
             if failure.time - begin > 1e-3:
@@ -243,6 +247,7 @@ class Run:
         )
         if completed:
             self._apply(phase.action)
+            self._trail = []
         self.steps.append(Step(executed, before, dict(self._places)))
 
     def _apply(self, action: ir.Action) -> None:
