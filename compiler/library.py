@@ -42,8 +42,8 @@ class Signature:
 
 @dataclass(frozen=True, slots=True)
 class Library:
-    """Parsed files, the main one first, and their declarations. `models` are the texts that module types and shapes come
-    from: URDFs and the corners of meshes."""
+    """Parsed files, the main one first, and their declarations. `models` are the texts that module types and shapes
+    come from: URDFs and the corners of meshes."""
 
     sources: tuple[Source, ...]
     models: tuple[Source, ...]
@@ -60,6 +60,21 @@ class Library:
     modules: Mapping[str, syntax.ModuleDecl]
     scenes: Mapping[str, syntax.SceneDecl]
     tasks: Mapping[str, syntax.TaskDecl]
+
+    @property
+    def tables(self) -> tuple[Mapping[str, Named], ...]:
+        """All declarations that have a name, by kind, but for types."""
+        return (
+            self.predicates,
+            self.derived,
+            self.functions,
+            self.motions,
+            self.rules,
+            self.heuristics,
+            self.modules,
+            self.scenes,
+            self.tasks,
+        )
 
     @property
     def path(self) -> str:

@@ -35,7 +35,8 @@ CODES: dict[str, CodeInfo] = {
     "E0008": CodeInfo("nested too deeply", "syntax",
         "Brackets or operators are nested deeper than the reader follows."),
     "E0009": CodeInfo("number out of range", "syntax",
-        "A number must be finite in double precision.",
+        "A number must be finite in double precision, also one that is computed; lengths in scenes are at most 1000 "
+        "km.",
         "1e999 m", "1e9 m"),
     "E0010": CodeInfo("file not found", "file", "There is no file of this name."),
     "E0011": CodeInfo("unreadable file", "file", "The operating system refuses to give the contents of the file."),
@@ -211,8 +212,10 @@ CODES: dict[str, CodeInfo] = {
         "Shapes are box(x, y, z), sphere(r), capsule(r, length), cylinder(r, length) with positive sizes, "
         "hull((x, y, z), …) of at least four corners that do not lie in a plane, and mesh(FILE) or hull(FILE).",
         "box(1 m, 0, 1 m)", "box(1 m, 1 m, 1 m)"),
-    "E0510": CodeInfo("too many objects", "scene", "The loops of the scene make more things than can be planned for."),
-    "E0511": CodeInfo("more than one", "scene", "A task has at most one guide."),
+    "E0510": CodeInfo("too many objects", "scene",
+        "The loops of the scene make more things than can be planned for."),
+    "E0511": CodeInfo("more than one", "scene",
+        "A task has one goal, the parts of which are joined by `and`, and at most one guide."),
     "E0512": CodeInfo("scene uses itself", "scene", "A scene cannot contain itself, directly or through others."),
     "E0513": CodeInfo("unreadable URDF", "scene",
         "The file of a module from a URDF is missing, or is not XML with one `robot`.",
@@ -261,8 +264,8 @@ CODES: dict[str, CodeInfo] = {
     "W0008": CodeInfo("scene that moves", "warning",
         "`solve` plans for the scene as it is at time 0; what moves or fails later is not seen."),
     "W0009": CodeInfo("out of reach", "warning",
-        "Even if all modules of the scene joined to one chain, as long as can be, no rule could bring about what the goal "
-        "asks for; or it asks for more at once than the modules can do. `solve` proves it."),
+        "Even if all modules of the scene joined to one chain, as long as can be, no rule could bring about what the "
+        "goal asks for; or it asks for more at once than the modules can do. `solve` proves it."),
 }
 
 

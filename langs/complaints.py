@@ -270,6 +270,8 @@ def _advice(found: Token, previous: Token | None, accepted: Sequence[str]) -> st
         return "the parts of a rule stand in the order pre, where, post, cost, each at most once"
     if found.type == "EQUAL" and previous is not None and previous.type == "EQUAL":
         return "equality is written `=`"
+    if "_DOTS" in accepted and found in ("to", "until", "through"):
+        return "a range is written `1 .. n`"
     if found.type == "COMMA" and "_ANY" in accepted and "SIGN" not in accepted:
         return "arguments of a literal are separated by blanks: `(on X A)`"
     return None

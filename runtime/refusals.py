@@ -152,7 +152,7 @@ _LIMITS = {
 def describe(violation: Violation) -> str:
     """One clause for a violated row: `[touch c.B item] is missed by 0.213 m`."""
     kind, *args = violation.literal
-    amount = f"{violation.amount:.3g} {violation.unit}"
+    amount = f"{violation.amount:.3g} {'' if violation.unit == '1' else violation.unit}".rstrip()
     if kind in _LIMITS and len(args) >= 1:
         return f"{_LIMITS[kind].format(*args, '')} by {amount}"
     return f"[{' '.join(violation.literal)}] is missed by {amount}"

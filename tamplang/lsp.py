@@ -86,18 +86,7 @@ def diagnostics_of(source: Source) -> tuple[Diagnostic, ...]:
 
 def declarations(library: Library, name: str) -> list[Named]:
     """What `name` may mean: a predicate and a module type, say, may share one."""
-    tables = (
-        library.predicates,
-        library.derived,
-        library.functions,
-        library.motions,
-        library.rules,
-        library.heuristics,
-        library.modules,
-        library.scenes,
-        library.tasks,
-    )
-    found: list[Named] = [table[name] for table in tables if name in table]
+    found: list[Named] = [table[name] for table in library.tables if name in table]
     for file in library.files:
         found += [d for d in file.declarations if isinstance(d, syntax.TypeDecl) and d.name == name]
     return found

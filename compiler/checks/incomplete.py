@@ -39,20 +39,7 @@ def keep_certain(library: Library, found: Findings, certain: Findings) -> None:
 def lost_names(library: Library) -> set[str]:
     """Names that the texts declare, at the start of a line, and the trees lack."""
     written = {n for s in library.sources for m in DECLARED.finditer(s.text) for n in m.groups() if n}
-    known: set[str] = set()
-    for table in (
-        library.types,
-        library.predicates,
-        library.derived,
-        library.functions,
-        library.motions,
-        library.rules,
-        library.heuristics,
-        library.modules,
-        library.scenes,
-        library.tasks,
-    ):
-        known |= set(table)
+    known = set(library.types).union(*library.tables)
     return written - known
 
 

@@ -139,6 +139,8 @@ def check_object(
     indices are not looked up."""
     family = scope.objects.families[base]
     findings = context.findings
+    if family.type not in context.library.types:
+        return BROKEN
     if len(indices) != family.indices:
         needs = f"needs {family.indices} index" if family.indices else "has no index"
         findings.report("E0101", term.span, f"`{base}` {needs}", labels=[(family.span, "declared here")])

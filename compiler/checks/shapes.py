@@ -19,6 +19,8 @@ SHAPES: Mapping[str, tuple[str, ...]] = {
     "capsule": ("radius", "length"),
     "cylinder": ("radius", "length"),
 }
+SMALLEST = 1e-6
+"""Metres: no shape is smaller."""
 HULLS: Mapping[str, str] = {"hull": "hull((x, y, z), …)", "mesh": 'mesh("file.stl")'}
 LINK_SHAPES: Mapping[str, tuple[str, ...]] = {
     "box": ("x", "y"),
@@ -54,6 +56,10 @@ def shape(
         value = number(context, scope, arg, LENGTH, f"the {name} of `{call.function}`", lenient=True)
         if value is not None and value <= 0:
             findings.report("E0509", arg.span, f"the {name} of `{call.function}` must be positive, not {value:g} m")
+            value = None
+        elif value is not None and value < SMALLEST:
+            message = f"the {name} of `{call.function}` is less than {SMALLEST:g} m: {value:g} m"
+            findings.report("E0509", arg.span, message)
             value = None
         sizes.append(value)
     return None if None in sizes else ir.Shape(call.function, tuple(s for s in sizes if s is not None))

@@ -61,7 +61,7 @@ def expect_kind(
     context: Context, typed: Typed, kind: Kind, term: syntax.Term, what: str, lenient: bool = False
 ) -> bool:
     """Whether `typed` passes for `kind`; reports otherwise."""
-    if not typed.kind.known or typed.kind == kind or typed.is_zero:
+    if not typed.kind.known or not kind.known or typed.kind == kind or typed.is_zero:
         return True
     if typed.kind == NUMBER and kind == LENGTH and (lenient or typed.literal):
         return True
@@ -179,7 +179,7 @@ def _apply(context: Context, scope: Scope, term: syntax.Call, name_span: Span) -
         try:
             value = function_value(term.function, [v for v in values if v is not None], context.random)
         except EvaluationError as error:
-            context.findings.report("E0205", term.span, str(error))
+            context.findings.report(error.code, term.span, str(error))
             return BROKEN
         if value is not None:
             return Typed(ir.Number(value, term.span), kind, literal)
@@ -227,7 +227,8 @@ def _check_binary(context: Context, scope: Scope, term: syntax.Binary) -> Typed:
         try:
             return Typed(ir.Number(arithmetic(term.operator, left.value, right.value), term.span), kind, literal)
         except EvaluationError as error:
-            context.findings.report("E0211", term.right.span, str(error))
+            where = term.right.span if error.code == "E0211" else term.span
+            context.findings.report(error.code, where, str(error))
             return BROKEN
     return Typed(ir.Arith(term.operator, (left.term, right.term), term.span), kind)
 

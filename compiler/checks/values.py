@@ -8,10 +8,12 @@ from ...langs import syntax
 from ...langs.source import Span
 from .. import ir
 from .context import Context
-from .kinds import EXAMPLES, UNKNOWN, VALUE_TYPES, Kind
+from .kinds import EXAMPLES, LENGTH, UNKNOWN, VALUE_TYPES, Kind
 from .names import BROKEN, Entry, Scope, Typed
 from .terms import check_scalar, check_term, expect_kind
 
+LONGEST = 1e6
+"""Metres: no size or place in a scene is larger; beyond, double precision does not hold what motions need."""
 PARAMETER_TYPES = ", ".join(VALUE_TYPES)
 
 
@@ -22,7 +24,12 @@ def number(
     if term is None:
         return None
     typed = check_term(context, scope, term)
-    return typed.value if expect_kind(context, typed, kind, term, what, lenient) and typed.kind.known else None
+    if not expect_kind(context, typed, kind, term, what, lenient) or not typed.kind.known:
+        return None
+    if kind == LENGTH and typed.value is not None and abs(typed.value) > LONGEST:
+        context.findings.report("E0009", term.span, f"{what} is more than {LONGEST:g} m")
+        return None
+    return typed.value
 
 
 def vector(

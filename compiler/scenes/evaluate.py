@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator as operators
 import random
 from collections.abc import Callable
 
@@ -15,10 +16,21 @@ FUNCTIONS: dict[str, Callable[..., float]] = {
     "cos": math.cos,
     "floor": math.floor,
 }
+OPERATORS: dict[str, Callable[[float, float], float]] = {
+    "+": operators.add,
+    "-": operators.sub,
+    "*": operators.mul,
+    "/": operators.truediv,
+}
 
 
 class EvaluationError(Exception):
-    """A term has no value: a division by zero or the root of a negative number."""
+    """A term has no value: a division by zero, the root of a negative number, or one too large. `code` is that of the
+    diagnostic."""
+
+    def __init__(self, message: str, code: str) -> None:
+        super().__init__(message)
+        self.code = code
 
 
 def function_value(name: str, arguments: list[float], source: random.Random | None) -> float | None:
@@ -27,7 +39,8 @@ def function_value(name: str, arguments: list[float], source: random.Random | No
         try:
             return FUNCTIONS[name](*arguments)
         except (ValueError, OverflowError) as error:
-            raise EvaluationError(f"`{name}` has no value for {', '.join(f'{a:g}' for a in arguments)}") from error
+            values = ", ".join(f"{a:g}" for a in arguments)
+            raise EvaluationError(f"`{name}` has no value for {values}", "E0205") from error
     if source is None:
         return None
     if name == "jitter":
@@ -39,15 +52,16 @@ def function_value(name: str, arguments: list[float], source: random.Random | No
 
 def arithmetic(operator: str, left: float, right: float) -> float:
     """`left operator right`; whole numbers stay whole except under division."""
-    if operator == "+":
-        return left + right
-    if operator == "-":
-        return left - right
-    if operator == "*":
-        return left * right
-    if right == 0:
-        raise EvaluationError("division by zero")
-    return left / right
+    if operator == "/" and right == 0:
+        raise EvaluationError("division by zero", "E0211")
+    try:
+        value = OPERATORS[operator](left, right)
+        finite = math.isfinite(value)
+    except OverflowError:
+        finite = False
+    if not finite:
+        raise EvaluationError("this value is too large", "E0009")
+    return value
 
 
 def compare(operator: str, left: float, right: float) -> bool:

@@ -54,6 +54,7 @@ class BuiltScene:
     standing: list[Standing] = field(default_factory=list)
     facts: list[ir.Literal] = field(default_factory=list)
     goals: list[ir.Formula] = field(default_factory=list)
+    goal_span: Span | None = None
     guide: tuple[syntax.HeuristicDecl, dict[str, Entry], Span] | None = None
     options: ir.Options = field(default_factory=ir.Options)
     ways: list[Way] = field(default_factory=list)
@@ -104,8 +105,7 @@ class SceneBuilder:
                 literal = check_literal(self.context, scope, item.literal)
                 self.built.facts += [literal] if literal is not None else []
             case syntax.GoalItem():
-                goal_scope = Scope("goal", scope.entries, scope.objects, scope.values_known)
-                self.built.goals += [check_formula(self.context, goal_scope, f) for f in item.formulas]
+                self.add_goal(scope, item)
             case syntax.GuideUse():
                 self.use_guide(scope, item)
             case syntax.OptionsItem():
@@ -118,6 +118,16 @@ class SceneBuilder:
                 self.built.breakdowns += [breakdown] if breakdown is not None else []
             case _:
                 raise AssertionError(type(item).__name__)
+
+    def add_goal(self, scope: Scope, item: syntax.GoalItem) -> None:
+        """The conjuncts of a goal, which may stand in a loop; a second goal elsewhere is an error."""
+        first = self.built.goal_span or item.span
+        self.built.goal_span = first
+        if scope.values_known and first != item.span:
+            help = "join them: `goal (…) and (…)`"
+            self.findings.report("E0511", item.span, "a task has one goal", help=help, labels=[(first, "first goal")])
+        goal_scope = Scope("goal", scope.entries, scope.objects, scope.values_known)
+        self.built.goals += [check_formula(self.context, goal_scope, f) for f in item.formulas]
 
     def loop(self, scope: Scope, item: syntax.ForItem) -> None:
         over_objects = [b for b in item.binders if not isinstance(b.type, syntax.RangeType)]
