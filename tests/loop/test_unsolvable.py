@@ -1,0 +1,59 @@
+"""A variant of each example that has no solution ends with what is missing, by how much, and where it is asked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tamplang.compiler.pipeline import compile_problem, compile_text
+from tamplang.runtime.lgp import Outcome, SolveOptions, solve
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+REACH = "std/logic.tamp"
+
+
+def outcome_of(example: str, **parameters: str) -> Outcome:
+    problem, _ = compile_problem(EXAMPLES / f"{example}.tamp", None, parameters)
+    return solve(problem, SolveOptions(time=20.0))
+
+
+@pytest.mark.parametrize(
+    ("example", "parameters", "note"),
+    [
+        ("chain_climb", {"missing": "1"}, "all 4 modules in one line reach 4.30 m: 0.16 m too little"),
+        ("rendezvous", {"gap": "1.5 m"}, "all 2 modules in one line reach 2.10 m: 2.27 m too little"),
+        ("strut_bridge", {"struts": "0"}, "all 2 modules in one line reach 2.10 m: 0.30 m too little"),
+    ],
+)
+def test_what_is_out_of_reach_is_told_in_metres(example: str, parameters: dict[str, str], note: str) -> None:
+    outcome = outcome_of(example, **parameters)
+    assert outcome.status == "infeasible" and not outcome.actions
+    told = outcome.explanation[0]
+    assert told.code == "S0001" and told.span is not None and told.span.file == "std/rules.tamp"
+    assert told.note is not None and note in told.note
+    assert any(label.span.file in (REACH, "std/rules.tamp") for label in told.labels)
+
+
+@pytest.mark.parametrize("crawlers", ["1", "2"])
+def test_a_target_that_hangs_too_high(crawlers: str) -> None:
+    text = (EXAMPLES / "climb.tamp").read_text().replace("+ 1.0 m)", "+ 4.0 m)")
+    outcome = solve(compile_text(text, "climb.tamp", None, {"crawlers": crawlers})[0], SolveOptions(time=20.0))
+    assert outcome.status == "infeasible"
+    note = outcome.explanation[0].note
+    assert note is not None and "target is 3.95 m from stair[8]" in note
+
+
+def test_too_few_legs() -> None:
+    outcome = outcome_of("quadruped", crawlers="3")
+    assert outcome.status == "infeasible"
+    assert "`standUp`" in outcome.explanation[0].message
+
+
+def test_what_no_motion_reaches_is_told_by_the_smallest_miss() -> None:
+    outcome = outcome_of("mobile_manipulator", height="2 m", objects="1")
+    assert outcome.status == "exhausted" and not outcome.actions
+    for told in outcome.explanation:
+        assert told.code == "S0002" and told.span is not None and told.labels
+        assert told.message.startswith("P_seq refuses ") and "is missed by" in told.message
+        assert not told.message.endswith(" 1")
