@@ -12,6 +12,8 @@ from .groups import Group, Label
 from .layout import Indices
 
 KINDS = ("cost", "equality", "inequality")
+DIVERGED = 1e9
+"""Stands for a violation that is no number: JSON has none, and no comparison would tell it."""
 
 
 class _Scatter:
@@ -206,21 +208,19 @@ class Program:
         return found
 
     def largest(self, x: Array) -> float:
-        """The largest unscaled violation of a single row."""
+        """The largest unscaled violation of a single row; `DIVERGED` where a row is no number."""
         z = self.full(x)
-        worst = 0.0
-        for group in self.groups["equality"]:
-            worst = max(worst, float(np.abs(group.residuals(z)).max()) / group.scale)
-        for group in self.groups["inequality"]:
-            worst = max(worst, float(group.residuals(z).max()) / group.scale)
-        return worst
+        worst = [0.0]
+        worst += [float(np.abs(group.residuals(z)).max()) / group.scale for group in self.groups["equality"]]
+        worst += [float(group.residuals(z).max()) / group.scale for group in self.groups["inequality"]]
+        return DIVERGED if np.isnan(worst).any() else max(worst)
 
     def violations(self, x: Array, above: float) -> list[Violation]:
         """Rows violated by more than `above`, largest first; for each phase and literal only its worst row."""
         worst: dict[tuple[int, tuple[str, ...]], Violation] = {}
         for label, amounts in self.rows(x):
             row = int(amounts.argmax())
-            amount = float(amounts[row])
+            amount = DIVERGED if np.isnan(amounts[row]) else float(amounts[row])
             key = (label.phase, label.literal)
             if amount > above and (key not in worst or amount > worst[key].amount):
                 unit = label.units[min(row, len(label.units) - 1)]

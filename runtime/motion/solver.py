@@ -33,6 +33,8 @@ class Options:
 
 HOPELESS = 4e-3
 """A run that stalls above this violation will not become feasible."""
+NO_STEP = 1e20
+"""With this damping and more there is no step worth to be taken."""
 PATH = Options(mu=1e3, tolerance=1e-3)
 
 
@@ -53,13 +55,16 @@ def _merit(residuals: tuple[Array, Array, Array], multipliers: tuple[Array, Arra
 
 
 def _violation(residuals: tuple[Array, Array, Array]) -> float:
+    """The largest violation; infinite where one is no number, which no comparison would tell."""
     _, equality, inequality = residuals
-    return max(float(np.abs(equality).max(initial=0.0)), float(inequality.max(initial=0.0)))
+    worst = np.maximum(np.abs(equality).max(initial=0.0), inequality.max(initial=0.0))
+    return float("inf") if np.isnan(worst) else float(worst)
 
 
 def banded_step(band: Array, gradient: Array, damping: float) -> tuple[Array, float]:
-    """Solve (band + damping · I) d = −gradient by banded Cholesky; damping grows until it is positive definite."""
-    while True:
+    """Solve (band + damping · I) d = −gradient by banded Cholesky; damping grows until it is positive definite. No step
+    where there is none, as the numbers are not finite."""
+    while damping < NO_STEP:
         damped = band.copy()
         damped[:, 0] += damping
         factor, info = lapack.dpbtrf(damped.T, lower=1, overwrite_ab=1)
@@ -67,6 +72,7 @@ def banded_step(band: Array, gradient: Array, damping: float) -> tuple[Array, fl
             step, _ = lapack.dpbtrs(factor, -gradient, lower=1)
             return step, damping
         damping = max(10.0 * damping, 1e-6)
+    return np.zeros_like(gradient), damping
 
 
 class _Run:

@@ -8,7 +8,7 @@ import pytest
 from tamplang.runtime.budget import Budget, OutOfTime
 from tamplang.runtime.motion.groups import Label, LinearGroup, NormGroup
 from tamplang.runtime.motion.ipopt import solve_ipopt
-from tamplang.runtime.motion.program import Program
+from tamplang.runtime.motion.program import DIVERGED, Program
 from tamplang.runtime.motion.solver import Options, project, solve
 
 EXACT = Options(tolerance=1e-8, step_tolerance=1e-6, iterations=300)
@@ -49,6 +49,30 @@ def test_nonlinear_equality() -> None:
         solve_ipopt(program, np.array([0.5, 0.1, 0.2, 0.3]), EXACT, Budget(None)),
     ):
         assert outcome.x == pytest.approx(wish / np.linalg.norm(wish), abs=1e-4)
+
+
+class NoNumber(LinearGroup):
+    """Rows that are no number where x0 is above 0.1, as the logarithm of something negative."""
+
+    def residuals(self, z: np.ndarray) -> np.ndarray:
+        return np.where(z[1] > 0.1, np.nan, super().residuals(z))
+
+
+@pytest.mark.parametrize("kind", ["equality", "inequality"])
+@pytest.mark.parametrize("start", [0.5, np.nan])
+def test_what_is_no_number_is_never_feasible(kind: str, start: float) -> None:
+    rows = linear(kind, [[1.0, 1.0]], [-5.0], [[1, 2]])
+    bad = NoNumber(kind, rows.places, rows.coefficients, rows.targets, rows.labels)
+    program = Program(np.array([7.0]), 3, [linear("cost", [[1.0]] * 3, [3.0, 4.0, 0.0], [[1], [2], [3]]), bad])
+    for outcome in (
+        solve(program, np.full(3, start), Options(), Budget(20.0)),
+        solve_ipopt(program, np.full(3, start), Options(), Budget(20.0)),
+    ):
+        assert outcome.status == "stalled"
+        assert program.largest(outcome.x) == DIVERGED
+        assert [v.amount for v in program.violations(outcome.x, 1e-3)] == [DIVERGED]
+    lost = project(program, np.full(3, 0.5), 1e-6, Budget(20.0))
+    assert program.largest(lost) == DIVERGED
 
 
 def test_contradiction_stalls() -> None:
