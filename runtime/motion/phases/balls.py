@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import groupby
 
 import numpy as np
@@ -42,28 +40,27 @@ class Lineage:
         for i, parent in enumerate(tree.parents):
             self.above[i + 1] = self.above[parent + 1]
             self.above[i + 1, i] = True
+        self._spans: dict[tuple[int, int], tuple[float, int, int]] = {}
+        self._offsets = [math.hypot(*before[:3, 3]) for before in tree.before]
         self.root = [-1] * count
         for i, parent in enumerate(tree.parents):
             self.root[i] = i if parent < 0 else self.root[parent]
 
-    @cached_property
-    def spans(self) -> dict[tuple[int, int], tuple[float, int, int]]:
-        """Per pair of nodes: the length of the joints between them below their common node, and the uppermost
-        joints on both sides (-1 when that side is the common node)."""
-        result = {}
-        count = len(self.tree.parents)
-        for a, b in itertools.product(range(-1, count), repeat=2):
+    def span(self, a: int, b: int) -> tuple[float, int, int]:
+        """Of two nodes: the length of the joints between them below their common node, and the uppermost joints on
+        both sides (-1 when that side is the common node)."""
+        if (a, b) not in self._spans:
             length, tops = 0.0, []
             for node, other in ((a, b), (b, a)):
                 top = -1
                 while node >= 0 and not self.above[other + 1, node]:
                     if top >= 0:
-                        length += math.hypot(*self.tree.before[top][:3, 3])
+                        length += self._offsets[top]
                     length += self.tree.slides[node]
                     top, node = node, self.tree.parents[node]
                 tops.append(top)
-            result[a, b] = (length, tops[0], tops[1])
-        return result
+            self._spans[a, b] = (length, tops[0], tops[1])
+        return self._spans[a, b]
 
     def lengths_between(self, balls: tuple[Ball, ...], first: NDArray[np.intp], second: NDArray[np.intp]) -> Array:
         """Upper bounds `(m,)` of the distances of the centres of pairs of spheres, given by their indices `(m,)`."""
@@ -74,7 +71,7 @@ class Lineage:
         for kind in np.unique(kinds):
             rows = np.flatnonzero(kinds == kind)
             i, k = first[rows], second[rows]
-            length, *tops = self.spans[balls[i[0]].node, balls[k[0]].node]
+            length, *tops = self.span(balls[i[0]].node, balls[k[0]].node)
             ends = []
             for ball, top in zip((i, k), tops, strict=True):
                 ends.append(self.tree.before[top][:3, 3] if top >= 0 else centres[ball])

@@ -42,10 +42,10 @@ class Part:
         return joints, balls, self.pairs, carried
 
 
-def make_part(tree: PhaseTree, world: World, margin: float, exact_bodies: bool) -> Part:
+def make_part(lineage: Lineage, world: World, margin: float, exact_bodies: bool) -> Part:
     """The geometry of a phase with spheres that cover within `margin`. With `exact_bodies`, other spheres meet the
     true shapes of carried bodies and not their spheres."""
-    lineage = Lineage(tree)
+    tree = lineage.tree
     balls = moving_balls(tree, world, margin)
     near = obstacles_near(tree, lineage, balls, 2 * margin)
     pairs = meeting_pairs(lineage, balls, not exact_bodies)
@@ -55,7 +55,8 @@ def make_part(tree: PhaseTree, world: World, margin: float, exact_bodies: bool) 
 
 def make_parts(tree: PhaseTree, world: World) -> tuple[Part, Part]:
     """What the optimiser sees of a phase, and what accepts its path."""
-    return make_part(tree, world, PATH_MARGIN, False), make_part(tree, world, CHECK_MARGIN, True)
+    lineage = Lineage(tree)
+    return make_part(lineage, world, PATH_MARGIN, False), make_part(lineage, world, CHECK_MARGIN, True)
 
 
 def _meets_body(tree: PhaseTree, lineage: Lineage, balls: tuple[Ball, ...], name: str) -> tuple[int, ...]:

@@ -112,7 +112,7 @@ def _missed(batch: Batch, inner: Array, margin: float) -> _Rows:
     frames, angular, linear = geometry.kinematics.frames(values)
     points = geometry.points.place(frames, phases, times)
     twists = (_stacked(angular, phases, times), _stacked(linear, phases, times))
-    rows = [_obstacle_rows(margin, shares, geometry, points, twists), _pair_rows(shares, geometry, points, twists)]
+    rows = [make(margin, shares, geometry, points, twists) for make in (_obstacle_rows, _pair_rows)]
     if batch.fading is not None:
         points = batch.fading.points.place(frames, phases, times)
         rows.append(_obstacle_rows(margin, batch.looks.required, batch.fading, points, twists))
@@ -155,14 +155,17 @@ def _obstacle_rows(
     return _Rows(missed[hit, t], -slope, k * times + t)
 
 
-def _pair_rows(shares: Array, geometry: Geometry, points: Array, twists: tuple[Array, Array]) -> _Rows:
+def _pair_rows(margin: float, shares: Array, geometry: Geometry, points: Array, twists: tuple[Array, Array]) -> _Rows:
     times = points.shape[-1]
     first, second = geometry.pairs[:, 0], geometry.pairs[:, 1]
     apart = points[first] - points[second]
-    distance = np.sqrt((apart * apart).sum(axis=1))
-    missed = geometry.touching + shares[geometry.pair_kinds] - distance
-    p, k, t = np.nonzero(missed > 0.0)
-    normals = apart[p, :, k, t] / np.maximum(distance[p, k, t], 1e-9)[:, None]
+    p, k, t = np.nonzero(np.einsum("picd,picd->pcd", apart, apart) < (geometry.touching + margin) ** 2)
+    normals = apart[p, :, k, t]
+    distance = np.sqrt((normals * normals).sum(axis=1))
+    missed = geometry.touching[p, 0, 0] + shares[geometry.pair_kinds[p, k], t] - distance
+    hit = np.flatnonzero(missed > 0.0)
+    p, k, t, missed = p[hit], k[hit], t[hit], missed[hit]
+    normals = normals[hit] / np.maximum(distance[hit], 1e-9)[:, None]
     slope = _slopes(geometry, twists, first[p], points[first[p], :, k, t], normals, k, t)
     slope -= _slopes(geometry, twists, second[p], points[second[p], :, k, t], normals, k, t)
-    return _Rows(missed[p, k, t], -slope, k * times + t)
+    return _Rows(missed, -slope, k * times + t)
