@@ -149,8 +149,8 @@ class _Planner:
         on = self._go_on()
         if on is not None:
             return on
-        for goal, method, nodes in self._goals():
-            found = self._try(goal, method, nodes)
+        for goal in self._goals():
+            found = self._try(goal)
             if found is not None:
                 return replace(
                     found, tree_nodes=self.tree_nodes, expanded_nodes=self.expanded_nodes, tree=self.tree,
@@ -182,35 +182,31 @@ class _Planner:
         seen = beginning(skeleton, self.horizon + self.lookahead)
         return replace(seen, coming=self._coming()), min(self.horizon, len(skeleton))
 
-    def _goals(self) -> Iterator[tuple[ir.Formula, str, int]]:
-        """What is planned for, by which method, with how many nodes: the whole goal where that is short, else what
-        holds already and the next parts of it, in growing groups."""
-        method = self.options.search
-        limits = [(method, NODES), ("wastar" if method == "astar" else method, MORE_NODES)]
+    def _goals(self) -> Iterator[ir.Formula]:
+        """What is planned for: the whole goal where that is short, else what holds already and the next parts of it, in
+        growing groups."""
         count = len(self.unmet)
         if count <= FEW_PARTS:
-            for name, nodes in limits:
-                yield self.problem.goal, name, nodes
+            yield self.problem.goal
         size = min(self.memory.group, count)
-        while True:
-            for name, nodes in limits if size <= FEW_PARTS or size < count else limits[1:]:
-                yield self._protected(self.unmet[:size]), name, nodes
-            if size == count:
-                return
+        while size < count:
+            yield self._protected(self.unmet[:size])
             size = min(2 * size, count)
+        if count > FEW_PARTS:
+            yield self._protected(self.unmet)
 
     def _protected(self, parts: Sequence[ir.Formula]) -> ir.Formula:
         """The parts of the goal that hold, and some that do not yet."""
         held = [part for part in self.memory.order if part not in self.unmet]
         return ir.And((*held, *parts))
 
-    def _try(self, goal: ir.Formula, method: str, nodes: int) -> Window | None:
-        """Candidates for one goal until one gets its motion."""
+    def _try(self, goal: ir.Formula) -> Window | None:
+        """Candidates for one goal until one gets its motion; hurried ones once the cheapest takes long."""
         clock = self.memory.bounds.clock
         with clock("compile"):
             problem = replace(self.problem, goal=goal)
             successors = Successors(problem)
-            search = SkeletonSearch(problem, successors, method, self.budget, nodes)
+            search = SkeletonSearch(problem, successors, self.options.search, self.budget, NODES)
         strain = Strain(successors, STRAINED)
         surcharge = Surcharge(strain)
         if self.memory.surcharge is not None:
@@ -222,15 +218,10 @@ class _Planner:
         again = False
         try:
             for _ in range(CANDIDATES):
-                self.budget.check()
-                self.memory.bounds.tell("search", f"searching for a way to {len(self.unmet)} parts of the goal")
                 with clock("search"):
-                    candidate = search.next()
-                    if candidate is not None:
-                        candidate = roomier(search, strain, candidate, WIDTH)
+                    candidate = self._next(search, strain)
                 if candidate is None:
-                    whole = len(self.unmet) <= FEW_PARTS or goal == self.problem.goal
-                    self.proved = search.status == "infeasible" and whole and not self.forbidden
+                    self.proved = search.status == "infeasible" and not self.forbidden
                     if search.status != "exhausted" or again or not search.readmit():
                         return None
                     again = True
@@ -246,6 +237,17 @@ class _Planner:
             self.tree_nodes += search.tree_nodes
             self.expanded_nodes += search.expanded_nodes
         return None
+
+    def _next(self, search: SkeletonSearch, strain: Strain) -> Candidate | None:
+        """The next candidate; where the cheapest takes too many nodes, the search goes on hurried, with more."""
+        self.budget.check()
+        self.memory.bounds.tell("search", f"searching for a way, with {len(self.unmet)} parts of the goal to come")
+        candidate = search.next()
+        if candidate is None and search.status == "budget":
+            search.node_limit = MORE_NODES
+            search.method = "wastar" if search.method == "astar" else search.method
+            candidate = search.next()
+        return None if candidate is None else roomier(search, strain, candidate, WIDTH)
 
     def _too_short(self, candidate: Candidate, goal: ir.Formula) -> bool:
         """Whether a plan for some parts of the goal ends before the window does; then more parts are planned for."""
