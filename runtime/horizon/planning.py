@@ -21,9 +21,9 @@ from .foresight import concerned
 from .state import start
 from .windows import PLANNED, plan_window, remember
 
-MARGINS = (0.0, -0.005)
-"""What is added to margins, metres, in the tries of a known way before another way is searched: a robot that stands a
-little off may be nearer to things than it should."""
+SHORTER = ((2, -0.005), (1, -0.01))
+"""After a first try while things move: so many actions, as what comes later may be in reach by then, and so
+many metres added to margins, as a robot that stands a little off may be nearer to things than it should."""
 FRESH = 100
 """Between the seeds of one failure and the next."""
 
@@ -63,10 +63,12 @@ class Planner:
             return None
         moving = concerned(skeleton, moving)
         motions = 1 if moving else horizon
-        for attempt, margin in enumerate(MARGINS):
+        shorter = [(min(horizon, count), margin) for count, margin in SHORTER]
+        tries = [(horizon, 0.0), *(shorter if moving else [(horizon, SHORTER[0][1])])]
+        for attempt, (count, margin) in enumerate(tries):
             settings = _wider(motion_settings(problem, self.options), wider + margin)
             seed = self.options.seed + FRESH * self.failures + attempt
-            found = _motions(skeleton, motions, settings, seed, budget)
+            found = _motions(_first(skeleton, count), motions, settings, seed, budget)
             if found.feasible:
                 return Window(problem, tuple(actions), skeleton, found.paths, moving)
             self.blamed = _in_the_way(problem, found)
@@ -78,9 +80,12 @@ class Planner:
     ) -> Window | None:  # fmt: skip
         """Search a way to the goal of which the first `horizon` actions have motions. Raises OutOfTime."""
         memory = remember(problem, self.options, budget)
-        memory.bounds.settings = _wider(memory.bounds.settings, wider)
+        memory.bounds.settings = _wider(memory.bounds.settings, wider + (SHORTER[-1][1] if moving else 0.0))
         begin = replace(start(problem), previous=previous)
-        found = plan_window(problem, begin, self.options, horizon, budget, memory)
+        if moving:
+            found = plan_window(problem, begin, self.options, SHORTER[0][0], budget, memory, lookahead=0)
+        else:
+            found = plan_window(problem, begin, self.options, horizon, budget, memory)
         if found.status != PLANNED:
             self.status, self.refusals = found.status, memory.refusals
             return None
