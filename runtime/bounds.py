@@ -34,6 +34,8 @@ LONGEST_WINDOW = 5
 WIDER = 0.01
 """Metres by which margins grow for a plan that the verifier refused."""
 AGAIN = 1000
+VERIFYING = 5.0
+"""Seconds that the verifier gets for a plan, however little of the budget is left."""
 QUICK = 3
 """Starts of a span before a skeleton is refused for the first time."""
 SPAN = 4
@@ -180,7 +182,7 @@ class Bounds:
         self.tell("verify", f"verifying a plan of {len(actions)} actions")
         plan = assemble(self.problem, actions, skeleton, judgement.paths or [], statistics)
         with self.clock("verify"):
-            verdict = verify(plan)
+            verdict = verify(plan, Budget(max(VERIFYING, self.budget.remaining)))
         return msgspec.structs.replace(plan, verdict=verdict)
 
     def records(self) -> list[BoundRecord]:

@@ -210,11 +210,13 @@ class Plan:
         """The actions in order."""
         return tuple(phase.action for phase in self.record.phases)
 
-    def verify(self) -> VerdictRecord:
-        """Check the plan anew, with none of the planner's code."""
+    def verify(self, time: float | None = None) -> VerdictRecord:
+        """Check the plan anew, with none of the planner's code. Raises `tamplang.runtime.budget.OutOfTime` when `time`
+        seconds are not enough."""
+        from .runtime.budget import Budget
         from .runtime.verify import verify
 
-        return verify(self.record)
+        return verify(self.record, Budget(time))
 
     def report(self, path: str | PathLike[str]) -> None:
         """Write the report: one HTML file that works offline. Raises OSError."""

@@ -6,6 +6,7 @@ from ...compiler import ir
 from ...langs import syntax
 from ...langs.diagnostics import SourceError
 from ...langs.source import Source
+from ..budget import Budget
 from ..plan import Plan, VerdictRecord
 from .collision import check_collisions
 from .constraints import check_constraints
@@ -19,9 +20,10 @@ from .scene import check_scene, check_sources
 from .structure import check_structure
 
 
-def verify(plan: Plan) -> VerdictRecord:
-    """The verdict on a plan, from nothing but what stands in it. Raises MissingLibrary."""
-    findings = Findings()
+def verify(plan: Plan, budget: Budget | None = None) -> VerdictRecord:
+    """The verdict on a plan, from nothing but what stands in it. Raises MissingLibrary, and OutOfTime once the budget
+    is spent."""
+    findings = Findings(budget)
     if not check_sources(plan, findings):
         return findings.verdict()
     problem = _problem(plan, findings)

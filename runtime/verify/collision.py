@@ -44,6 +44,7 @@ def check_collisions(
         check = _PhaseCheck(sampler, phase, found, motion.moving)
         begin = float(motion.times[motion.ranges[phase][0]])
         for i, k in _near_boxes(check, looked_at):
+            findings.check_time()
             if any(happenings.away(found[n].thing, begin) for n in (int(i), int(k))):
                 continue
             deepest = check.deepest(int(i), int(k))

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from ...langs.source import Span
+from ..budget import Budget
 from ..plan import NO_LIMIT, FailureRecord, MeasureRecord, PlaceRecord, VerdictRecord
 from .limits import LIMITS, RATE_SLACK, RATES, unit_of
 
@@ -20,12 +21,18 @@ UNMEASURABLE = 1e10
 
 
 class Findings:
-    """Measures and failures of one verification."""
+    """Measures and failures of one verification, which ends by OutOfTime when its budget is spent."""
 
-    def __init__(self) -> None:
+    def __init__(self, budget: Budget | None = None) -> None:
+        self._budget = budget
         self.measures: dict[str, MeasureRecord] = {}
         self.failures: list[FailureRecord] = []
         self.residuals: list[MeasureRecord] = []
+
+    def check_time(self) -> None:
+        """Raise OutOfTime once the budget is spent."""
+        if self._budget is not None:
+            self._budget.check()
 
     def fail(
         self,
@@ -53,8 +60,9 @@ class Findings:
         place: PlaceRecord | None = None,
         limit: float | None = None,
     ) -> bool:
-        """Record one figure of a kind; a failure when it is over its limit in the table, for rates over `limit`. True when
-        it is kept."""
+        """Record one figure of a kind; a failure when it is over its limit in the table, for rates over `limit`. True
+        when it is kept. Raises OutOfTime."""
+        self.check_time()
         slack = 1.0 if limit is None else RATE_SLACK
         limit, unit = LIMITS[kind] if limit is None else min(limit, NO_LIMIT), unit_of(kind)
         amount = float(amount) if math.isfinite(amount) else UNMEASURABLE

@@ -3,29 +3,46 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from .interrupt import kept_interrupt
 from .libraries import needing_libraries
 from .outputs import checked_output
+from .parameters import Seconds
 from .status import ExitStatus
 
 if TYPE_CHECKING:
     from ..runtime.plan import Plan, VerdictRecord
 
 
+class Unchecked(click.ClickException):
+    """The time was not enough for a verdict."""
+
+    exit_code = ExitStatus.NO_PLAN
+
+
 @click.command()
 @click.argument("file", metavar="PLAN.json", type=click.Path(path_type=Path))
+@click.option("--time", "seconds", type=Seconds(), default=math.inf, help="Budget in seconds.  [default: none]")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
-def verify(file: Path, as_json: bool) -> int:
+def verify(file: Path, seconds: float, as_json: bool) -> int:
     """Check a plan from its file alone, with none of the planner's code."""
+    from ..runtime.budget import Budget, OutOfTime
+
     plan = read(file)
-    with needing_libraries():
+    with needing_libraries(), kept_interrupt() as check:
         from ..runtime.verify import verify as verified
 
-        verdict = verified(plan)
+        check()
+        try:
+            verdict = verified(plan, Budget(seconds))
+        except OutOfTime as error:
+            raise Unchecked(f"{seconds:g} s are spent, and the plan is not checked to its end") from error
+        check()
     if as_json:
         click.echo(json.dumps(verdict_json(verdict)))
     else:

@@ -14,7 +14,7 @@ from .horizon import checked_horizon
 from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
 from .outputs import checked_output
-from .parameters import parameters_option
+from .parameters import Seconds, parameters_option
 from .plans import read
 from .sources import reading_sources, show_diagnostics
 from .status import ExitStatus
@@ -57,7 +57,7 @@ def _noise(context: click.Context, option: click.Parameter, texts: tuple[str, ..
 @click.option("--horizon", callback=checked_horizon, metavar="N|auto", help="Actions whose motion one window plans.")
 @click.option("--noise", multiple=True, metavar="KIND=SIGMA", callback=_noise,
               help="position (m) of sensed bodies, joint (rad) of sensed joints, drive (rad/s²); may be repeated.")
-@click.option("--time", "seconds", type=click.FloatRange(min=0, min_open=True), help="Budget in seconds; inf for none.")
+@click.option("--time", "seconds", type=Seconds(), help="Budget in seconds; inf for none.")
 @click.option("--out", type=click.Path(path_type=Path), help="The plan file.  [default: TASK.run.json in this folder]")
 @click.option("--report", type=click.Path(path_type=Path), help="Write the report too: one HTML file.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object on standard output.")

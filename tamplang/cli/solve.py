@@ -12,7 +12,7 @@ from .horizon import checked_horizon
 from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
 from .outputs import checked_output, numbered
-from .parameters import parameters_option
+from .parameters import Seconds, parameters_option
 from .progress import shown_progress
 from .side import checked_side, needing_cluster, side_options, without_broken_pipes
 from .solution import Keeper, result_json, result_lines, write
@@ -29,7 +29,7 @@ from .status import OF_OUTCOME
 @click.option("--search", type=click.Choice(["astar", "wastar", "bfs", "guide"]), help="How to look for skeletons.")
 @click.option("--horizon", callback=checked_horizon, metavar="N|auto", help="Plan the motion of N actions at a time.")
 @click.option("--solutions", type=click.IntRange(min=1), default=1, show_default=True, help="How many plans to find.")
-@click.option("--time", "seconds", type=click.FloatRange(min=0, min_open=True), help="Seconds; inf for no limit.")
+@click.option("--time", "seconds", type=Seconds(), help="Seconds; inf for no limit.")
 @click.option("--nodes", type=click.IntRange(min=1), help="How large the search tree may grow.")
 @side_options
 @click.option("--solver", type=click.Choice(["algn", "ipopt"]), help="For the motion programs.")

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 import tamplang as package
+from tamplang.runtime.budget import OutOfTime
 
 from .conftest import ROOT, Tamplang, environment
 
@@ -180,6 +181,37 @@ def test_ctrl_c_ends_with_what_was_found(tmp_path: Path) -> None:
     assert process.returncode == 130
     assert "Traceback" not in errors
     assert json.loads(output)["status"] == "interrupted"
+
+
+@pytest.mark.parametrize("loaded", ["click", "tamplang.cli.app", "tamplang.runtime.lgp"])
+def test_ctrl_c_is_quiet_while_the_command_still_loads(tmp_path: Path, loaded: str) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-X", "importtime", "-m", "tamplang", "solve", str(CLIMB), "-p", "n=60", "--solutions", "9"],
+        cwd=tmp_path,
+        env=environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stderr is not None
+    while loaded not in (line := process.stderr.readline()):
+        assert line
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors[-500:]
+    assert "Traceback" not in errors
+
+
+def test_verify_ends_with_its_budget(tamplang: Tamplang, tmp_path: Path) -> None:
+    result = package.load(CLIMB, n=2, crawlers=1).solve(time=60.0)
+    assert result.plan is not None
+    result.plan.save(tmp_path / "plan.json")
+    process = tamplang("verify", str(tmp_path / "plan.json"), "--time", "0.001")
+    assert process.returncode == 4
+    assert "not checked to its end" in process.stderr
+    with pytest.raises(OutOfTime):
+        result.plan.verify(time=0.001)
+    assert tamplang("verify", str(tmp_path / "plan.json"), "--time", "nan").returncode == 2
 
 
 def test_the_starter_task_solves(tamplang: Tamplang) -> None:
