@@ -161,13 +161,14 @@ class Family:
     def _shortest(self, starts: NDArray[np.bool_], modules: int) -> list[float]:
         """Dijkstra's distances, all places of one cost at a time."""
         edges = self.edges(modules)
-        best = np.where(starts, 0.0, math.inf)
-        waiting: NDArray[np.bool_] = starts
+        best: Any = np.where(starts, 0.0, math.inf)
+        waiting: Any = starts
         while waiting.any():
             cost = float(best[waiting].min())
-            level: NDArray[np.bool_] = waiting & (best == cost)
+            level = waiting & (best == cost)
             waiting = waiting & ~level
             for edge in edges:
+                near: Any
                 if edge.matrix is None:
                     near = np.full(len(best), bool((edge.targets & level).any()))
                 else:

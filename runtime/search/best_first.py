@@ -15,7 +15,7 @@ from typing import Any
 from ...compiler.ir import Action, Problem
 from ...compiler.symbolic.costs import CostToGo
 from ...compiler.symbolic.estimate import Estimate
-from ...compiler.symbolic.renaming import Renaming, renamed_action, renaming
+from ...compiler.symbolic.renaming import renamed_action, renaming
 from ...compiler.symbolic.successors import Successors
 from ..budget import Budget
 from ..plan import SearchNode
@@ -130,7 +130,8 @@ class _Run:
         self.guided = search.method == "guide"
         self.queue: list[tuple[float, float, float, int, Key, int, float, Past]] = []
         self.cheapest: dict[Key, float] = {}
-        self.parents: dict[Key, tuple[Key, int]] = {}
+        self.parents: dict[Key, tuple[Key, int, int]] = {}
+        """For each key the key before, and the action that led on from a state that has it."""
         self.records: dict[Key, int] = {}
         self.age = 0
         self.cut = False
@@ -189,10 +190,10 @@ class _Run:
             if self.guided and value == math.inf:
                 continue
             kept = child_key if self.representative else following
-            self._push(kept, child_cost, value, then, child_key, (key, action))
+            self._push(kept, child_cost, value, then, child_key, (key, action, state))
 
     def _push(
-        self, state: int, cost: float, guide: float, past: Past, key: Key, parent: tuple[Key, int] | None
+        self, state: int, cost: float, guide: float, past: Past, key: Key, parent: tuple[Key, int, int] | None
     ) -> None:
         """Queue a state, unless it is known that no way leads from it to the goal."""
         estimate = self.search.value(state)
@@ -241,15 +242,11 @@ class _Run:
 
     def _candidate(self, key: Key, cost: float) -> Candidate:
         search = self.search
-        path: list[tuple[Key, int]] = []
+        path: list[tuple[int, int]] = []
         while key in self.parents:
-            above, number = self.parents[key]
-            path.append((key, number))
-            key = above
-        path.reverse()
-        numbers = [number for _, number in path]
-        if self.representative and search.renaming is not None:
-            numbers = self._named_again(path, search.renaming)
+            key, number, state = self.parents[key]
+            path.append((state, number))
+        numbers = self._numbers(path[::-1])
         actions = tuple(search.successors.action(n) for n in numbers)
         bound = self._lower_bound(cost)
         if search.surcharge is not None:
@@ -258,20 +255,22 @@ class _Run:
         search.status = "found"
         return Candidate(tuple(numbers), actions, cost, bound >= cost - EQUAL and not self.cut, bound)
 
-    def _named_again(self, path: list[tuple[Key, int]], renaming: Renaming) -> list[int]:
-        """The actions of a path through renamed states, with the names that lead there from the start itself."""
-        successors = self.search.successors
-        state = successors.initial
-        representative = renaming.canonical(state)
-        names = {new: old for old, new in renaming.names(state).items()}
+    def _numbers(self, path: list[tuple[int, int]]) -> list[int]:
+        """The actions of a path from the start itself. Where a state on the path only stands for the one that is
+        reached, what follows gets the names that modules have there."""
+        successors, renaming = self.search.successors, self.search.renaming
+        state = met = successors.initial
+        names: dict[str, str] = {}
         numbers = []
-        for key, chosen in path:
-            reached = next(t for t, a in successors.expand(representative) if a == chosen)
+        for kept, chosen in path:
+            if kept != met and renaming is not None:
+                back = {new: names.get(old, old) for old, new in renaming.names(met).items()}
+                alike = kept != renaming.canonical(met)
+                names = {old: back.get(new, new) for old, new in renaming.names(kept).items()} if alike else back
             action = renamed_action(successors.action(chosen), names)
             state, number = next((t, a) for t, a in successors.expand(state) if successors.action(a) == action)
+            met = next(t for t, a in successors.expand(kept) if a == chosen)
             numbers.append(number)
-            names = {new: names.get(old, old) for old, new in renaming.names(reached).items()}
-            representative = key
         return numbers
 
     def _lower_bound(self, cost: float) -> float:

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from tamplang.compiler.ir import And, Body, Chain, Formula, Not, Object, Problem, Shape
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.search.best_first import Candidate, SkeletonSearch
+from tamplang.runtime.search.best_first import Candidate, SkeletonSearch, _Run
+from tamplang.runtime.search.roomy import Strain, Surcharge
 from tamplang.runtime.search.skeletons import build_skeleton
 
 from . import variants
@@ -291,3 +292,18 @@ def test_plans_through_renamed_states_get_their_names_back(crawlers: int, rise: 
 def test_the_search_is_deterministic() -> None:
     plans = [started(climb(6, 2)).next() for _ in range(2)]
     assert plans[0] == plans[1]
+
+
+@pytest.mark.parametrize("stairs, crawlers, weight", [(24, 2, 1.5), (6, 3, 1.0)])
+def test_plans_stay_whole_when_refusals_make_actions_dearer(stairs: int, crawlers: int, weight: float) -> None:
+    search = started(climb(stairs, crawlers, rise=0.2))
+    surcharge = Surcharge(Strain(search.successors))
+    for _ in range(6):
+        candidate = _Run(search, weight).run()
+        assert candidate is not None
+        replayed(search, candidate)
+        strains = surcharge.strain.along(candidate.numbers)
+        at = max(range(len(strains) - 1), key=lambda i: strains[i] + strains[i + 1])
+        search.forbid_actions(candidate, at, at + 1)
+        surcharge.refused(candidate.numbers, at, at + 1)
+        search.surcharge = surcharge.of
