@@ -46,9 +46,15 @@ class NestingError(Exception):
 
 def span_of(file: str, node: Branch | Token) -> Span:
     place = node if isinstance(node, Token) else node.meta
-    numbers = (place.start_pos, place.end_pos, place.line, place.column, place.end_line, place.end_column)
-    start, end, line, column, end_line, end_column = (n or 0 for n in numbers)
-    return Span(file, start, end, line, column, end_line, end_column)
+    return Span(
+        file,
+        place.start_pos or 0,
+        place.end_pos or 0,
+        place.line or 0,
+        place.column or 0,
+        place.end_line or 0,
+        place.end_column or 0,
+    )
 
 
 def branches(tree: Branch, *kinds: str) -> list[Branch]:

@@ -12,9 +12,10 @@ from .context import Context
 
 def check_chain_bounds(context: Context, rule: ir.Rule) -> None:
     """Report each range variable of a rule that counts the modules of a chain whose length the rule never asks for."""
-    measured = {a.name for f in _nodes(rule) if isinstance(f, ir.Function) and f.name == "length" for a in _vars(f)}
-    ranges = {v.name for v in _nodes(rule) if isinstance(v, ir.Variable) and _counts(v.type)}
-    for node in _nodes(rule):
+    nodes = list(_nodes(rule))
+    measured = {a.name for f in nodes if isinstance(f, ir.Function) and f.name == "length" for a in _vars(f)}
+    ranges = {v.name for v in nodes if isinstance(v, ir.Variable) and _counts(v.type)}
+    for node in nodes:
         if not isinstance(node, ir.ChainModule) or node.chain in measured:
             continue
         counters = [v.name for v in _nodes(node.index) if isinstance(v, ir.Var) and v.name in ranges]

@@ -129,9 +129,12 @@ def _number(element: ElementTree.Element, name: str, default: str | None = None)
 
 def _three(element: ElementTree.Element | None, name: str) -> ir.Vec3:
     try:
-        return three(element, name)
+        found = three(element, name)
     except ValueError:
-        raise _Unfit("E0514", f"`{name}` of an `origin`, `axis` or `box` is not three numbers") from None
+        found = (math.nan,) * 3
+    if not all(map(math.isfinite, found)):
+        raise _Unfit("E0514", f"`{name}` of an `origin`, `axis` or `box` is not three numbers")
+    return found
 
 
 # --- kinematics ----------------------------------------------------------------------------------------------------
