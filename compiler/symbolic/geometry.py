@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..extents import box_sides
+from ..hulls import convex_geometry
 from ..ir import Chain, ModuleType, Pose, Problem, Shape
 from ..poses import compose, joint_frames, make, orientation, position, rotate
 from .lengths import longest_chain, path_length, shape_radius
@@ -218,8 +220,11 @@ def grown_box(shape: Shape, pose: Pose) -> tuple[tuple[float, float, float], flo
 
 
 def top_face(placed: Placed, inset: float) -> Placed:
-    """The upper face of a box, shrunk, as a very thin box; the highest point of any other shape."""
+    """The upper face of a box, or of the box around a convex shape, shrunk, as a very thin box; the highest point of
+    any other shape."""
     shape, pose = placed.shape, placed.pose
+    if shape.kind == "convex":
+        return top_face(Placed(Shape("box", box_sides(shape)), pose), inset)
     if shape.kind != "box":
         up = (0.0, 0.0, shape.size[0] + _rise(shape, pose))
         return Placed(Shape("sphere", (0.0,)), (pose[0], pose[1], pose[2] + up[2], 0.0, 0.0, 0.0, 1.0))
@@ -242,7 +247,7 @@ def _rise(shape: Shape, pose: Pose) -> float:
 def shape_distance(a: Placed, b: Placed) -> float:
     """Smallest distance in metres, 0 when the shapes overlap."""
     for first, second in ((a, b), (b, a)):
-        if first.shape.kind == "sphere" and second.shape.kind != "cylinder":
+        if first.shape.kind == "sphere" and second.shape.kind not in ("cylinder", "convex"):
             return max(_point_distance(position(first.pose), second) - first.shape.size[0], 0.0)
     return _coal_distance(a, b)
 
@@ -269,11 +274,14 @@ def _coal_distance(a: Placed, b: Placed) -> float:
 def _coal(placed: Placed) -> tuple[Any, Any]:
     import coal
 
-    size = [max(s, THIN) for s in placed.shape.size]
-    makers = {"box": coal.Box, "sphere": coal.Sphere, "capsule": coal.Capsule, "cylinder": coal.Cylinder}
     x, y, z, w = orientation(placed.pose)
     turn = coal.Quaternion(w, x, y, z) if hasattr(coal, "Quaternion") else _matrix(placed.pose)
-    return makers[placed.shape.kind](*size), coal.Transform3s(turn, np.array(position(placed.pose)))
+    place = coal.Transform3s(turn, np.array(position(placed.pose)))
+    if placed.shape.kind == "convex":
+        return convex_geometry(placed.shape), place
+    size = [max(s, THIN) for s in placed.shape.size]
+    makers = {"box": coal.Box, "sphere": coal.Sphere, "capsule": coal.Capsule, "cylinder": coal.Cylinder}
+    return makers[placed.shape.kind](*size), place
 
 
 def _matrix(pose: Pose) -> Array:
