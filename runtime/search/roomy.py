@@ -30,6 +30,8 @@ MOST_STATES = 4000
 """Pairs of state and action for which the search learns a strain that depends on the state."""
 LEAST, GROWTH, MOST = 0.5, 1.5, 64.0
 """The surcharge of an action at the strain at which it was refused: at first, how it grows, at most."""
+FADING, MOST_INHERITED = 0.7, 2.0
+"""What is left in the next search of a weight, and of how far a limit is below 1; and the most of a weight."""
 EQUAL = 1e-9
 UPPER = ("<=", "<")
 LOWER = (">=", ">")
@@ -160,8 +162,9 @@ class Surcharge:
         self._keys: dict[int, tuple[str, int]] = {}
 
     def inherit(self, other: Surcharge) -> None:
-        """Begin with what another search of the same rules has learnt."""
-        self.weight, self._limits = other.weight, dict(other._limits)
+        """Begin with what another search of the same rules has learnt, which weighs less with each search."""
+        self.weight = min(FADING * other.weight, MOST_INHERITED)
+        self._limits = {key: 1.0 - FADING * (1.0 - limit) for key, limit in other._limits.items()}
 
     def refused(self, numbers: Sequence[int], first: int, last: int) -> None:
         """Actions `first` … `last` of a plan were refused one after the other."""
