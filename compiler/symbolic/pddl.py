@@ -20,6 +20,7 @@ from ..ir import (
     EffectIf,
     EffectItem,
     Exists,
+    Fact,
     Forall,
     Formula,
     Literal,
@@ -60,6 +61,7 @@ class _Writer:
         self.relations: dict[tuple[Formula, ...], tuple[str, tuple[Variable, ...]]] = {}
         self.related: list[str] = []
         self.names: dict[str, str] = {}
+        self._links: dict[tuple[ChainType, Chain], tuple[frozenset[Fact], frozenset[Fact]]] = {}
         self.schemas = [s for flat in self.successors.domains.rules for s in self.actions(flat)]
         goals = alternatives(self._settled(self.successors.normal.normal(problem.goal, {}, False), {}))
         self.goals = [Schema("reach", [], *literals(g, self.layout), []) for g in goals]
@@ -152,14 +154,19 @@ class _Writer:
     def _actions(self, flat: FlatRule, env: Environment, large: Sequence[Variable]) -> Iterator[Schema]:
         chains = [(v.type, env[v.name]) for v in flat.variables if isinstance(v.type, ChainType)]
         links = conjunction(f for kind, chain in chains for f in self._is_chain(kind, chain))
-        whole = conjunction([links, *(self._settled(f, env) for f in flat.conjuncts)])
+        settled = [links]
+        for formula in flat.conjuncts:
+            settled.append(self._settled(formula, env))
+            if settled[-1] == FALSE:
+                return
+        whole = conjunction(settled)
         for condition, changes in self._changes(flat.rule.effects, env):
             both = conjunction((whole, condition))
             for option in [] if both == FALSE else alternatives(both):
                 conditions, static = literals(option, self.layout)
                 if not contradicts(conditions):
-                    for formula in static:
-                        self._relate(formula, large, flat)
+                    for compare in static:
+                        self._relate(compare, large, flat)
                     schema = Schema(flat.rule.name, [v.name for v in large], conditions, static, list(changes))
                     schema.more += [Literal(self._typed(v, flat), (Var(v.name),)) for v in large]
                     yield schema
@@ -217,7 +224,10 @@ class _Writer:
             return
         first, *rest = variables
         if isinstance(first.type, ChainType):
-            values: Sequence[object] = list(self._chains(first.type))
+            others = [value for value in env.values() if isinstance(value, Chain)]
+            values: Sequence[object] = [
+                c for c in self._chains(first.type) if all(self._together(first.type, c, o) for o in others)
+            ]
         elif isinstance(first.type, RangeType):
             values = self.guards.values(first, env, None)
         else:
@@ -265,6 +275,23 @@ class _Writer:
             either = isinstance(formula, Forall)
             options.append(disjunction((negation(exists), rest)) if either else conjunction((exists, rest)))
         return conjunction(options) if isinstance(formula, Forall) else disjunction(options)
+
+    def _together(self, kind: ChainType, one: Chain, other: Chain) -> bool:
+        """Whether two chains can be there at once: no link that one needs is denied by the other."""
+        told = [self._told(kind, chain) for chain in (one, other)]
+        return not told[0][0] & told[1][1] and not told[0][1] & told[1][0]
+
+    def _told(self, kind: ChainType, chain: Chain) -> tuple[frozenset[Fact], frozenset[Fact]]:
+        """The links that a chain needs, and those that it denies."""
+        if (kind, chain) not in self._links:
+            needed, denied = set(), set()
+            for formula in self._is_chain(kind, chain):
+                literal = formula.operand if isinstance(formula, Not) else formula
+                if isinstance(literal, Literal):
+                    fact = (literal.predicate, *(a.name for a in literal.args if isinstance(a, Object)))
+                    (denied if isinstance(formula, Not) else needed).add(self.layout.canonical(fact))
+            self._links[kind, chain] = frozenset(needed), frozenset(denied)
+        return self._links[kind, chain]
 
     def _is_chain(self, kind: ChainType, chain: Chain) -> Iterator[Formula]:
         """The links of a chain hold, and its ends are not linked on."""
