@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from ..hulls import Hull, hull, top_edges
+from ..hulls import Array, Hull, hull, top_edges
 from ..ir import Shape
 from .inertia import DENSITY
 from .kinematics import Expression, Frame, axis, unrotate
@@ -61,14 +61,33 @@ def _hull(solid: Solid) -> Hull:
     return hull(Shape("convex", tuple(float(s) for s in solid.size)))
 
 
+def _hull_distance(body: Hull, point: Expression) -> Expression:
+    """Signed distance of a point (3,) to a convex body, both in its frame. Outside, the nearest point lies in the face
+    above which the point is, or else on the nearest edge."""
+    heights = [ca.dot(ca.SX(n), point) - d for n, d in zip(body.normals, body.offsets, strict=True)]
+    ends = {tuple(sorted(edge)) for a, b, c in body.triangles.tolist() for edge in ((a, b), (b, c), (c, a))}
+    distance = -_largest([-_segment_distance(body.corners[a], body.corners[b], point) for a, b in sorted(ends)])
+    for f, height in enumerate(heights):
+        slopes = body.normals @ body.normals[f]
+        beyond = _largest([h - s * height for g, (h, s) in enumerate(zip(heights, slopes, strict=True)) if g != f])
+        distance = ca.if_else(ca.logic_and(beyond <= 0, height >= 0), height, distance)
+    deepest = _largest(heights)
+    return ca.if_else(deepest < 0, deepest, distance)
+
+
+def _segment_distance(a: Array, b: Array, point: Expression) -> Expression:
+    along = b - a
+    share = ca.fmin(ca.fmax(ca.dot(ca.SX(along / (along @ along)), point - a), 0), 1)
+    return _length(point - a - share * along)
+
+
 def _point_gap(point: Expression, solid: Solid) -> Expression:
     """Signed distance of a point (3,) to the surface of a shape."""
     if solid.kind == "sphere":
         return _length(point - solid.frame.position) - solid.size[0]
     local = unrotate(solid.frame.quaternion, point - solid.frame.position)
     if solid.kind == "convex":
-        body = _hull(solid)
-        return _largest([ca.dot(ca.SX(n), local) - d for n, d in zip(body.normals, body.offsets, strict=True)])
+        return _hull_distance(_hull(solid), local)
     if solid.kind == "box":
         return rounded_box_distance([ca.fabs(local[i]) - solid.size[i] / 2 for i in range(3)])
     radius, half = solid.size[0], solid.size[1] / 2

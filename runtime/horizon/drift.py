@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...compiler import ir
+from ...compiler.hulls import hull
 from ...compiler.motion.collision import CHECK_MARGIN, Sphere, module_spheres, pair
 from ..motion.movement import carrier
 from ..resampling import kept_pairs
@@ -19,9 +20,10 @@ LOOKS = 25
 
 
 def deepest(
-    problem: ir.Problem, before: Configuration, phase: Phase, path: PhasePath, own: Mapping[str, Array]
-) -> float:
-    """How deep, in metres, a module of a moving robot gets into a body that the phase does not keep it to; negative
+    problem: ir.Problem, before: Configuration, phase: Phase, path: PhasePath, own: Mapping[str, Array],
+    everyone: bool = False,
+) -> float:  # fmt: skip
+    """How deep, in metres, a module whose joints move (or, with `everyone`, any) gets into a body that the phase does not keep it to; negative
     when it stays clear. `own` gives the poses `(LOOKS, 7)` of the bodies that move on their own, evenly over the phase;
     `before` is the true configuration in which it starts. Modules are covered by spheres; bodies of other shapes than
     boxes and round ones are left to the check of what was carried out."""
@@ -31,7 +33,7 @@ def deepest(
     kept = {pair(*(carrier(problem, name) for name in names)) for names in kept_pairs(problem, phase.mode)}
     worst = -np.inf
     for module in problem.world.modules.values():
-        if not len(module.type.joints) or not np.ptp(joints[module.name], axis=0).any():
+        if not len(module.type.joints) or not (everyone or np.ptp(joints[module.name], axis=0).any()):
             continue
         frames = joint_frames(module.type.joints, poses[module.name], joints[module.name])
         spheres = module_spheres(module.type, CHECK_MARGIN)
@@ -65,6 +67,6 @@ def signed_distance(shape: ir.Shape, points: Array) -> Array:
         inner = np.stack([points[..., 0], points[..., 1], points[..., 2] - along], axis=-1)
         return np.asarray(np.linalg.norm(inner, axis=-1) - shape.size[0])
     else:
-        return np.full(points.shape[:-1], np.inf)
+        return hull(shape).distance(points)
     outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
     return np.asarray(outside + np.minimum(beyond.max(axis=-1), 0.0))
