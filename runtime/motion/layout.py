@@ -15,6 +15,8 @@ from ...compiler.ir import World
 from ..skeleton import Array, Configuration
 
 Indices = NDArray[np.int64]
+ORIGIN = -1
+"""The slice of the given start, also where slice 0 is unknown."""
 
 
 class Layout:
@@ -73,7 +75,7 @@ class Layout:
 
     def slot(self, slice_: int, name: str) -> Indices:
         """The places in z of one slot."""
-        start = self.slices[slice_][name]
+        start = (self._pinned[0] if slice_ == ORIGIN else self.slices[slice_])[name]
         return np.arange(start, start + self.sizes[name])
 
     def is_unknown(self, slice_: int, name: str) -> bool:

@@ -7,21 +7,24 @@ from functools import cached_property
 
 import numpy as np
 
-from ...compiler.ir import Function, Problem, Row
+from ...compiler.ir import Arith, Function, Problem, Row, Term, Var, Vector
 from ...compiler.motion.collision import Pair, contacts, keeps_pose, pair, standing_clearance
+from ...compiler.motion.permanent import permanent
 from ..budget import Budget
 from ..skeleton import Array, Configuration, Skeleton
 from .clearance import ClearanceGroup
 from .collisions import Collisions, Margins, refresh
 from .features import Features, differences, homing, limits, norms
 from .groups import Group, LinearGroup
-from .layout import Layout
+from .layout import ORIGIN, Layout
 from .movement import carrier, followers, involved, next_mode
 from .places import places
 from .program import Program
 from .settings import MotionSettings
 from .solver import Options, Outcome, project, solve
 
+VERTICAL = frozenset({"top", "bottom", "inside"})
+"""Functions that know where up is."""
 HOMING = 0.1
 VELOCITY = 0.3
 PLACE = 60.0
@@ -71,7 +74,8 @@ class SwitchProgram:
 
     def _standing(self) -> None:
         """At a free start the rows that held when a literal of the mode was added still hold where a kept pose has
-        carried them on: in the world where one of the two rests, else those that compare the two alone."""
+        carried them on: in the world where one of the two rests, else those that compare the two alone. What no
+        action can undo is kept since the start."""
         first = self.phases[0]
         mode = self.skeleton.phases[first].mode
         moving = followers(self.problem, mode) | self.problem.world.modules.keys()
@@ -83,6 +87,8 @@ class SwitchProgram:
             anchored = carrier(self.problem, pair[0]) not in moving
             if anchored or not any(_absolute(row) for row in self.problem.motions[literal[0]].rows):
                 self._features.add(literal, "switch", (0,), first)
+        for literal in sorted(permanent(self.problem)):
+            self._features.add(literal, "keep", (ORIGIN, 0), first)
 
     def _literals(self) -> None:
         for slice_, phase in enumerate(self.phases, start=1):
@@ -218,11 +224,23 @@ def _absolute(row: Row) -> bool:
     """Whether a switch row refers to the vertical or to the world, not to the two objects alone."""
     if row.when != "switch":
         return False
+    variables, functions = _mentions(row)
+    return bool(functions & VERTICAL) or len(variables) < 2
 
-    def names(term: object) -> bool:
-        if isinstance(term, Function):
-            return term.name in ("top", "bottom", "inside") or any(names(a) for a in term.args)
-        return any(names(o) for o in getattr(term, "operands", ()))
 
-    sides = repr(row.left) + repr(row.right)
-    return names(row.left) or names(row.right) or sides.count("Var(") < 2
+def _mentions(row: Row) -> tuple[frozenset[str], frozenset[str]]:
+    """The names of the variables and of the functions in a row."""
+    variables, functions = set[str](), set[str]()
+    waiting: list[Term | None] = [row.left, row.right]
+    while waiting:
+        match waiting.pop():
+            case Var(name=name):
+                variables.add(name)
+            case Function(name=name, args=arguments):
+                functions.add(name)
+                waiting += arguments
+            case Arith(operands=operands):
+                waiting += operands
+            case Vector(items=items):
+                waiting += items
+    return frozenset(variables), frozenset(functions)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from tamplang.compiler.motion.permanent import permanent
 from tamplang.compiler.pipeline import compile_problem
 from tamplang.runtime.lgp import SolveOptions, solve
 
@@ -65,3 +67,21 @@ def test_plates_park_and_ferry(text: str, rules: list[str], tmp_path: Path) -> N
     outcome = solve(problem, SolveOptions(time=120.0))
     assert outcome.status == "solved"
     assert [action.partition("(")[0] for action in outcome.actions] == rules
+
+
+def test_wheels_that_never_leave_the_ground_are_known_wherever_a_window_begins() -> None:
+    """The plate drives 4 m from where it starts, the trays lie farther away: every grasp is refused on its own."""
+    problem, _ = compile_problem(EXAMPLE, None, {"objects": "1", "away": "6 m"}, 0)
+    assert permanent(problem) == {("stable", "floor", "plate.W"), ("level", "plate.W", "floor")}
+    outcome = solve(problem, SolveOptions(time=60.0))
+    assert outcome.status == "exhausted"
+    assert any("grasp" in e.message and "plate.W" in e.message for e in outcome.explanation)
+
+
+def test_what_an_action_can_undo_is_not_permanent() -> None:
+    problem, _ = compile_problem(EXAMPLE, None, {"objects": "1"}, 0)
+    rules = {name: rule for name, rule in problem.rules.items() if name != "grasp"}
+    resting = ("stable", "source", "item[1]")
+    assert resting in problem.init_motion
+    assert resting not in permanent(problem)
+    assert resting in permanent(replace(problem, rules=rules))
