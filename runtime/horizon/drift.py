@@ -23,10 +23,13 @@ def deepest(
     problem: ir.Problem, before: Configuration, phase: Phase, path: PhasePath, own: Mapping[str, Array],
     everyone: bool = False,
 ) -> float:  # fmt: skip
-    """How deep, in metres, a module whose joints move (or, with `everyone`, any) gets into a body that the phase does not keep it to; negative
-    when it stays clear. `own` gives the poses `(LOOKS, 7)` of the bodies that move on their own, evenly over the phase;
-    `before` is the true configuration in which it starts. Modules are covered by spheres; bodies of other shapes than
-    boxes and round ones are left to the check of what was carried out."""
+    """How deep, in metres, a module whose joints move (or, with `everyone`, any) gets into a body that the phase does
+    not keep it to; negative when it stays clear.
+
+    `own` gives the poses `(LOOKS, 7)` of the bodies that move on their own, evenly over the phase; `before` is the true
+    configuration in which it starts. Modules are covered by spheres; bodies of other shapes than boxes and round ones
+    are left to the check of what was carried out.
+    """
     times = np.linspace(0.0, path.duration, LOOKS)
     joints = {name: spline_values(rows[:, 7:], path.duration, times) for name, rows in path.modules.items()}
     poses = carried(problem, phase.mode, joints, before, own, path)

@@ -48,6 +48,10 @@ class Failures:
             reached = _left(self._problem, breakdown.module, reached)
         return Failed(reached)
 
+    def due(self, time: float) -> ir.Breakdown | None:
+        """A breakdown up to a time that has not happened yet."""
+        return next((b for b in self._coming if b.time <= time + EPSILON), None)
+
     def next_of(self, phase: Phase, time: float) -> ir.Breakdown | None:
         """The next breakdown that stops the phase: of a module of the robot that moves, or that the action names."""
         skeleton = Skeleton(self._problem, (phase,), phase.mode)

@@ -21,7 +21,7 @@ from .foresight import concerned
 from .state import start
 from .windows import PLANNED, plan_window, remember
 
-SHORTER = ((2, -0.005), (1, -0.01))
+SHORTER = ((2, -0.005), (2, -0.01))
 """After a first try while things move: so many actions, as what comes later may be in reach by then, and so
 many metres added to margins, as a robot that stands a little off may be nearer to things than it should."""
 FRESH = 100
@@ -64,6 +64,7 @@ class Planner:
         moving = concerned(skeleton, moving)
         motions = 1 if moving else horizon
         shorter = [(min(horizon, count), margin) for count, margin in SHORTER]
+        shorter += [(1, SHORTER[-1][1])] if self.failures else []
         tries = [(horizon, 0.0), *(shorter if moving else [(horizon, SHORTER[0][1])])]
         for attempt, (count, margin) in enumerate(tries):
             settings = _wider(motion_settings(problem, self.options), wider + margin)
@@ -83,7 +84,8 @@ class Planner:
         memory.bounds.settings = _wider(memory.bounds.settings, wider + (SHORTER[-1][1] if moving else 0.0))
         begin = replace(start(problem), previous=previous)
         if moving:
-            found = plan_window(problem, begin, self.options, SHORTER[0][0], budget, memory, lookahead=0)
+            beyond = 0 if self.failures else 1
+            found = plan_window(problem, begin, self.options, SHORTER[0][0], budget, memory, lookahead=beyond)
         else:
             found = plan_window(problem, begin, self.options, horizon, budget, memory)
         if found.status != PLANNED:

@@ -127,13 +127,19 @@ class Route:
         blamed = self.planner.blamed.items()
         return {b: m for b, m in blamed if b not in passed and b not in kept and not bodies[b].movable}
 
-    def _meets(self, world: World, phase: Phase, path: PhasePath, poses: Mapping[str, Array]) -> bool:
+    def may_wait(self, world: World, phase: Phase, path: PhasePath) -> bool:
+        """Whether nothing that moves gets into a robot while it rests."""
+        return not self._meets(world, phase, path, self.lookout.look(world), everyone=True)
+
+    def _meets(
+        self, world: World, phase: Phase, path: PhasePath, poses: Mapping[str, Array], everyone: bool = False
+    ) -> bool:
         """Whether a phase gets into something while bodies move on as they seem to."""
         times = np.linspace(0.0, path.duration, LOOKS)
         foreseen = self.lookout.sensing.foreseen
         own = {body: np.array([foreseen(body, pose, float(t)) for t in times]) for body, pose in poses.items()}
         whole = self.failures.whole(path, world.reached.configuration)
-        return deepest(self.problem, world.reached.configuration, phase, whole, own) > DEEP
+        return deepest(self.problem, world.reached.configuration, phase, whole, own, everyone) > DEEP
 
     def _known(self, problem: ir.Problem, wider: float) -> Window | None:
         return self.planner.known_way(problem, self.way, self.horizon, self._moving(), wider, self.budget)

@@ -28,7 +28,7 @@ from ..verify import verify
 from ..verify.replay import Interpreter
 from .braking import braked, first_part, reversed_path, stopped, waiting
 from .failures import Failures
-from .foresight import concerned, touched
+from .foresight import concerned
 from .lookout import Lookout
 from .planning import Window
 from .record import Step, plan_of_run
@@ -175,25 +175,22 @@ class Run:
             return False
         self._route.planner.failures += 1
         self._left = None
+        phase = Phase(self._route.way[0], self.world.reached.mode, frozenset[ir.Fact]())
         if self._trail:
             last = self._trail.pop()
             share = BACK if last.duration > SHORT else 1.0
             path = reversed_path(self.problem.world, last, share)
             if share < 1.0:
                 self._trail.append(first_part(last, 1.0 - share))
-        elif self._waits < MOST_WAITS and self.world.on_course and not self._pushed():
+        elif self._waits < MOST_WAITS and self.world.on_course:
             path = waiting(self.world.reached.configuration, WAIT)
             self._waits += 1
+            if not self._route.may_wait(self.world, phase, path):
+                return False
         else:
             return False
-        phase = Phase(self._route.way[0], self.world.reached.mode, frozenset[ir.Fact]())
         self._perform(phase, path, completed=False)
         return True
-
-    def _pushed(self) -> bool:
-        """Whether something that moves touches an end that does not go along."""
-        let_go = {body for _, body in touched(self.problem, self.world.reached, frozenset())}
-        return bool(let_go) and any(self._lookout.sensing.velocity(b).any() for b in self.world.on_course)
 
     # --- carrying out --------------------------------------------------------------------------------------------
 
@@ -202,6 +199,9 @@ class Run:
         for phase, path in zip(window.skeleton.phases, window.paths, strict=False):
             self._say(str(phase.action))
             reason = self._carry_out(phase, self._failures.whole(path, self.world.reached.configuration), window)
+            failed = self._failures.due(self.world.time)
+            if reason is None and failed is not None:
+                reason = f"{failed.module} is {failed.kind}"
             if reason is not None:
                 return reason
         return "next window"

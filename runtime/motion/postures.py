@@ -74,5 +74,5 @@ def reaching(
     miss = np.maximum(np.abs(np.linalg.norm(there[:, :3] - aim.point, axis=1) - aim.distance), NEAR)
     if aim.upright is not None:
         miss += TILTED * np.linalg.norm(rotate(there[:, 3:], aim.upright) - UP, axis=1)
-    bend = np.abs(drawn - values).mean(axis=1) * random.uniform(0.0, 1.0, len(drawn))
+    bend = np.abs(drawn - values).sum(axis=1) / max(1, len(values)) * random.uniform(0.0, 1.0, len(drawn))
     return np.asarray(drawn[int((miss + BENT * bend).argmin())])

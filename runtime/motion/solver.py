@@ -94,7 +94,7 @@ class _Run:
         gradient, band = self.program.normal(self.x, self.residuals, self.multipliers, self.mu)
         for _ in range(8):
             direction, self.damping = banded_step(band, gradient, self.damping)
-            largest = float(np.abs(direction).max())
+            largest = float(np.abs(direction).max(initial=0.0))
             length = min(1.0, self.options.largest_step / largest) if largest > 0 else 1.0
             slope = float(gradient @ direction)
             predicted = length * slope - 0.5 * length**2 * (slope + self.damping * float(direction @ direction))

@@ -1,0 +1,158 @@
+"""Runs in scenes that move and with modules that fail, small, whole, and checked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from tamplang.api import Task, load, task_of_plan
+from tamplang.compiler.pipeline import compile_text
+from tamplang.runtime.horizon.run import Run, RunOptions, RunProgress
+from tamplang.runtime.horizon.tracking import Noise
+from tamplang.runtime.lgp import SolveOptions
+from tamplang.runtime.plan import Plan, read_plan
+from tamplang.runtime.verify import verify
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+DRIFT = """
+import std.crawler
+import std.rules
+
+task reach() {
+    base ground: box(2 m, 2 m, 0.05 m) at (0, 0, 0)
+    object target: sphere(0.04 m) at (0.5 m, 0.1 m, 0.7 m)
+    fact (grippable target)
+    crawler c: A on ground at (0, 0)
+    HAPPENS
+    goal (held target)
+}
+"""
+
+
+def task(happens: str) -> Task:
+    return Task(compile_text(DRIFT.replace("HAPPENS", happens), "reach.tamp", "reach")[0])
+
+
+@pytest.fixture(scope="module")
+def drifting() -> Plan:
+    return task("moves target along (0, -10 cm, 0) at 1 cm/s").run().record
+
+
+@pytest.fixture(scope="module")
+def stairs() -> Plan:
+    return load(EXAMPLES / "moving_stairs.tamp", seed=1, n="2").run().record
+
+
+def test_a_drifting_target_is_met_where_it_is(drifting: Plan) -> None:
+    assert drifting.complete and drifting.verdict is not None and drifting.verdict.verified
+    assert [p.completed for p in drifting.phases] == [False, True]
+    assert "target is" in drifting.windows[1].reason and drifting.windows[1].seconds > 0.0
+    assert drifting.windows[0].unmet == ["(held target)"]
+    moved = drifting.body_tracks[0].poses[-1][1] - drifting.body_tracks[0].poses[0][1]
+    assert moved == pytest.approx(-0.01 * drifting.times[-1], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("kind", "change"),
+    [
+        ("course_m", lambda d: d["body_tracks"][0]["poses"][10].__setitem__(0, 0.51)),
+        ("scene", lambda d: d["courses"][0].__setitem__("speed", 0.02)),
+        ("scene", lambda d: d["courses"].clear() or d["breakdowns"].append({"module": "c", "time": 9, "kind": "gone"})),
+        ("rest", lambda d: d["courses"].clear()),
+        ("literals", lambda d: d["phases"][0].__setitem__("completed", True)),
+        ("goal", lambda d: d["phases"][1].__setitem__("completed", False) or d["phases"][1]["added"].clear()),
+    ],
+)
+def test_a_changed_run_is_refused(drifting: Plan, kind: str, change: object) -> None:
+    data = msgspec.to_builtins(drifting)
+    assert callable(change)
+    change(data)
+    kinds = {f.kind for f in verify(msgspec.convert(data, Plan)).failures}
+    assert any(found.startswith(kind) for found in kinds), kinds
+
+
+def test_stairs_that_move_under_the_robot(stairs: Plan) -> None:
+    assert stairs.complete and stairs.verdict is not None and stairs.verdict.verified
+    assert len(stairs.windows) > 2 and {c.body for c in stairs.courses} == {"stair[1]", "stair[2]", "target"}
+    assert stairs.verdict.worst["slip_m"] < 1e-6
+
+
+def test_a_run_is_the_same_every_time(stairs: Plan) -> None:
+    again = load(EXAMPLES / "moving_stairs.tamp", seed=1, n="2").run().record
+    assert again.tracks == stairs.tracks and again.times == stairs.times
+    assert [w.reason for w in again.windows] == [w.reason for w in stairs.windows]
+
+
+@pytest.mark.parametrize("name", ["failing_module", "leaving_module"])
+def test_the_others_finish_the_task(name: str) -> None:
+    result = load(EXAMPLES / "failing_module.tamp", name, n="2").run()
+    record = result.record
+    assert result.status == "solved" and record.verdict is not None and record.verdict.verified
+    assert any("is locked" in w.reason or "is gone" in w.reason for w in record.windows)
+    if name == "failing_module":
+        assert record.verdict.worst["stuck_rad"] <= 1e-6
+        data = msgspec.to_builtins(record)
+        for row in data["tracks"][0]["joints"][-20:]:
+            row[0] += 0.01
+        assert "stuck_rad" in {f.kind for f in verify(msgspec.convert(data, Plan)).failures}
+
+
+def test_a_module_that_holds_something_is_lost_with_it() -> None:
+    text = DRIFT.replace("HAPPENS", "fail c at 3 s: gone").replace("goal (held target)", "goal (on tray target)")
+    tray = "base tray: box(0.3 m, 0.3 m, 0.05 m) at (-0.5 m, 0, 0.2 m)\n    fact (tray tray)\n"
+    text = text.replace("    crawler", f"    {tray}    crawler")
+    result = Task(compile_text(text, "reach.tamp", "reach")[0]).run()
+    assert result.status in ("lost", "stuck", "infeasible")
+    assert not result.record.complete
+    assert result.record.verdict is not None and result.record.verdict.verified
+
+
+def test_a_goal_that_goes_out_of_reach_is_told_and_the_beginning_kept() -> None:
+    result = task("disturb target by (5 m, 0, 0) at 0.5 s").run(time=30)
+    assert result.status in ("stuck", "infeasible") and result.explanation
+    record = result.record
+    assert not record.complete and record.verdict is not None and record.verdict.verified
+    assert record.phases and not any(p.completed for p in record.phases)
+
+
+def test_a_body_that_moves_through_the_robot_ends_clearly() -> None:
+    wall = "object wall: box(0.1 m, 1 m, 1 m) at (-0.8 m, 0, 0.8 m)\n    moves wall along (1.2 m, 0, 0) at 40 cm/s"
+    result = task(wall + "\n    disturb target by (0, 0, 4 m) at 0.2 s").run(time=30)
+    assert result.status != "solved" and not result.record.complete
+    assert result.record.verdict is not None
+
+
+def test_ctrl_c_keeps_what_was_carried_out() -> None:
+    problem = load(EXAMPLES / "moving_stairs.tamp", seed=1, n="2").problem
+
+    def press(progress: RunProgress) -> None:
+        if progress.done:
+            raise KeyboardInterrupt
+
+    outcome = Run(problem, RunOptions(SolveOptions(time=60.0)), press).run()
+    assert outcome.status == "interrupted" and not outcome.plan.complete
+    assert outcome.plan.verdict is not None and outcome.plan.verdict.verified
+    assert sum(p.completed for p in outcome.plan.phases) == 1
+
+
+def test_a_plan_is_followed_by_drives_with_noise(drifting: Plan, tmp_path: Path) -> None:
+    again = task_of_plan(drifting)
+    quiet = again.run(plan=drifting, noise=Noise(0.0, 0.0, 0.0))
+    assert quiet.status == "solved" and max(j.worst for j in quiet.deviations.joints) < 1e-9
+    noisy = again.run(plan=drifting, noise=Noise(0.0, 1e-3, 2.0), seed=3)
+    worst = max(j.worst for j in noisy.deviations.joints)
+    assert 1e-5 < worst < 0.02 and 0.0 < noisy.deviations.switch < 0.02
+    assert all(j.rms <= j.worst for j in noisy.deviations.joints)
+    noisy.plan.save(tmp_path / "p.json")
+    assert read_plan(tmp_path / "p.json").complete
+
+
+def test_a_plan_for_the_scene_at_rest_is_corrected_on_the_way() -> None:
+    moving = task("moves target along (0, -10 cm, 0) at 1 cm/s")
+    plan = moving.solve().plan
+    assert plan is not None
+    result = moving.run(plan=plan.record)
+    assert result.status == "solved" and result.replans >= 1
