@@ -265,7 +265,8 @@ class _Run:
 
     def _explanation(self, status: str) -> list[Diagnostic]:
         """Why the goal was not reached, what was tried, and what stands."""
-        told = self.memory.refusals.explain(status)
+        refused = bool(self.memory.refusals.records())
+        told = self.memory.refusals.explain(status) if refused or status == "infeasible" else []
         if status == "infeasible":
             return told
         count = sum(len(kept.window.paths) for kept in self.kept)
