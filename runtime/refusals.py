@@ -9,6 +9,7 @@ from ..langs.diagnostics import Diagnostic, Label
 from ..langs.source import Span
 from .bounds import Conflict
 from .lack import achievers, lacking
+from .motion.program import DIVERGED
 from .plan import PlaceRecord, RefusalRecord
 from .skeleton import Skeleton, Violation
 
@@ -152,6 +153,8 @@ _LIMITS = {
 def describe(violation: Violation) -> str:
     """One clause for a violated row: `[touch c.B item] is missed by 0.213 m`."""
     kind, *args = violation.literal
+    if violation.amount >= DIVERGED:
+        return f"the numbers of [{' '.join(violation.literal)}] diverge"
     amount = f"{violation.amount:.3g} {'' if violation.unit == '1' else violation.unit}".rstrip()
     if kind in _LIMITS and len(args) >= 1:
         return f"{_LIMITS[kind].format(*args, '')} by {amount}"

@@ -10,9 +10,12 @@ from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.experience import Experience
 from tamplang.runtime.lgp import SolveOptions, solve
+from tamplang.runtime.motion.program import DIVERGED
+from tamplang.runtime.refusals import describe
 from tamplang.runtime.search.best_first import SkeletonSearch
 from tamplang.runtime.search.roomy import POWER, Strain, Surcharge, roomier
 from tamplang.runtime.search.skeletons import build_skeleton
+from tamplang.runtime.skeleton import Violation
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
 GAP = """
@@ -103,3 +106,9 @@ def test_plans_are_handed_on_as_they_are_found() -> None:
     for plan in result.plans:
         cost, before = plan.record.statistics.path_cost, plan.record.statistics.path_cost_before
         assert cost is not None and before is not None and 0.0 < cost <= before
+
+
+def test_numbers_that_diverge_are_told_as_such() -> None:
+    row = ("touch", "c.A", "ball")
+    assert describe(Violation(0, row, DIVERGED, "m")) == "the numbers of [touch c.A ball] diverge"
+    assert describe(Violation(0, row, 0.2134, "m")) == "[touch c.A ball] is missed by 0.213 m"
