@@ -1,7 +1,7 @@
 """Our symbolic layer beside Fast Downward and pyperplan, on the same tasks through the PDDL export.
 
     python -m venv /tmp/planners && /tmp/planners/bin/pip install up-fast-downward pyperplan
-    python benchmarks/planners.py --peers /tmp/planners [--sizes 8 64 256] [--limit 120] [--markdown FILE]
+    python benchmarks/planners.py --peers /tmp/planners [--tasks climb] [--sizes 8 64] [--limit 120] [--markdown FILE]
 
 CPU seconds end to end: ours from the text of the task to an optimal skeleton (the interpreter's start left out); Fast
 Downward from the PDDL to an optimal plan (A* with LM-cut) and to any plan (lazy greedy, FF); pyperplan to any plan
@@ -25,7 +25,7 @@ from tamplang.runtime.budget import Budget
 from tamplang.runtime.search.best_first import SkeletonSearch
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
-TASKS = (("climb.tamp", {"crawlers": "2"}), ("rendezvous.tamp", {}))
+TASKS = {"climb": {"crawlers": "2"}, "rendezvous": {}}
 INSTALL = "python -m venv DIR && DIR/bin/pip install up-fast-downward pyperplan; then --peers DIR"
 OPTIMAL = ("--search", "astar(lmcut())")
 GREEDY = ("--evaluator", "h=ff()", "--search", "lazy_greedy([h], preferred=[h])")
@@ -79,22 +79,23 @@ def measure(peer: Peer, folder: Path, limit: float) -> str:
     return f"none in {limit:.0f}" if seconds >= 0.9 * limit else f"failed after {seconds:.2f}"
 
 
-def rows(sizes: list[str], found: list[Peer], limit: float) -> list[list[str]]:
+def rows(tasks: list[str], sizes: list[str], found: list[Peer], limit: float) -> list[list[str]]:
     table = []
-    ours(TASKS[0][0], {**TASKS[0][1], "n": "1"})
-    for file, parameters in TASKS:
+    ours("climb.tamp", {"n": "1"})
+    for name in tasks:
+        file = f"{name}.tamp"
         for n in sizes:
-            given = {**parameters, "n": n}
+            given = {**TASKS[name], "n": n}
             best, length = min(ours(file, given) for _ in range(3))
-            with tempfile.TemporaryDirectory() as name:
-                folder = Path(name)
+            with tempfile.TemporaryDirectory() as place:
+                folder = Path(place)
                 domain, task = to_pddl(compile_problem(EXAMPLES / file, None, given)[0])
                 (folder / "domain.pddl").write_text(domain)
                 (folder / "task.pddl").write_text(task)
                 times = [measure(peer, folder, limit) for peer in found]
             ratios = [float(t.split()[-1]) / best for t, p in zip(times, found, strict=True) if p.name == "FD optimal"]
             shown = [f"{'≥ ' if 'none' in times[0] else ''}{r:.0f}" for r in ratios] or ["–"]
-            table.append([f"{Path(file).stem} n={n}", str(length), f"{best:.3f}", *times, *shown])
+            table.append([f"{name} n={n}", str(length), f"{best:.3f}", *times, *shown])
             print("  ".join(table[-1]), flush=True)
     return table
 
@@ -102,6 +103,7 @@ def rows(sizes: list[str], found: list[Peer], limit: float) -> list[list[str]]:
 def main() -> None:
     parser = argparse.ArgumentParser(description="Our symbolic layer beside other planners.")
     parser.add_argument("--peers", type=Path, default=Path("/tmp/planners"), help="virtual environment with the peers")
+    parser.add_argument("--tasks", nargs="+", choices=sorted(TASKS), default=sorted(TASKS), help="which examples")
     parser.add_argument("--sizes", nargs="+", default=["8", "64", "256"], help="numbers of stairs")
     parser.add_argument("--limit", type=float, default=120.0, help="CPU seconds for each run of a peer")
     parser.add_argument("--markdown", type=Path, help="write the table there as well")
@@ -109,7 +111,7 @@ def main() -> None:
     found = peers(given.peers)
     head = ["task", "length", "ours s", *(f"{p.name} s" for p in found), "FD optimal / ours"]
     print("  ".join(head))
-    table = [head, ["---"] * len(head), *rows(given.sizes, found, given.limit)]
+    table = [head, ["---"] * len(head), *rows(given.tasks, given.sizes, found, given.limit)]
     if given.markdown:
         given.markdown.write_text("".join(f"| {' | '.join(row)} |\n" for row in table))
 
