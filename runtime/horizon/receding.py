@@ -38,6 +38,8 @@ MOTIONS = 2
 """How many motions a beginning gets before it is forbidden; and how often as many windows are undone before more."""
 VISITS = 2
 """How often windows may start at the same facts."""
+SHOWN = 200
+"""Nodes of a window's search that are kept for drawing."""
 SEEDS = 101
 """Between the seeds of two motions of one window."""
 DOUBTS = 2
@@ -150,7 +152,9 @@ class _Run:
             return
         if self.first_motion is None:
             self.first_motion = self.budget.elapsed
-        self.kept.append(_Kept(window, self.reason))
+        skeleton = replace(window.skeleton, problem=self.problem)
+        slim = replace(window, problem=self.problem, skeleton=skeleton, tree=window.tree[:SHOWN])
+        self.kept.append(_Kept(slim, self.reason))
         self.levels.append(_Level(window.reached))
         self.reason = "horizon"
 

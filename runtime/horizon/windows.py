@@ -268,7 +268,7 @@ class _Planner:
         self.refused += 1
         for conflict in judgement.conflicts:
             if conflict.bound != EXPECTED:
-                self.memory.refusals.add(seen, conflict)
+                self.memory.refusals.add(replace(seen, problem=self.memory.refusals.problem), conflict)
                 surcharge.refused(candidate.numbers, conflict.first, conflict.last)
                 search.surcharge = surcharge.of if surcharge.weight else None
             search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start)
