@@ -11,6 +11,7 @@ from ...compiler.motion.collision import keeps_pose
 from ..budget import Budget
 from ..skeleton import BoundResult, Configuration, Skeleton, Violation, start_configuration
 from .movement import carrier, followers, robots
+from .places import places
 from .settings import MotionSettings
 from .solver import Options
 from .starts import guess
@@ -63,7 +64,7 @@ def solve_sequence(
         result = span.search(warm, tries or min(TRIES, 4 + last))
         if not result.feasible and span.reached and len(skeleton) > WINDOW and warm is None:
             result = solve_windows(skeleton, settings, random, budget, origin, tries or FEW)
-    if result.feasible and len(skeleton) > LONGEST and warm is None:
+    if result.feasible and len(skeleton) > LONGEST and warm is None and not places(skeleton):
         whole = span.search(result.configurations[1:], 1)
         result = whole if whole.feasible else result
     result.iterations += span.iterations
