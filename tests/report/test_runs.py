@@ -1,0 +1,47 @@
+"""Plans of runs on the page: windows, replannings, broken-off intervals, and a module that leaves the scene."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from msgspec.structs import replace
+
+from tamplang.runtime.plan import BreakdownRecord, Plan, WindowRecord
+from tamplang.runtime.report import render_report, write_report
+
+from .conftest import Opener
+from .sample import climb_plan
+
+
+@pytest.fixture
+def run() -> Plan:
+    plan = climb_plan()
+    middle = plan.phases[0].end
+    windows = [
+        WindowRecord(0.0, 0, "start", 0.5, ["a", "b"], 2, ["(held target)"]),
+        WindowRecord(middle, 1, "stair[2] is <4> mm off", 0.125, ["b"], 1, ["(held target)"]),
+    ]
+    phases = [replace(plan.phases[0], completed=False, added=[]), *plan.phases[1:]]
+    gone = [BreakdownRecord(plan.modules[0].name, middle, "gone")]
+    return replace(plan, phases=phases, windows=windows, breakdowns=gone, complete=False)
+
+
+def test_the_page_tells_windows_and_what_was_broken_off(run: Plan) -> None:
+    page = render_report(run)
+    assert 'class="block broken"' in page and "(broken off)" in page
+    assert page.count('class="window"') == 1 and page.count('class="window anew"') == 1
+    assert "stair[2] is &lt;4&gt; mm off; planned in 0.12 s" in page
+    assert "the action did not take place" in page and "not reached" in page
+    assert "125 ms" in page or "0.125 s" in page
+    assert 'id="planning"' not in render_report(climb_plan())
+
+
+def test_a_module_that_left_is_out_of_sight(run: Plan, open_report: Opener, tmp_path: Path) -> None:
+    write_report(run, tmp_path / "run.html")
+    opened = open_report(tmp_path / "run.html")
+    name, middle = run.modules[0].name, run.phases[0].end
+    opened.seek(middle - 0.1)
+    before = opened.pose(name)[2]
+    opened.seek(middle + 0.5)
+    assert opened.pose(name)[2] < before - 500.0
