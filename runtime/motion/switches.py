@@ -114,10 +114,11 @@ class SwitchProgram:
 
     def _tidy(self) -> list[LinearGroup]:
         """½ PLACE² Σ (xy − place)² + ½ TURN² Σ (q − q at the start)² over the things that are put down where many are
-        laid out."""
+        laid out, where things must not collide."""
+        planned = places(self.skeleton) if self.settings.collisions else {}
         spots: list[tuple[int, float]] = []
         turns: list[tuple[int, float]] = []
-        for (phase, name), place in places(self.skeleton).items():
+        for (phase, name), place in planned.items():
             slice_ = phase - self.phases[0] + 1
             if phase in self.phases and self.layout.is_unknown(slice_, name):
                 slot, pose = self.layout.slot(slice_, name), self.problem.world.bodies[name].pose
