@@ -284,7 +284,8 @@ class _Writer:
     def _told(self, kind: ChainType, chain: Chain) -> tuple[frozenset[Fact], frozenset[Fact]]:
         """The links that a chain needs, and those that it denies."""
         if (kind, chain) not in self._links:
-            needed, denied = set(), set()
+            needed: set[Fact] = set()
+            denied: set[Fact] = set()
             for formula in self._is_chain(kind, chain):
                 literal = formula.operand if isinstance(formula, Not) else formula
                 if isinstance(literal, Literal):
