@@ -8,9 +8,9 @@ from .. import __version__
 from .check import check, fmt
 from .compile import compile_command
 from .develop import bench, explain, lsp
+from .execute import run
 from .new import new
 from .plans import report, verify
-from .run import run
 from .solve import solve
 from .sweep import sweep
 

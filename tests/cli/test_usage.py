@@ -58,7 +58,7 @@ def test_near_names(tamplang: Tamplang, arguments: list[str], near: str) -> None
         (["solve", str(CLIMB), "-p", "n=nan"], "not a number"),
         (["solve", str(CLIMB), "--time", "0"], "--time"),
         (["solve", str(CLIMB), "--seed", "-1"], "--seed"),
-        (["solve", str(CLIMB), "--horizon", "3"], "not available yet"),
+        (["solve", str(CLIMB), "--horizon", "0"], "--horizon"),
         (["solve", str(CLIMB), "--jobs", "2", "--cluster", "tcp://127.0.0.1:9"], "exclude each other"),
         (["solve", str(CLIMB), "--cluster", "127.0.0.1"], "tcp://HOST:PORT"),
         (["compile", str(CLIMB)], "--emit"),

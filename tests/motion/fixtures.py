@@ -11,11 +11,13 @@ from tamplang.compiler.ir import (
     Arith,
     Body,
     Chain,
+    Effect,
     Effector,
     Function,
     Joint,
     Letter,
     Link,
+    Literal,
     Module,
     ModuleType,
     MotionPredicate,
@@ -24,6 +26,7 @@ from tamplang.compiler.ir import (
     Options,
     Problem,
     Row,
+    Rule,
     Shape,
     Term,
     Var,
@@ -84,6 +87,14 @@ MOTIONS = {
         ),
     )
 }
+ANY_CHANGE = Rule(
+    "change",
+    VARIABLES,
+    And(()),
+    tuple(Effect(Literal(name, (X, Y), motion=True), negated=True) for name in MOTIONS),
+    Number(1),
+)
+"""Every motion literal may end: the skeletons below are written down, not derived from rules."""
 
 
 def crawler_type() -> ModuleType:
@@ -128,7 +139,8 @@ def make_problem(bodies: list[Body], modules: list[Module], init: set[tuple[str,
     for m in modules:
         objects |= {f"{m.name}.{e.name}": e.type for e in m.type.effectors}
     return Problem(
-        task, "fixture.tamp", 0, {}, types, objects, {}, {}, MOTIONS, {}, None, frozenset(), frozenset(init), And(()),
+        task, "fixture.tamp", 0, {}, types, objects, {}, {}, MOTIONS, {"change": ANY_CHANGE}, None, frozenset(),
+        frozenset(init), And(()),
         World({m.name: m for m in modules}, {b.name: b for b in bodies}), Options(), (),
     )  # fmt: skip
 
