@@ -100,6 +100,7 @@ class Run:
         self._trail: list[PhasePath] = []
         self._left: float | None = None
         self._waits = 0
+        self._cost = 0.0
         self._first = first
         self._explanation: list[Diagnostic] = []
 
@@ -254,6 +255,7 @@ class Run:
         """What the action does to the facts. Its condition was true of the scene in which it was planned."""
         reached = self.world.reached
         interpreter = Interpreter(self._failures.base(self.problem))
+        self._cost += interpreter.cost(reached.facts, action, reached.previous)
         outcome = interpreter.effects(reached.facts, interpreter.canonical(reached.mode), action, reached.previous)
         self._places.update(outcome.places)
         self.world.reached = replace(reached, facts=outcome.facts, mode=outcome.motion, previous=action)
@@ -267,6 +269,7 @@ class Run:
 
         reached, refused = self.world.reached, self._route.planner.refusals
         statistics = StatisticsRecord(
+            cost=self._cost,
             seconds={"total": self.budget.elapsed},
             refusals=[] if refused is None else refused.records(),
         )

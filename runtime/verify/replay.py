@@ -9,7 +9,7 @@ from ...compiler import ir
 from ...langs.source import Span
 from ..plan import LiteralRecord, PhaseRecord, Plan
 from .findings import Findings, place_of
-from .formulas import Environment, ReplayError, State, Value, bindings, holds, matches, pattern, values
+from .formulas import Environment, ReplayError, State, Value, bindings, holds, matches, number, pattern, values
 from .guards import Guards
 from .happenings import left_at, scene_at, without
 from .kinematics import Motion
@@ -99,6 +99,12 @@ class Interpreter:
         changes = _Changes()
         self._collect(state, rule.effects, environment, changes)
         return self._outcome(facts, motion, changes)
+
+    def cost(self, facts: Facts, action: ir.Action, previous: ir.Action | None = None) -> float:
+        """What an action costs in the state given by `facts`. Raises ReplayError."""
+        rule = self.problem.rules[action.rule]
+        environment = {v.name: a for v, a in zip(rule.variables, action.args, strict=True)}
+        return number(self.state(facts, previous), rule.cost, environment)
 
     def _require(
         self, state: State, condition: ir.Formula, environment: Environment, action: ir.Action

@@ -24,6 +24,7 @@ def test_a_run_and_its_plan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert told["deviations"]["switch"] < 0.01
     assert "planning-title" in report.read_text(encoding="utf-8")
     assert read_plan(out).breakdowns[0].kind == "gone"
+    assert read_plan(out).statistics.cost > 0.0
 
     assert command(["verify", str(out)]) == 0
     capsys.readouterr()
