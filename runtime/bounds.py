@@ -18,7 +18,7 @@ from .motion.settings import MotionSettings
 from .motion.starts import guess
 from .plan import BoundRecord, Plan, StatisticsRecord
 from .questions import Attempt, Whole, Window, resampled, sequence_path, unmoved
-from .skeleton import BoundResult, Configuration, PhasePath, Skeleton, Violation
+from .skeleton import BoundResult, Configuration, PhasePath, Skeleton, Violation, beginning
 from .verify import verify
 
 RESAMPLES = 4
@@ -241,9 +241,6 @@ class Bounds:
         self._count("seq", result.feasible)
         return result
 
-    def _prefix(self, skeleton: Skeleton, length: int) -> BoundResult:
-        return self._sequence(beginning(skeleton, length), self.seed, None)
-
     def _shrink(self, skeleton: Skeleton, refused: BoundResult) -> Conflict:
         """A minimal contiguous conflict behind a refused P_seq, by deletion: first phases from the end, halving, then
         from the front as long as what is left is refused wherever it starts."""
@@ -254,7 +251,7 @@ class Bounds:
         while end - known > 1:
             middle = (known + end) // 2
             self._expect_prefixes(skeleton, known, end)
-            result = self._prefix(skeleton, middle)
+            result = self._sequence(beginning(skeleton, middle), self.seed, None)
             if result.feasible:
                 known = middle
             else:
@@ -393,13 +390,6 @@ class Bounds:
 
     def _count(self, bound: str, feasible: bool) -> None:
         self._counts[bound][0 if feasible else 1] += 1
-
-
-def beginning(skeleton: Skeleton, length: int) -> Skeleton:
-    """The first phases of a skeleton."""
-    if length >= len(skeleton):
-        return skeleton
-    return replace(skeleton, phases=skeleton.phases[:length], final_mode=skeleton.phases[length].mode)
 
 
 def _blame(bound: str, refused: BoundResult, blamed: Sequence[set[int]], phases: int) -> Conflict:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,13 @@ class Skeleton:
 
     def __len__(self) -> int:
         return len(self.phases)
+
+
+def beginning(skeleton: Skeleton, length: int) -> Skeleton:
+    """The first phases of a skeleton."""
+    if length >= len(skeleton):
+        return skeleton
+    return replace(skeleton, phases=skeleton.phases[:length], final_mode=skeleton.phases[length].mode)
 
 
 @dataclass(slots=True)

@@ -14,7 +14,7 @@ from ..motion.phases import UnsupportedPhase, solve_sequence_path
 from ..motion.sequence import solve_sequence
 from ..motion.settings import MotionSettings
 from ..refusals import Refusals
-from ..skeleton import BoundResult, PhasePath, Skeleton
+from ..skeleton import BoundResult, PhasePath, Skeleton, beginning
 from ..verify.formulas import ReplayError
 from ..verify.replay import Interpreter
 from .foresight import concerned
@@ -69,7 +69,7 @@ class Planner:
         for attempt, (count, margin) in enumerate(tries):
             settings = _wider(motion_settings(problem, self.options), wider + margin)
             seed = self.options.seed + FRESH * self.failures + attempt
-            found = _motions(_first(skeleton, count), motions, settings, seed, budget)
+            found = _motions(beginning(skeleton, count), motions, settings, seed, budget)
             if found.feasible:
                 return Window(problem, tuple(actions), skeleton, found.paths, moving)
             self.blamed = _in_the_way(problem, found)
@@ -100,13 +100,6 @@ def _wider(settings: MotionSettings, by: float) -> MotionSettings:
     return replace(settings, margin=settings.margin + by, switch_margin=settings.switch_margin + by)
 
 
-def _first(skeleton: Skeleton, count: int) -> Skeleton:
-    """The first `count` phases of a skeleton."""
-    if len(skeleton) <= count:
-        return skeleton
-    return replace(skeleton, phases=skeleton.phases[:count], final_mode=skeleton.phases[count].mode)
-
-
 def _replayed(problem: ir.Problem, actions: Sequence[ir.Action]) -> Skeleton | None:
     """The skeleton of actions, by a plain replay; None when one of them cannot be done."""
     from ..skeleton import Phase
@@ -132,7 +125,7 @@ def _motions(
     sequence = solve_sequence(skeleton, settings, seed, budget)
     if not sequence.feasible:
         return sequence
-    first = _first(skeleton, motions)
+    first = beginning(skeleton, motions)
     switches = sequence.configurations[: len(first) + 1]
     try:
         return solve_sequence_path(first, switches, settings, seed, budget)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 
 from ...compiler import ir
 from ...compiler.symbolic.successors import Successors
-from ..bounds import EXPECTED, Bounds, Judgement, beginning
+from ..bounds import EXPECTED, Bounds, Judgement
 from ..budget import Budget
 from ..lgp import SolveOptions, motion_settings
 from ..plan import SearchNode
@@ -22,7 +22,7 @@ from ..refusals import Refusals
 from ..search.best_first import Candidate, SkeletonSearch
 from ..search.roomy import Strain, Surcharge, roomier
 from ..search.skeletons import build_skeleton
-from ..skeleton import Configuration, PhasePath, Skeleton
+from ..skeleton import Configuration, PhasePath, Skeleton, beginning
 from .goals import ordered, parts_of, told, unmet
 from .state import Reached, after, reached_problem
 
