@@ -11,11 +11,25 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ...compiler.ir import And, Chain, ChainType, Compare, Formula, Function, Literal, Not, Object, Or, Var
+from ...compiler.ir import (
+    And,
+    Chain,
+    ChainEnd,
+    ChainModule,
+    ChainType,
+    Compare,
+    Formula,
+    Function,
+    Literal,
+    Not,
+    Object,
+    Or,
+    Var,
+)
 from ...compiler.symbolic.domains import FlatRule
 from ...compiler.symbolic.expressions import literal_test
 from ...compiler.symbolic.guards import Environment, Undefined
-from ...compiler.symbolic.layout import FIELD
+from ...compiler.symbolic.layout import BIT, FIELD
 from ...compiler.symbolic.normal_form import free_names, parts
 from ...compiler.symbolic.successors import Successors
 from .conflicts import EMPTY, LEAF
@@ -33,6 +47,8 @@ LEAST, GROWTH, MOST = 0.5, 1.5, 64.0
 FADING, MOST_INHERITED = 0.7, 2.0
 """What is left in the next search of a weight, and of how far a limit is below 1; and the most of a weight."""
 EQUAL = 1e-9
+ALL = -1
+"""Every bit of a state."""
 UPPER = ("<=", "<")
 LOWER = (">=", ">")
 LENGTHS = ("distance", "stride")
@@ -50,6 +66,7 @@ class Strain:
         self._compares = {id(flat): _bounds(flat) for flat in successors.domains.rules}
         self._fixed = {name for name, flats in self._rules.items() if all(map(self._speaks_of_arguments, flats))}
         self._known: dict[tuple[int, int], float] = {}
+        self._masks: dict[int, int] = {}
 
     def of(self, state: int, number: int) -> float:
         """The strain of action `number` in a state in which it can be done."""
@@ -57,7 +74,7 @@ class Strain:
         flats = self._rules[action.rule]
         if not any(self._compares[id(flat)] for flat in flats):
             return 0.0
-        key = (number, 0 if action.rule in self._fixed else state)
+        key = (number, state & self._mask(number))
         if key not in self._known:
             env = {v.name: a for v, a in zip(flats[0].rule.variables, action.args, strict=True)}
             strains = [strain for flat in flats for strain in self._strains(flat, env, state)]
@@ -69,7 +86,7 @@ class Strain:
         first `most_states` pairs of state and action; 0 beyond."""
         if self.successors.action(number).rule in self._fixed:
             return self.of(0, number)
-        if (number, state) in self._known or len(self._known) < self.most_states:
+        if (number, state & self._mask(number)) in self._known or len(self._known) < self.most_states:
             return self.of(state, number)
         return 0.0
 
@@ -80,6 +97,39 @@ class Strain:
             strains.append(self.of(state, number))
             state = next(following for following, action in self.successors.expand(state) if action == number)
         return tuple(strains)
+
+    def _mask(self, number: int) -> int:
+        """The bits of a state that the strain of an action may depend on."""
+        if number not in self._masks:
+            action = self.successors.action(number)
+            flats = self._rules[action.rule]
+            mask = 0
+            if action.rule not in self._fixed:
+                env = {v.name: a for v, a in zip(flats[0].rule.variables, action.args, strict=True)}
+                inner = (part for flat in flats for conjunct in flat.conjuncts for part in parts(conjunct))
+                mask = self.successors.layout.flag_mask
+                for literal in (part for part in inner if isinstance(part, Literal)):
+                    mask |= self._bits(literal, env)
+            self._masks[number] = mask
+        return self._masks[number]
+
+    def _bits(self, literal: Literal, env: Environment) -> int:
+        """The bits, flags left out, that the truth of a literal may depend on; all where that is not known."""
+        layout, resolve = self.successors.layout, self.successors.guards.resolve
+        kind = layout.kinds.get(literal.predicate)
+        terms = [resolve(term, env) for term in literal.args]
+        if kind == FIELD:
+            key = terms[self.successors.problem.predicates[literal.predicate].functional_in or 0]
+            same = [f for f in layout.fields.values() if f.predicate == literal.predicate]
+            if isinstance(key, Object):
+                same = [f for f in same if f.key == key.name]
+            elif isinstance(key, ChainEnd | ChainModule):
+                same = [f for f in same if f.key in layout.small]
+            return sum(f.mask << f.shift for f in same)
+        if kind == BIT:
+            names = [term.name for term in terms if isinstance(term, Object)]
+            return layout.encode((literal.predicate, *names))[0] if len(names) == len(terms) else ALL
+        return 0
 
     def _strains(self, flat: FlatRule, env: Environment, state: int) -> list[float]:
         """The strain by each witness of a condition that holds in a state."""
