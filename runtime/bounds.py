@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,13 +12,14 @@ from .ahead import Ahead
 from .assemble import assemble
 from .budget import Budget, Clock, OutOfTime
 from .experience import Experience
+from .judgement import Conflict, Judgement, blame
 from .motion.path import solve_path
 from .motion.sequence import LONGEST, NOISE, judged_alone, solve_sequence
 from .motion.settings import MotionSettings
 from .motion.starts import guess
 from .plan import BoundRecord, Plan, StatisticsRecord
 from .questions import Attempt, Whole, Window, resampled, sequence_path, unmoved
-from .skeleton import BoundResult, Configuration, PhasePath, Skeleton, Violation, beginning
+from .skeleton import BoundResult, Configuration, Skeleton, beginning
 from .verify import verify
 
 RESAMPLES = 4
@@ -27,8 +28,6 @@ EXPECTED = "expected"
 """The bound of conflicts that similar windows make likely, without a solve."""
 PATH_SECONDS, PATH_SHARE = 30.0, 0.4
 """What P_path of one skeleton may take: seconds, and share of the time that is left."""
-ALWAYS = 3
-"""Between how many pairs of poses a phase must fail before it is refused wherever it starts."""
 LONGEST_WINDOW = 5
 """How many phases a conflict that may start anywhere has at most."""
 WIDER = 0.01
@@ -36,35 +35,10 @@ WIDER = 0.01
 AGAIN = 1000
 VERIFYING = 5.0
 """Seconds that the verifier gets for a plan, however little of the budget is left."""
-QUICK = 3
-"""Starts of a span before a skeleton is refused for the first time."""
+ONCE, QUICK = 1, 3
+"""Starts of a span of a whole skeleton at first, and before it is refused for the first time."""
 SPAN = 4
 """How far from the phases that P_seq blames a conflict of a long skeleton is looked for."""
-
-
-@dataclass(frozen=True, slots=True)
-class Conflict:
-    """Phases `first` … `last` of a skeleton cannot be done one after the other; with `from_start` only when they begin
-    in the start configuration (then `first` is 0)."""
-
-    bound: str
-    first: int
-    last: int
-    from_start: bool
-    violations: tuple[Violation, ...]
-
-
-@dataclass(slots=True)
-class Judgement:
-    """Either accepted, with the motion of every phase unless only P_seq was asked for, or refused with conflicts.
-    `ahead` holds the switch configurations behind the phases that got their motion."""
-
-    accepted: bool
-    paths: list[PhasePath] | None = None
-    path_cost: float | None = None
-    path_cost_before: float | None = None
-    conflicts: list[Conflict] = field(default_factory=list)
-    ahead: list[Configuration] = field(default_factory=list)
 
 
 class Bounds:
@@ -112,12 +86,12 @@ class Bounds:
         conflicts = self._refused_actions(skeleton, strains)
         if not conflicts:
             self._expect_parts(skeleton)
-            sequence = self._sequence(skeleton, self.seed, None)
+            sequence, end = self._whole(skeleton)
             if sequence.feasible:
                 if self.finest == "seq":
                     return Judgement(True)
                 return self._beginning(skeleton, sequence, len(skeleton) if motions is None else motions)
-            conflicts = [self._shrink(skeleton, sequence)]
+            conflicts = [self._shrink(skeleton, sequence, end)]
         for c in conflicts:
             window = slice(c.first, c.last + 1)
             if not (c.from_start and self.tries is None):
@@ -130,7 +104,7 @@ class Bounds:
         random = np.random.default_rng(self.seed)
         rest = range(len(ahead), len(skeleton))
         warm = [*ahead[: len(skeleton)], *guess(skeleton, rest, ahead[-1], random, NOISE)]
-        sequence = self._sequence(skeleton, self.seed, warm)
+        sequence = self._sequence(skeleton, self.seed, warm, tries=self.tries)
         return self._beginning(skeleton, sequence, motions) if sequence.feasible else Judgement(False)
 
     def _beginning(self, skeleton: Skeleton, sequence: BoundResult, motions: int) -> Judgement:
@@ -162,7 +136,7 @@ class Bounds:
         try:
             self.settings = replace(careful, margin=careful.margin + WIDER, switch_margin=careful.switch_margin + WIDER)
             self.seed = seed + AGAIN
-            sequence = self._sequence(skeleton, self.seed, None)
+            sequence = self._sequence(skeleton, self.seed, None, tries=self.tries)
             judgement = self._paths(skeleton, sequence) if sequence.feasible else Judgement(False)
         finally:
             self.settings, self.seed = careful, seed
@@ -231,31 +205,47 @@ class Bounds:
         phases = skeleton.phases[first : last + 1]
         return self.experience.lifted(phases) if first else tuple(phase.action for phase in phases)
 
-    def _sequence(self, skeleton: Skeleton, seed: int, warm: Sequence[Configuration] | None) -> BoundResult:
+    def _whole(self, skeleton: Skeleton) -> tuple[BoundResult, int]:
+        """P_seq of a skeleton, and how many of its phases were tried. One start of all tells which phase fails; where
+        the beginning up to that is refused from every start, the rest need not be tried."""
+        first = self._sequence(skeleton, self.seed, None, tries=ONCE)
+        end = first.violations[0].phase + 1 if first.violations else len(skeleton)
+        if first.feasible or self.tries == ONCE:
+            return first, len(skeleton)
+        if end < len(skeleton):
+            part = self._sequence(beginning(skeleton, end), self.seed, None, tries=self.tries)
+            if not part.feasible:
+                return part, end
+        return self._sequence(skeleton, self.seed, None, tries=self.tries), len(skeleton)
+
+    def _sequence(
+        self, skeleton: Skeleton, seed: int, warm: Sequence[Configuration] | None, tries: int | None
+    ) -> BoundResult:
         self.tell("seq", f"P_seq of {len(skeleton)} actions")
         with self.clock("seq"):
             if warm is None:
-                result = self.ahead.answer(skeleton, Whole(self.settings, seed, self.tries), self.budget)
+                result = self.ahead.answer(skeleton, Whole(self.settings, seed, tries), self.budget)
             else:
-                result = solve_sequence(skeleton, self.settings, seed, self.budget, warm=warm, tries=self.tries)
+                result = solve_sequence(skeleton, self.settings, seed, self.budget, warm=warm, tries=tries)
         self._count("seq", result.feasible)
         return result
 
-    def _shrink(self, skeleton: Skeleton, refused: BoundResult) -> Conflict:
-        """A minimal contiguous conflict behind a refused P_seq, by deletion: first phases from the end, halving, then
-        from the front as long as what is left is refused wherever it starts."""
-        known, end, violations = 0, len(skeleton), refused.violations
+    def _shrink(self, skeleton: Skeleton, refused: BoundResult, end: int) -> Conflict:
+        """A minimal contiguous conflict behind a refused P_seq of the first `end` phases, by deletion: from the end,
+        first one phase, then by halving; then from the front as long as what is left is refused wherever it starts."""
+        known, violations = 0, refused.violations
         if end > LONGEST:
             worst = max((v.phase for v in violations), default=end - 1)
             known, end = max(0, worst - SPAN), min(end, worst + SPAN)
+        middle = end - 1
         while end - known > 1:
-            middle = (known + end) // 2
             self._expect_prefixes(skeleton, known, end)
-            result = self._sequence(beginning(skeleton, middle), self.seed, None)
+            result = self._sequence(beginning(skeleton, middle), self.seed, None, tries=self.tries)
             if result.feasible:
                 known = middle
             else:
                 end, violations = middle, result.violations
+            middle = (known + end) // 2
         for first in range(end - 1, max(0, end - LONGEST_WINDOW - 1), -1):
             if not judged_alone(skeleton, first):
                 continue
@@ -280,10 +270,10 @@ class Bounds:
             if not self._needs_no_solve(skeleton, strains, k) and not self._expect_window(skeleton, k, k):
                 return
         if whole:
-            self._expect_whole(skeleton)
+            self._expect_whole(skeleton, ONCE)
 
-    def _expect_whole(self, skeleton: Skeleton) -> bool:
-        return self.ahead.expect(skeleton, Whole(self.settings, self.seed, self.tries), self.budget)
+    def _expect_whole(self, skeleton: Skeleton, tries: int | None) -> bool:
+        return self.ahead.expect(skeleton, Whole(self.settings, self.seed, tries), self.budget)
 
     def _expect_parts(self, skeleton: Skeleton) -> None:
         """What is asked when the whole is refused. Where that blames a phase of many, it is not known before."""
@@ -298,7 +288,7 @@ class Bounds:
             if high - low <= 1:
                 continue
             asked_now = (low, high) == (known, end) and not include_middle
-            if not asked_now and not self._expect_whole(beginning(skeleton, middle)):
+            if not asked_now and not self._expect_whole(beginning(skeleton, middle), self.tries):
                 return
             spans += [(low, middle), (middle, high)]
 
@@ -334,7 +324,7 @@ class Bounds:
             if free is not None and free.feasible:
                 return Judgement(True, free.paths, path_cost=free.cost)
             bound = "path"
-        return Judgement(False, conflicts=[_blame(bound, result, blamed, len(skeleton))])
+        return Judgement(False, conflicts=[blame(bound, result, blamed, len(skeleton))])
 
     def _drawn(self, sequence: BoundResult, refused: BoundResult, attempt: int) -> Attempt:
         """The attempt after P_seqPath between the switch poses of `sequence` was refused."""
@@ -351,7 +341,7 @@ class Bounds:
         """P_seq once more, and P_seqPath too where another process has come to it already."""
         drawn = self._drawn(sequence, refused, attempt)
         if not self.ahead.expects(skeleton, drawn):
-            return self._sequence(skeleton, drawn.draw, drawn.warm), None
+            return self._sequence(skeleton, drawn.draw, drawn.warm, tries=self.tries), None
         self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
         with self.clock("seq_path"):
             again, path = self.ahead.answer(skeleton, drawn, self.budget)
@@ -390,14 +380,3 @@ class Bounds:
 
     def _count(self, bound: str, feasible: bool) -> None:
         self._counts[bound][0 if feasible else 1] += 1
-
-
-def _blame(bound: str, refused: BoundResult, blamed: Sequence[set[int]], phases: int) -> Conflict:
-    """The one phase that failed between every pair of switch poses, wherever it starts; else all up to the phase that
-    failed worst."""
-    worst = refused.violations[0].phase if refused.violations else phases - 1
-    always = set.intersection(*blamed) if len(blamed) >= ALWAYS else set()
-    if worst in always and worst > 0:
-        told = tuple(v for v in refused.violations if v.phase == worst)
-        return Conflict(bound, worst, worst, False, told)
-    return Conflict(bound, 0, worst, True, tuple(refused.violations))

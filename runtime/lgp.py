@@ -15,8 +15,9 @@ from ..compiler.ir import Problem
 from ..compiler.symbolic.successors import Successors
 from ..langs.diagnostics import Diagnostic
 from .ahead import Ahead
-from .bounds import EXPECTED, Bounds, Judgement
+from .bounds import EXPECTED, Bounds
 from .budget import Budget, OutOfTime
+from .judgement import Judgement
 from .motion.settings import MotionSettings
 from .plan import Plan, StatisticsRecord
 from .refusals import Refusals, fewer

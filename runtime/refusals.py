@@ -7,7 +7,7 @@ from dataclasses import replace
 from ..compiler.ir import Problem
 from ..langs.diagnostics import Diagnostic, Label
 from ..langs.source import Span
-from .bounds import Conflict
+from .judgement import Conflict
 from .lack import achievers, lacking
 from .motion.program import DIVERGED
 from .plan import PlaceRecord, RefusalRecord

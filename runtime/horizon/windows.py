@@ -14,8 +14,9 @@ from dataclasses import dataclass, field, replace
 
 from ...compiler import ir
 from ...compiler.symbolic.successors import Successors
-from ..bounds import EXPECTED, Bounds, Judgement
+from ..bounds import EXPECTED, Bounds
 from ..budget import Budget
+from ..judgement import Judgement
 from ..lgp import SolveOptions, motion_settings
 from ..plan import SearchNode
 from ..refusals import Refusals
