@@ -229,7 +229,7 @@ CODES: dict[str, CodeInfo] = {
     "E0516": CodeInfo("bad course", "scene",
         "`moves` and `disturb` name a body, a speed above 0 and a time that is not negative; a body starts one course "
         "at a time.",
-        "moves c.A along (0, 0, -10 cm) at 0 m/s", "moves stair[3] along (0, 0, -10 cm) at 1 cm/s"),
+        "moves hand.tip along (0, 0, -10 cm) at 0 m/s", "moves shelf[3] along (0, 0, -10 cm) at 1 cm/s"),
     "E0517": CodeInfo("bad breakdown", "scene",
         "`fail` names a module, a time that is not negative, and `locked` or `gone`.",
         "fail target at 20 s: broken", "fail c[2] at 20 s: locked"),

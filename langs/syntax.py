@@ -331,7 +331,7 @@ class OptionsItem(Node):
 
 @dataclass(frozen=True, slots=True)
 class CourseItem(Node):
-    """`moves stair[3] along (0, 0, -0.1 m), (5 cm, 0, -0.1 m) at 1 cm/s from 5 s and back`: the body moves on its own
+    """`moves shelf[3] along (0, 0, -0.1 m), (5 cm, 0, -0.1 m) at 1 cm/s from 5 s and back`: the body moves on its own
     through points that are measured from where it is when it starts; without `start` that is at once."""
 
     body: Term

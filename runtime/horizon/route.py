@@ -157,4 +157,3 @@ class Route:
 def in_time(path: PhasePath, seconds: float) -> PhasePath:
     """The same motion in more time."""
     return PhasePath(path.modules, path.bodies, seconds)
-

@@ -18,6 +18,18 @@ def environment() -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 
 
+def begin(folder: Path, *arguments: object) -> subprocess.Popen[str]:
+    """A Python process of the tests' own, with the package in reach; its output is text."""
+    return subprocess.Popen(
+        [sys.executable, *map(str, arguments)],
+        cwd=folder,
+        env=environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
 @pytest.fixture
 def tamplang(tmp_path: Path) -> Tamplang:
     """`tamplang("check", file)` runs the command in an empty folder; no command may ever show a traceback."""

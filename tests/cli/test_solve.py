@@ -15,7 +15,7 @@ import pytest
 import tamplang as package
 from tamplang.runtime.budget import OutOfTime
 
-from .conftest import ROOT, Tamplang, environment
+from .conftest import ROOT, Tamplang, begin, environment
 
 CLIMB = ROOT / "examples" / "climb.tamp"
 SMALL = ("solve", CLIMB, "-p", "n=2", "-p", "crawlers=1")
@@ -164,15 +164,8 @@ def test_a_spent_budget(tamplang: Tamplang) -> None:
 
 
 def test_ctrl_c_ends_with_what_was_found(tmp_path: Path) -> None:
-    arguments = ["solve", str(CLIMB), "-p", "n=30", "--solutions", "1000", "--time", "100", "--json"]
-    process = subprocess.Popen(
-        [sys.executable, "-m", "tamplang", *arguments],
-        cwd=tmp_path,
-        env=environment(),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    arguments = ["solve", CLIMB, "-p", "n=30", "--solutions", "1000", "--time", "100", "--json"]
+    process = begin(tmp_path, "-m", "tamplang", *arguments)
     assert process.stderr is not None
     process.stderr.readline()
     time.sleep(0.5)
@@ -185,14 +178,8 @@ def test_ctrl_c_ends_with_what_was_found(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("loaded", ["click", "tamplang.cli.app", "tamplang.runtime.lgp"])
 def test_ctrl_c_is_quiet_while_the_command_still_loads(tmp_path: Path, loaded: str) -> None:
-    process = subprocess.Popen(
-        [sys.executable, "-X", "importtime", "-m", "tamplang", "solve", str(CLIMB), "-p", "n=60", "--solutions", "9"],
-        cwd=tmp_path,
-        env=environment(),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    arguments = ["solve", CLIMB, "-p", "n=60", "--solutions", "9"]
+    process = begin(tmp_path, "-X", "importtime", "-m", "tamplang", *arguments)
     assert process.stderr is not None
     while loaded not in (line := process.stderr.readline()):
         assert line
