@@ -10,6 +10,7 @@ from ..langs.source import Span
 from .judgement import Conflict
 from .lack import achievers, lacking
 from .motion.program import DIVERGED
+from .nearest import nearest
 from .plan import PlaceRecord, RefusalRecord
 from .skeleton import Skeleton, Violation
 
@@ -70,6 +71,11 @@ class Refusals:
         blamed = f"; what achieves it is {names}, never applicable where it would help" if rules else ""
         bounds = [(rule, bound.span) for rule, bound in rules if bound is not None and bound.span is not None]
         labels = [Label(span, f"a bound that `{rule.name}` needs") for rule, span in bounds]
+        lacks = lacking(self.problem)[:MOST_EXPLAINED]
+        if not lacks:
+            near = nearest(self.problem, [rule for rule, _ in rules])
+            lacks = [str(near)] if near else [""]
+            labels += [Label(near.place, "this stays false")] if near and near.place else []
         return [
             Diagnostic(
                 "S0001",
@@ -79,7 +85,7 @@ class Refusals:
                 note=lack or None,
                 help="look at the conditions of the rules that achieve the goal, and at the reach of the robots",
             )
-            for lack in lacking(self.problem)[:MOST_EXPLAINED] or [""]
+            for lack in lacks
         ]
 
     def _diagnostic(self, skeleton: Skeleton, conflict: Conflict, count: int) -> Diagnostic:

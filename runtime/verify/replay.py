@@ -62,7 +62,7 @@ class Interpreter:
         state = self.state(facts)
         for environment in bindings(state, rule.variables, {}):
             if holds(state, rule.condition, environment):
-                yield ir.Action(rule.name, tuple(_argument(environment[v.name]) for v in rule.variables))
+                yield ground(rule, environment)
 
     def action(self, facts: Facts, rule: str, arguments: Sequence[str]) -> ir.Action:
         """The action that a plan file spells. Raises ReplayError when it is none in this state."""
@@ -114,7 +114,7 @@ class Interpreter:
             if isinstance(part, ir.And):
                 self._require(state, part, environment, action)
             elif not holds(state, part, environment):
-                raise Inapplicable(f"a condition of {action} does not hold", _span(part))
+                raise Inapplicable(f"a condition of {action} does not hold", span_of(part))
 
     def _collect(
         self, state: State, effects: Sequence[ir.EffectItem], environment: Environment, changes: _Changes
@@ -187,22 +187,28 @@ class Interpreter:
         )  # fmt: skip
 
 
+def ground(rule: ir.Rule, environment: Environment) -> ir.Action:
+    """The action of a rule with these values of its variables. Raises ReplayError."""
+    return ir.Action(rule.name, tuple(_argument(environment[v.name]) for v in rule.variables))
+
+
 def _argument(value: Value) -> ir.Value:
     if isinstance(value, float):
         raise ReplayError(f"{value} cannot be the argument of an action")
     return value
 
 
-def _span(formula: ir.Formula) -> Span | None:
+def span_of(formula: ir.Formula) -> Span | None:
+    """Where the first literal or comparison of a formula stands."""
     match formula:
         case ir.Literal() | ir.Compare():
             return formula.span
         case ir.Not():
-            return _span(formula.operand)
+            return span_of(formula.operand)
         case ir.Exists() | ir.Forall():
-            return _span(formula.body)
+            return span_of(formula.body)
         case ir.And() | ir.Or():
-            return next((s for f in formula.operands if (s := _span(f)) is not None), None)
+            return next((s for f in formula.operands if (s := span_of(f)) is not None), None)
         case _:
             return None
 

@@ -47,7 +47,11 @@ def test_a_target_that_hangs_too_high(crawlers: str) -> None:
 def test_too_few_legs() -> None:
     outcome = outcome_of("quadruped", crawlers="3")
     assert outcome.status == "infeasible"
-    assert "`standUp`" in outcome.explanation[0].message
+    told = outcome.explanation[0]
+    assert "`standUp`" in told.message and told.note is not None
+    assert "standUp(p.S, ground) comes nearest after mount(c[1].A, c[1].B, p.P1), mount(" in told.note
+    assert told.note.endswith("it still lacks `forall Q: socket { not (free Q) }`, which fails for Q = p.P4")
+    assert [label.text for label in told.labels] == ["this stays false"]
 
 
 def test_what_no_motion_reaches_is_told_by_the_smallest_miss() -> None:
