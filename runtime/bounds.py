@@ -85,7 +85,6 @@ class Bounds:
             return Judgement(False, conflicts=[Conflict(EXPECTED, *window, ()) for window in expected])
         conflicts = self._refused_actions(skeleton, strains)
         if not conflicts:
-            self._expect_parts(skeleton)
             sequence, end = self._whole(skeleton)
             if sequence.feasible:
                 if self.finest == "seq":
@@ -134,7 +133,7 @@ class Bounds:
             return plan
         careful, seed = self.settings, self.seed
         try:
-            self.settings = replace(careful, margin=careful.margin + WIDER, switch_margin=careful.switch_margin + WIDER)
+            self.settings = careful.wider(WIDER)
             self.seed = seed + AGAIN
             sequence = self._sequence(skeleton, self.seed, None, tries=self.tries)
             judgement = self._paths(skeleton, sequence) if sequence.feasible else Judgement(False)
@@ -213,6 +212,9 @@ class Bounds:
         if first.feasible or self.tries == ONCE:
             return first, len(skeleton)
         if end < len(skeleton):
+            self._expect_whole(skeleton, self.tries)
+            if end > 1:
+                self._expect_whole(beginning(skeleton, end - 1), self.tries)
             part = self._sequence(beginning(skeleton, end), self.seed, None, tries=self.tries)
             if not part.feasible:
                 return part, end
@@ -239,7 +241,7 @@ class Bounds:
             known, end = max(0, worst - SPAN), min(end, worst + SPAN)
         middle = end - 1
         while end - known > 1:
-            self._expect_prefixes(skeleton, known, end)
+            self._expect_prefixes(skeleton, known, middle, end)
             result = self._sequence(beginning(skeleton, middle), self.seed, None, tries=self.tries)
             if result.feasible:
                 known = middle
@@ -275,20 +277,14 @@ class Bounds:
     def _expect_whole(self, skeleton: Skeleton, tries: int | None) -> bool:
         return self.ahead.expect(skeleton, Whole(self.settings, self.seed, tries), self.budget)
 
-    def _expect_parts(self, skeleton: Skeleton) -> None:
-        """What is asked when the whole is refused. Where that blames a phase of many, it is not known before."""
-        if self.ahead.helps and len(skeleton) <= LONGEST:
-            self._expect_prefixes(skeleton, 0, len(skeleton), include_middle=True)
-
-    def _expect_prefixes(self, skeleton: Skeleton, known: int, end: int, include_middle: bool = False) -> None:
-        """Beginnings that halving asks about after the middle one, whatever that gives; the nearest go first."""
-        spans = [(known, end)]
+    def _expect_prefixes(self, skeleton: Skeleton, known: int, asked: int, end: int) -> None:
+        """Beginnings that halving asks about after the `asked` one, whatever that gives; the nearest go first."""
+        spans = [(known, asked), (asked, end)]
         for low, high in spans if self.ahead.helps else ():
             middle = (low + high) // 2
             if high - low <= 1:
                 continue
-            asked_now = (low, high) == (known, end) and not include_middle
-            if not asked_now and not self._expect_whole(beginning(skeleton, middle), self.tries):
+            if not self._expect_whole(beginning(skeleton, middle), self.tries):
                 return
             spans += [(low, middle), (middle, high)]
 

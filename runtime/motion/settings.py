@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,3 +19,7 @@ class MotionSettings:
     solver: str = "algn"
     collisions: bool = True
     polish: bool = True
+
+    def wider(self, by: float) -> MotionSettings:
+        """The same with `by` metres more between surfaces, along paths and at switches."""
+        return replace(self, margin=self.margin + by, switch_margin=self.switch_margin + by)
