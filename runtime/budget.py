@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 
@@ -31,6 +31,16 @@ class Budget:
         """Raise `OutOfTime` once the budget is spent."""
         if self.remaining <= 0.0:
             raise OutOfTime
+
+
+def ending(loop: Callable[[], str]) -> str:
+    """The status that `loop` ends with; "budget" when it runs out of time, "interrupted" after Ctrl-C."""
+    try:
+        return loop()
+    except OutOfTime:
+        return "budget"
+    except KeyboardInterrupt:
+        return "interrupted"
 
 
 class Clock:

@@ -8,6 +8,7 @@ refusals fed back to the search, and the verifier's word on every plan before it
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
@@ -16,7 +17,7 @@ from ..compiler.symbolic.successors import Successors
 from ..langs.diagnostics import Diagnostic
 from .ahead import Ahead
 from .bounds import EXPECTED, Bounds
-from .budget import Budget, OutOfTime
+from .budget import Budget, ending
 from .judgement import Judgement
 from .motion.settings import MotionSettings
 from .plan import Plan, StatisticsRecord
@@ -29,6 +30,8 @@ from .skeleton import Skeleton
 BOUNDS = ("seq", "seq-path", "path")
 SEARCHES = ("astar", "wastar", "bfs", "guide")
 SOLVERS = ("algn", "ipopt")
+SECONDS = 60.0
+"""Budget where nothing else is said."""
 MOST_REMEMBERED = 4
 """Refused beginnings of a plan with up to so many actions are forbidden wherever their robots stand alike."""
 
@@ -39,13 +42,32 @@ class SolveOptions:
 
     bound: str = "path"
     search: str = "astar"
-    time: float | None = 60.0
+    time: float | None = SECONDS
     nodes: int | None = None
     solutions: int = 1
     solver: str = "algn"
     seed: int = 0
     slices: int | None = None
     ahead: Ahead = field(default_factory=Ahead, compare=False, repr=False)
+
+
+def options_of(
+    problem: Problem, *, bound: str | None = None, search: str | None = None, time: float | None = None,
+    nodes: int | None = None, solver: str | None = None, slices: int | None = None, otherwise: float = SECONDS,
+) -> SolveOptions:  # fmt: skip
+    """What is chosen here, else what the task's `options` block says, else the defaults. `time` may be infinite;
+    `otherwise` is the time in seconds where neither says one."""
+    given, default = problem.options, SolveOptions()
+    seconds = next(t for t in (time, given.time, otherwise) if t is not None)
+    return SolveOptions(
+        bound=bound or given.bound or default.bound,
+        search=search or given.search or default.search,
+        time=None if math.isinf(seconds) else seconds,
+        nodes=nodes or given.nodes,
+        solver=solver or given.solver or default.solver,
+        seed=problem.seed,
+        slices=slices or given.slices,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,13 +132,7 @@ class _Run:
         self.again = False
 
     def run(self) -> Outcome:
-        try:
-            status = self._loop()
-        except OutOfTime:
-            status = "budget"
-        except KeyboardInterrupt:
-            status = "interrupted"
-        return self._outcome(status)
+        return self._outcome(ending(self._loop))
 
     def _loop(self) -> str:
         clock = self.bounds.clock

@@ -5,7 +5,6 @@ Importing this module loads nothing of the planner; each function loads what it 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from os import PathLike, fspath
@@ -71,20 +70,10 @@ class Task:
         `tamplang.runtime.parallel.ClusterUnavailable` when no cluster answers.
         """
         from .runtime.ahead import opened
-        from .runtime.lgp import SolveOptions
+        from .runtime.lgp import options_of
 
-        given = self.problem.options
-        default = SolveOptions()
-        seconds = next(t for t in (time, given.time, default.time, math.inf) if t is not None)
-        options = SolveOptions(
-            bound=bound or given.bound or default.bound,
-            search=search or given.search or default.search,
-            time=None if math.isinf(seconds) else seconds,
-            nodes=nodes or given.nodes,
-            solutions=solutions,
-            solver=solver or given.solver or default.solver,
-            seed=self.problem.seed,
-            slices=slices or given.slices,
+        options = options_of(
+            self.problem, bound=bound, search=search, time=time, nodes=nodes, solver=solver, slices=slices
         )
 
         def hand_on(record: PlanRecord) -> None:
@@ -92,7 +81,9 @@ class Task:
                 found(Plan(record))
 
         with opened(jobs, cluster) as ahead:
-            outcome = _solved(self.problem, replace(options, ahead=ahead), horizon, progress, hand_on)
+            outcome = _solved(
+                self.problem, replace(options, solutions=solutions, ahead=ahead), horizon, progress, hand_on
+            )
         return Result(
             outcome.status,
             tuple(Plan(record) for record in outcome.plans),

@@ -30,14 +30,14 @@ def frozen(problem: ir.Problem, module: str) -> ir.Problem:
 def without(problem: ir.Problem, module: str) -> ir.Problem:
     """The task without a module that has left the scene: no fact speaks of it, and what it held stays where it is. A
     goal that names it is false there; a guide that does is dropped."""
-    gone = {module, *(f"{module}.{e.name}" for e in problem.world.modules[module].type.effectors)}
+    gone = names_of(problem, module)
     modules = {name: m for name, m in problem.world.modules.items() if name != module}
     heuristic = problem.heuristic
     return replace(
         problem,
         objects={name: kind for name, kind in problem.objects.items() if name not in gone},
-        init=frozenset(f for f in problem.init if not gone.intersection(f[1:])),
-        init_motion=frozenset(f for f in problem.init_motion if not gone.intersection(f[1:])),
+        init=silent_of(problem.init, gone),
+        init_motion=silent_of(problem.init_motion, gone),
         rules={name: _rule(rule, gone) for name, rule in problem.rules.items()},
         derived={name: replace(d, body=formula_without(d.body, gone)) for name, d in problem.derived.items()},
         goal=formula_without(problem.goal, gone),
@@ -47,14 +47,24 @@ def without(problem: ir.Problem, module: str) -> ir.Problem:
     )
 
 
-def _rule(rule: ir.Rule, gone: set[str]) -> ir.Rule:
+def names_of(problem: ir.Problem, module: str) -> frozenset[str]:
+    """A module and its effectors."""
+    return frozenset({module, *(f"{module}.{e.name}" for e in problem.world.modules[module].type.effectors)})
+
+
+def silent_of(facts: frozenset[ir.Fact], gone: frozenset[str]) -> frozenset[ir.Fact]:
+    """The facts that name none of the objects."""
+    return frozenset(f for f in facts if not gone.intersection(f[1:]))
+
+
+def _rule(rule: ir.Rule, gone: frozenset[str]) -> ir.Rule:
     """A rule whose effects name what is gone can never be done."""
     if _names(rule.effects, gone):
         return replace(rule, condition=FALSE, effects=())
     return replace(rule, condition=formula_without(rule.condition, gone))
 
 
-def formula_without(formula: ir.Formula, gone: set[str]) -> ir.Formula:
+def formula_without(formula: ir.Formula, gone: frozenset[str]) -> ir.Formula:
     """The formula with every literal and comparison that names a gone object false."""
     match formula:
         case ir.Literal() | ir.Compare() | ir.Previous():
@@ -69,7 +79,7 @@ def formula_without(formula: ir.Formula, gone: set[str]) -> ir.Formula:
             return replace(formula, body=formula_without(formula.body, gone))
 
 
-def _names(part: object, gone: set[str]) -> bool:
+def _names(part: object, gone: frozenset[str]) -> bool:
     """Whether a part of a formula or rule names one of the objects."""
     if isinstance(part, ir.Object):
         return part.name in gone

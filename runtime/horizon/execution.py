@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import msgspec
 
 from ...compiler import ir
 from ...langs.diagnostics import Diagnostic
-from ..lgp import SolveOptions
+from ..lgp import options_of
 from ..plan import Plan
 from ..verify import verify
 from .rerun import window_of
@@ -35,14 +34,8 @@ def execute(
         if not plan.verdict.verified:
             return status, plan, (), Deviations((), 0.0, "", None, ())
         return status if plan.complete else "stuck", plan, (), follow(plan, problem, noise, seed)
-    given, default = problem.options, SolveOptions()
-    budget = next(s for s in (seconds, given.time, SECONDS) if s is not None)
-    options = SolveOptions(
-        bound=given.bound if given.bound in ("seq-path", "path") else default.bound,
-        search=given.search or default.search,
-        time=None if math.isinf(budget) else budget,
-        nodes=given.nodes, solver=given.solver or default.solver, seed=problem.seed, slices=given.slices,
-    )  # fmt: skip
+    bound = "path" if problem.options.bound == "seq" else None
+    options = options_of(problem, bound=bound, time=seconds, otherwise=SECONDS)
     chosen = horizon if isinstance(horizon, int) else HORIZON
     first = None if plan is None else window_of(problem, plan)
     outcome = Run(problem, RunOptions(options, chosen, noise.position, seed), tell, first).run()

@@ -11,7 +11,7 @@ from ...langs.diagnostics import Diagnostic
 from ..motion.movement import carrier, followers, involved, robots
 from ..resampling import kept_pairs
 from ..skeleton import Configuration, Phase, PhasePath, Skeleton
-from .breakdowns import frozen, without
+from .breakdowns import frozen, names_of, silent_of, without
 from .state import Reached
 
 EPSILON = 1e-9
@@ -125,9 +125,5 @@ def _stands_without(problem: ir.Problem, module: str, others: list[str], pairs: 
 
 
 def _left(problem: ir.Problem, module: str, reached: Reached) -> Reached:
-    names = {module, *(f"{module}.{e.name}" for e in problem.world.modules[module].type.effectors)}
-
-    def kept(facts: frozenset[ir.Fact]) -> frozenset[ir.Fact]:
-        return frozenset(f for f in facts if not names.intersection(f[1:]))
-
-    return replace(reached, facts=kept(reached.facts), mode=kept(reached.mode))
+    gone = names_of(problem, module)
+    return replace(reached, facts=silent_of(reached.facts, gone), mode=silent_of(reached.mode, gone))

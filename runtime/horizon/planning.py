@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from ...compiler import ir
 from ..budget import Budget
 from ..lgp import SolveOptions, motion_settings
 from ..motion.movement import carrier
-from ..motion.path import solve_path
-from ..motion.phases import UnsupportedPhase, solve_sequence_path
 from ..motion.sequence import solve_sequence
 from ..motion.settings import MotionSettings
+from ..questions import sequence_path
 from ..refusals import Refusals
-from ..skeleton import BoundResult, PhasePath, Skeleton, beginning
+from ..skeleton import BoundResult, Phase, PhasePath, Skeleton, beginning
 from ..verify.formulas import ReplayError
 from ..verify.replay import Interpreter
 from .foresight import concerned
@@ -26,6 +26,8 @@ SHORTER = ((2, -0.005), (2, -0.01))
 many metres added to margins, as a robot that stands a little off may be nearer to things than it should."""
 FRESH = 100
 """Between the seeds of one failure and the next."""
+
+Item = TypeVar("Item")
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +60,9 @@ class Planner:
         budget: Budget,
     ) -> Window | None:  # fmt: skip
         """A window on a way that is known, without a search; None when it is not possible so. Raises OutOfTime."""
-        skeleton = _replayed(problem, actions[:horizon])
-        if skeleton is None:
+        try:
+            skeleton = replayed(problem, actions[:horizon], lambda interpreter, facts, action: action)
+        except ReplayError:
             return None
         moving = concerned(skeleton, moving)
         motions = 1 if moving else horizon
@@ -67,7 +70,7 @@ class Planner:
         shorter += [(1, SHORTER[-1][1])] if self.failures else []
         tries = [(horizon, 0.0), *(shorter if moving else [(horizon, SHORTER[0][1])])]
         for attempt, (count, margin) in enumerate(tries):
-            settings = _wider(motion_settings(problem, self.options), wider + margin)
+            settings = motion_settings(problem, self.options).wider(wider + margin)
             seed = self.options.seed + FRESH * self.failures + attempt
             found = _motions(beginning(skeleton, count), motions, settings, seed, budget)
             if found.feasible:
@@ -81,7 +84,7 @@ class Planner:
     ) -> Window | None:  # fmt: skip
         """Search a way to the goal of which the first `horizon` actions have motions. Raises OutOfTime."""
         memory = remember(problem, self.options, budget)
-        memory.bounds.settings = _wider(memory.bounds.settings, wider + (SHORTER[-1][1] if moving else 0.0))
+        memory.bounds.settings = memory.bounds.settings.wider(wider + (SHORTER[-1][1] if moving else 0.0))
         begin = replace(start(problem), previous=previous)
         if moving:
             beyond = 0 if self.failures else 1
@@ -96,23 +99,18 @@ class Planner:
         return Window(problem, found.actions, found.skeleton, paths, moving)
 
 
-def _wider(settings: MotionSettings, by: float) -> MotionSettings:
-    return replace(settings, margin=settings.margin + by, switch_margin=settings.switch_margin + by)
-
-
-def _replayed(problem: ir.Problem, actions: Sequence[ir.Action]) -> Skeleton | None:
-    """The skeleton of actions, by a plain replay; None when one of them cannot be done."""
-    from ..skeleton import Phase
-
+def replayed(
+    problem: ir.Problem, items: Iterable[Item], action_of: Callable[[Interpreter, frozenset[ir.Fact], Item], ir.Action]
+) -> Skeleton:
+    """The skeleton of actions, by a plain replay; `action_of` tells the action that an item is in a state. Raises
+    ReplayError when one of them cannot be done."""
     interpreter = Interpreter(problem)
     facts, mode = problem.init, interpreter.canonical(problem.init_motion)
     previous: ir.Action | None = None
     phases = []
-    for action in actions:
-        try:
-            outcome = interpreter.apply(facts, mode, action, previous)
-        except ReplayError:
-            return None
+    for item in items:
+        action = action_of(interpreter, facts, item)
+        outcome = interpreter.apply(facts, mode, action, previous)
         phases.append(Phase(action, mode, outcome.added_motion))
         facts, mode, previous = outcome.facts, outcome.motion, action
     return Skeleton(problem, tuple(phases), mode)
@@ -126,12 +124,8 @@ def _motions(
     if not sequence.feasible:
         return sequence
     first = beginning(skeleton, motions)
-    switches = sequence.configurations[: len(first) + 1]
-    try:
-        return solve_sequence_path(first, switches, settings, seed, budget)
-    except UnsupportedPhase:
-        cut = replace(sequence, configurations=switches)
-        return solve_path(first, settings, seed, budget, cut, pinned=True)
+    cut = replace(sequence, configurations=sequence.configurations[: len(first) + 1])
+    return sequence_path(first, cut, settings, seed, budget)
 
 
 def _in_the_way(problem: ir.Problem, refused: BoundResult) -> dict[str, str]:

@@ -19,7 +19,7 @@ from ...compiler import ir
 from ...langs.diagnostics import Diagnostic
 from ..assemble import assemble
 from ..bounds import WIDER
-from ..budget import Budget, OutOfTime
+from ..budget import Budget, ending
 from ..lgp import Outcome, Progress, SolveOptions
 from ..plan import Plan, StatisticsRecord, WindowRecord
 from ..skeleton import PhasePath, Skeleton
@@ -100,13 +100,7 @@ class _Run:
         self.first_motion: float | None = None
 
     def run(self) -> Outcome:
-        try:
-            status = self._loop()
-        except OutOfTime:
-            status = "budget"
-        except KeyboardInterrupt:
-            status = "interrupted"
-        return self._outcome(status)
+        return self._outcome(ending(self._loop))
 
     # --- window after window -------------------------------------------------------------------------------------
 
@@ -208,10 +202,7 @@ class _Run:
             self.kept.pop()
             self.levels.pop()
         self.levels[-1].failures += 1
-        old = self.memory.bounds.settings
-        self.memory.bounds.settings = replace(
-            old, margin=old.margin + WIDER, switch_margin=old.switch_margin + WIDER
-        )
+        self.memory.bounds.settings = self.memory.bounds.settings.wider(WIDER)
         self.reason = "verifier"
         return True
 

@@ -6,25 +6,15 @@ import numpy as np
 
 from ...compiler import ir
 from ..plan import Plan
-from ..skeleton import Array, Phase, PhasePath, Skeleton
-from ..verify.replay import Interpreter
-from .planning import Window
+from ..skeleton import Array, PhasePath
+from .planning import Window, replayed
 
 
 def window_of(problem: ir.Problem, plan: Plan) -> Window:
     """All phases of a plan of `problem`. Raises ReplayError when the plan does not follow the rules."""
-    interpreter = Interpreter(problem)
-    facts, mode = problem.init, interpreter.canonical(problem.init_motion)
-    previous: ir.Action | None = None
-    phases = []
-    for record in plan.phases:
-        action = interpreter.action(facts, record.rule, record.args)
-        outcome = interpreter.apply(facts, mode, action, previous)
-        phases.append(Phase(action, mode, outcome.added_motion))
-        facts, mode, previous = outcome.facts, outcome.motion, action
-    skeleton = Skeleton(problem, tuple(phases), mode)
+    skeleton = replayed(problem, plan.phases, lambda interpreter, facts, p: interpreter.action(facts, p.rule, p.args))
     paths = [_path(plan, index) for index in range(len(plan.phases))]
-    return Window(problem, tuple(p.action for p in phases), skeleton, paths, frozenset())
+    return Window(problem, tuple(p.action for p in skeleton.phases), skeleton, paths, frozenset())
 
 
 def _path(plan: Plan, index: int) -> PhasePath:

@@ -20,7 +20,7 @@ from ...compiler.printing_terms import format_formula
 from ...langs.diagnostics import Diagnostic
 from ...langs.source import Span
 from ..assemble import FACTOR
-from ..budget import Budget, OutOfTime
+from ..budget import Budget, ending
 from ..lgp import SolveOptions
 from ..plan import Plan, StatisticsRecord, WindowRecord
 from ..skeleton import Phase, PhasePath
@@ -106,13 +106,7 @@ class Run:
 
     def run(self) -> RunOutcome:
         """Until the goal is reached, the way ends, or the budget; Ctrl-C ends with what was carried out."""
-        try:
-            status = self._loop()
-        except OutOfTime:
-            status = "budget"
-        except KeyboardInterrupt:
-            status = "interrupted"
-        return self._outcome(status)
+        return self._outcome(ending(self._loop))
 
     def _loop(self) -> str:
         reason = "start"
