@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 
 import casadi as ca
 
@@ -126,11 +126,11 @@ def parameter_sizes(kinds: tuple[Kind, ...]) -> list[int]:
 def _solid(kind: Kind, slots: list[Expression], constants: Expression) -> Solid:
     match kind:
         case EffectorKind(type=module, effector="", slot=slot):
-            return Solid(pose_frame(slots[slot]), "sphere", (0.0,), *_balance(module, slots[slot]))
+            return Solid(pose_frame(slots[slot]), "sphere", (0.0,), partial(_balance, module, slots[slot]))
         case EffectorKind(type=module, effector=name, slot=slot):
             shape = module.effector(name).shape or ir.Shape("sphere", (0.0,))
             frame = effector_frame(module, name, slots[slot])
-            return Solid(frame, shape.kind, shape.size, *_balance(module, slots[slot]))
+            return Solid(frame, shape.kind, shape.size, partial(_balance, module, slots[slot]))
         case BodyKind(shape=shape, slot=slot):
             return _shaped(pose_frame(slots[slot]), shape, constants)
         case RestKind(shape=shape):
@@ -156,8 +156,9 @@ def _balance(module: ir.ModuleType, slot: Expression) -> tuple[Expression, Expre
 
 def _measured(name: str, solid: Solid) -> Expression:
     """Mass or centre of mass; of a body from its shape."""
-    if solid.centre is not None:
-        return solid.mass if name == "mass" else solid.centre
+    if solid.balance is not None:
+        mass, centre = solid.balance()
+        return mass if name == "mass" else centre
     return distances.mass(solid) if name == "mass" else solid.frame.position
 
 

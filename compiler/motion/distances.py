@@ -34,9 +34,8 @@ class Solid:
     frame: Frame
     kind: str
     size: Sequence[Expression]
-    mass: Expression = 0.0
-    """Kilograms of the body or of the whole module, and where its centre of mass is."""
-    centre: Expression = None
+    balance: Callable[[], tuple[Expression, Expression]] | None = None
+    """Mass and centre of mass of the whole module that the shape belongs to; None for a body."""
 
 
 def _length(v: Expression) -> Expression:
