@@ -166,7 +166,10 @@ class _Planner:
         before = self.before
         if before is None or not before.rest or not before.ahead:
             return None
-        actions, successors = before.rest, Successors(self.problem)
+        actions = before.rest
+        if any(actions[: len(begin)] == begin for begin in self.forbidden):
+            return None
+        successors = Successors(self.problem)
         numbers = numbers_of(successors, actions)
         long = len(actions) >= self.horizon + self.lookahead
         if numbers is None or not (long or successors.is_goal(end_of(successors, numbers))):

@@ -10,7 +10,10 @@ import pytest
 from tamplang.api import load
 from tamplang.compiler.ir import Pose, Problem
 from tamplang.compiler.pipeline import compile_problem
+from tamplang.runtime.budget import Budget
 from tamplang.runtime.horizon.receding import solve_receding
+from tamplang.runtime.horizon.state import start
+from tamplang.runtime.horizon.windows import plan_window, remember
 from tamplang.runtime.lgp import Outcome, Progress, SolveOptions
 from tamplang.runtime.verify import verify
 
@@ -120,6 +123,17 @@ def test_what_is_never_in_reach_is_proved_infeasible() -> None:
     outcome = solve_receding(replace(problem, world=replace(problem.world, bodies=bodies)), _options(), 3)
     assert outcome.status == "infeasible"
     assert not outcome.plans and outcome.explanation[0].code == "S0001"
+
+
+def test_the_known_way_is_left_where_its_beginning_is_forbidden() -> None:
+    problem, options, budget = _slots(), _options(), Budget(60.0)
+    memory = remember(problem, options, budget)
+    first = plan_window(problem, start(problem), options, 1, budget, memory)
+    known = first.rest
+    after = plan_window(problem, first.reached, options, 1, budget, memory, before=first)
+    assert first.ahead and after.actions == known and after.tree_nodes == 0
+    other = plan_window(problem, first.reached, options, 1, budget, memory, before=first, forbidden=(known[:2],))
+    assert other.status == "planned" and other.actions[:2] != known[:2]
 
 
 def test_a_goal_that_holds_at_the_start_needs_no_window() -> None:
