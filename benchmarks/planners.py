@@ -1,7 +1,8 @@
 """Our symbolic layer beside Fast Downward and pyperplan, on the same tasks through the PDDL export.
 
     python -m venv /tmp/planners && /tmp/planners/bin/pip install up-fast-downward pyperplan
-    python benchmarks/planners.py --peers /tmp/planners [--tasks climb] [--sizes 8 64] [--limit 120] [--markdown FILE]
+    python benchmarks/planners.py --peers /tmp/planners [--tasks climb] [--sizes 8 64] [--limit 120] [--memory 8]
+        [--markdown FILE]
 
 CPU seconds end to end: ours from the text of the task to an optimal skeleton (the interpreter's start left out); Fast
 Downward from the PDDL to an optimal plan (A* with LM-cut) and to any plan (lazy greedy, FF); pyperplan to any plan
@@ -15,6 +16,7 @@ import resource
 import subprocess
 import tempfile
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -66,25 +68,29 @@ def ours(file: str, parameters: dict[str, str]) -> tuple[float, int]:
     return time.process_time() - started, len(candidate.actions)
 
 
-def measure(peer: Peer, folder: Path, limit: float) -> str:
-    """CPU seconds of a planner and its children until a plan, or why there is none."""
+def measure(peer: Peer, folder: Path, limit: float, memory: float) -> str:
+    """CPU seconds of a planner and its children until a plan, or why there is none; `memory` in GB for each process."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     command = [*peer.command, str(folder / "domain.pddl"), str(folder / "task.pddl"), *peer.options]
-    limited = ["bash", "-c", f'ulimit -t {limit:.0f}; exec "$@"', "planner", *command]
+    limits = f'ulimit -t {limit:.0f} -v {memory * 1e6:.0f}; exec "$@"'
+    limited = ["bash", "-c", limits, "planner", *command]
     result = subprocess.run(limited, cwd=folder, capture_output=True, text=True, check=False)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     if "Plan length" in result.stdout + result.stderr:
         return f"{seconds:.2f}"
-    return f"none in {limit:.0f}" if seconds >= 0.9 * limit else f"failed after {seconds:.2f}"
+    if seconds >= 0.9 * limit:
+        return f"none in {limit:.0f}"
+    full = any(sign in result.stdout + result.stderr for sign in ("MemoryError", "memory limit", "bad_alloc"))
+    return f"{f'more than {memory:.0f} GB' if full else 'failed'} after {seconds:.2f}"
 
 
-def rows(tasks: list[str], sizes: list[str], found: list[Peer], limit: float) -> list[list[str]]:
-    table = []
+def rows(tasks: list[str], sizes: list[str], found: list[Peer], limit: float, memory: float) -> Iterator[list[str]]:
+    """One row for each task and size."""
     ours("climb.tamp", {"n": "1"})
-    for name in tasks:
-        file = f"{name}.tamp"
-        for n in sizes:
+    for n in sizes:
+        for name in tasks:
+            file = f"{name}.tamp"
             given = {**TASKS[name], "n": n}
             best, length = min(ours(file, given) for _ in range(3))
             with tempfile.TemporaryDirectory() as place:
@@ -92,12 +98,11 @@ def rows(tasks: list[str], sizes: list[str], found: list[Peer], limit: float) ->
                 domain, task = to_pddl(compile_problem(EXAMPLES / file, None, given)[0])
                 (folder / "domain.pddl").write_text(domain)
                 (folder / "task.pddl").write_text(task)
-                times = [measure(peer, folder, limit) for peer in found]
+                times = [measure(peer, folder, limit, memory) for peer in found]
             ratios = [float(t.split()[-1]) / best for t, p in zip(times, found, strict=True) if p.name == "FD optimal"]
-            shown = [f"{'≥ ' if 'none' in times[0] else ''}{r:.0f}" for r in ratios] or ["–"]
-            table.append([f"{name} n={n}", str(length), f"{best:.3f}", *times, *shown])
-            print("  ".join(table[-1]), flush=True)
-    return table
+            solved = bool(times) and times[0].replace(".", "").isdigit()
+            shown = [f"{'' if solved else '> '}{r:.0f}" for r in ratios] or ["–"]
+            yield [f"{name} n={n}", str(length), f"{best:.3f}", *times, *shown]
 
 
 def main() -> None:
@@ -106,12 +111,16 @@ def main() -> None:
     parser.add_argument("--tasks", nargs="+", choices=sorted(TASKS), default=sorted(TASKS), help="which examples")
     parser.add_argument("--sizes", nargs="+", default=["8", "64", "256"], help="numbers of stairs")
     parser.add_argument("--limit", type=float, default=120.0, help="CPU seconds for each run of a peer")
+    parser.add_argument("--memory", type=float, default=8.0, help="GB of memory for each process of a peer")
     parser.add_argument("--markdown", type=Path, help="write the table there as well")
     given = parser.parse_args()
     found = peers(given.peers)
     head = ["task", "length", "ours s", *(f"{p.name} s" for p in found), "FD optimal / ours"]
     print("  ".join(head))
-    table = [head, ["---"] * len(head), *rows(given.tasks, given.sizes, found, given.limit)]
+    table = [head, ["---"] * len(head)]
+    for row in rows(given.tasks, given.sizes, found, given.limit, given.memory):
+        table.append(row)
+        print("  ".join(row), flush=True)
     if given.markdown:
         given.markdown.write_text("".join(f"| {' | '.join(row)} |\n" for row in table))
 
