@@ -244,8 +244,8 @@ class Problem:
     options: Options
     sources: tuple[Source, ...]
     touching: frozenset[tuple[str, str]] = frozenset()
-    """Pairs of objects, in alphabetical order, that may touch at the start though no motion literal speaks of it: a
-    robot in mid-run that has just let go."""
+    """Pairs of objects, in alphabetical order, that may touch at the start though no motion literal speaks of it:
+    things side by side, or a robot in mid-run that has just let go."""
 
     def is_a(self, type_name: str, ancestor: str) -> bool:
         """Whether type `type_name` is `ancestor` or a subtype of it."""

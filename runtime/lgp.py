@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from ..compiler.ir import Problem
+from ..compiler.scenes.touching import touching
 from ..compiler.symbolic.successors import Successors
 from ..langs.diagnostics import Diagnostic
 from .ahead import Ahead
@@ -107,7 +108,7 @@ def solve(
 ) -> Outcome:
     """Search until `options.solutions` verified plans stand or the budget is spent; Ctrl-C ends with what was found.
     `found` gets every verified plan as soon as it stands."""
-    return _Run(problem, options, progress, found).run()
+    return _Run(replace(problem, touching=touching(problem.world)), options, progress, found).run()
 
 
 class _Run:

@@ -43,14 +43,15 @@ def pair(a: str, b: str) -> Pair:
 
 @dataclass(frozen=True, slots=True)
 class Sphere:
-    """A sphere fixed to the moving frame of `joint`; `effector` names the effector that it belongs to. An `exact`
-    one is a whole shape, no part of a cover."""
+    """A sphere fixed to the moving frame of `joint`; `effector` names the effector that it belongs to, `part` numbers
+    the shapes of its module, effectors first. An `exact` one is a whole shape, no part of a cover."""
 
     joint: int
     centre: Vec3
     radius: float
     effector: str | None
     exact: bool = False
+    part: int = 0
 
 
 def pose_matrix(pose: Pose | Array) -> Array:
@@ -182,16 +183,16 @@ def module_spheres(type_: ModuleType, margin: float = PATH_MARGIN) -> tuple[Sphe
     """Spheres that cover the effectors and links of a module within `margin`, effectors first, in declaration
     order. Link spheres that lie inside another one of the module in every pose are left out."""
     spheres: list[Sphere] = []
-    for e in type_.effectors:
+    for part, e in enumerate(type_.effectors):
         if e.shape is not None:
             for joint, centre, radius in _placed(type_, e.joint, e.placement, e.shape, margin):
                 x, y, z = centre.tolist()
-                spheres.append(Sphere(joint, (x, y, z), radius, e.name, e.shape.kind == "sphere"))
-    for link in type_.links:
+                spheres.append(Sphere(joint, (x, y, z), radius, e.name, e.shape.kind == "sphere", part))
+    for part, link in enumerate(type_.links, start=len(type_.effectors)):
         for joint, centre, radius in _placed(type_, link.joint, link.placement, link.shape, margin):
             if not _inside((joint, centre, radius), spheres):
                 x, y, z = centre.tolist()
-                spheres.append(Sphere(joint, (x, y, z), radius, None, link.shape.kind == "sphere"))
+                spheres.append(Sphere(joint, (x, y, z), radius, None, link.shape.kind == "sphere", part))
     return tuple(spheres)
 
 
@@ -299,22 +300,37 @@ def _named(literals: frozenset[Fact]) -> frozenset[Pair]:
 
 def contacts(skeleton: Skeleton) -> tuple[PhaseContacts, ...]:
     """The contacts of each phase: kept poses of its mode hold during it; literals that are added end it;
-    whatever touched when the phase before ended and is not kept touches at its start only. What no action concerns
-    since then rests, and touches still."""
+    whatever touched when the phase before ended and is not kept touches at its start only. Bodies that no module
+    carries, and modules that no action concerns, rest and touch still."""
     result: list[PhaseContacts] = []
     touching: frozenset[Pair] = _named(skeleton.problem.init_motion) | skeleton.problem.touching
     for phase in skeleton.phases:
-        during = _kept(skeleton.problem, phase.mode)
+        kept = _kept(skeleton.problem, phase.mode)
+        still = skeleton.problem.world.bodies.keys() - _carried(skeleton.problem, phase.mode)
+        during = kept | {objects for objects in touching if still.issuperset(objects)}
         added = _named(phase.added)
         start = touching - during
         result.append(PhaseContacts(during, start, added - during))
-        touching = during | added | _resting(start, skeleton.problem, phase, during)
+        touching = during | added | _resting(start, skeleton.problem, phase, kept)
     return tuple(result)
 
 
-def _resting(touching: frozenset[Pair], problem: Problem, phase: Phase, during: frozenset[Pair]) -> frozenset[Pair]:
-    """The contacts of modules, or of bodies alone, that the phase's action does not concern: it concerns what it names,
-    the modules of its chains, what it adds, and every module that is linked to these."""
+def _carried(problem: Problem, mode: frozenset[Fact]) -> set[str]:
+    """The bodies that modules carry, or that lie on such bodies."""
+    kept = [pair for pair in (keeps_pose(problem, literal) for literal in mode) if pair]
+    found: set[str] = set()
+    while more := {
+        follows
+        for fixed, follows in kept
+        if follows in problem.world.bodies and (fixed in found or problem.world.effector(fixed)) and follows not in found
+    }:
+        found |= more
+    return found
+
+
+def _resting(touching: frozenset[Pair], problem: Problem, phase: Phase, kept: frozenset[Pair]) -> frozenset[Pair]:
+    """The contacts of modules that the phase's action does not concern: it concerns what it names, the modules of its
+    chains, what it adds, and every module that is linked to these."""
 
     def owner(name: str) -> str:
         found = problem.world.effector(name)
@@ -324,14 +340,14 @@ def _resting(touching: frozenset[Pair], problem: Problem, phase: Phase, during: 
     chained = [part for arg in args if isinstance(arg, Chain) for line in arg.modules for part in line]
     named = [*map(str, args), *chained, *(name for _, *objects in phase.added for name in objects)]
     concerned = set(map(owner, named))
-    links = [{owner(a), owner(b)} for a, b in during]
+    links = [{owner(a), owner(b)} for a, b in kept]
     links = [link for link in links if link <= problem.world.modules.keys()]
     while more := {name for link in links if link & concerned for name in link} - concerned:
         concerned |= more
 
     def rests(objects: Pair) -> bool:
-        owners = set(map(owner, objects))
-        return not (owners & problem.world.modules.keys() or owners) & concerned
+        modules = set(map(owner, objects)) & problem.world.modules.keys()
+        return bool(modules) and not modules & concerned
 
     return frozenset(filter(rests, touching))
 

@@ -15,11 +15,12 @@ import numpy as np
 from ...compiler import ir
 from ...compiler.motion.collision import bounding_radius, reach
 from ...compiler.poses import joint_frames
+from ...compiler.scenes.touching import touching
 from ..motion.movement import carrier
 from ..resampling import kept_pairs
 from ..skeleton import Array, Configuration, Skeleton
 from ..transforms import compose, inverse, rotate
-from .state import Reached, reached_problem, touching
+from .state import Reached, placed, reached_problem
 from .world import carried
 
 SAME = 1e-4
@@ -79,7 +80,7 @@ def touched(problem: ir.Problem, reached: Reached, met: frozenset[str]) -> list[
     """Ends with the bodies that they touch without being kept there; bodies that keep anything are left out."""
     kept = {name for pair in kept_pairs(problem, reached.mode) for name in pair}
     found = {}
-    for a, b in sorted(touching(problem.world, reached.configuration, LET_GO)):
+    for a, b in sorted(touching(placed(problem.world, reached.configuration), LET_GO)):
         for end, body in ((a, b), (b, a)):
             if body in problem.world.bodies and body not in kept | met and problem.world.effector(end) is not None:
                 found[body] = end
