@@ -10,6 +10,7 @@ import numpy as np
 from ..compiler.ir import IDENTITY, Fact, Module, Problem
 from ..compiler.motion.collision import keeps_pose
 from .skeleton import Configuration, PhasePath
+from .splines import ClampedSpline
 from .transforms import Array, compose, inverse, joint_frames
 
 
@@ -45,12 +46,10 @@ def resample(
 ) -> Resampled:
     """Sample one phase `factor` times as densely. Poses begin at `start` and follow the joints through whatever
     the mode holds fixed; only what nothing holds is interpolated."""
-    from scipy.interpolate import CubicSpline
-
     count = len(next(iter(path.modules.values()), np.zeros((2, 0)))) - 1
     knots = np.linspace(0.0, path.duration, count + 1)
     times = np.linspace(0.0, path.duration, factor * count + 1)
-    joints = {m: _spline(CubicSpline, knots, rows[:, 7:], times) for m, rows in path.modules.items()}
+    joints = {m: ClampedSpline(knots, rows[:, 7:])(times) for m, rows in path.modules.items()}
     own = {b: pose[None, :] for b, pose in start.bodies.items() if b not in path.bodies}
     linker = Linker(problem, joints, start, own, len(times))
     linker.follow(kept_pairs(problem, mode))
@@ -62,12 +61,6 @@ def resample(
         joints,
         {b: p if p is not None else between(knots, path.bodies[b], times) for b, p in bodies.items()},
     )
-
-
-def _spline(kind: type, knots: Array, values: Array, times: Array) -> Array:
-    if values.shape[1] == 0:
-        return np.zeros((len(times), 0))
-    return np.asarray(kind(knots, values, bc_type="clamped")(times))
 
 
 def between(knots: Array, poses: Array, times: Array) -> Array:

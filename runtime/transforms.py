@@ -35,6 +35,22 @@ def multiply(left: Array, right: Array) -> Array:
     return np.concatenate([vector, s * t - np.sum(a * b, axis=-1, keepdims=True)], axis=-1)
 
 
+def quaternions(matrices: Array) -> Array:
+    """Unit quaternions `(…, 4)` of rotation matrices `(…, 3, 3)`, with w >= 0: of the four multiples of one that are
+    sums of entries, the greatest (Shepperd 1978)."""
+    (a, b, c), (d, e, f), (g, h, i) = np.moveaxis(matrices, (-2, -1), (0, 1))
+    multiples = np.stack([
+        np.stack([1 + a - e - i, b + d, c + g, h - f], axis=-1),
+        np.stack([b + d, 1 - a + e - i, f + h, c - g], axis=-1),
+        np.stack([c + g, f + h, 1 - a - e + i, d - b], axis=-1),
+        np.stack([h - f, c - g, d - b, 1 + a + e + i], axis=-1),
+    ], axis=-2)  # fmt: skip
+    greatest = np.diagonal(multiples, axis1=-2, axis2=-1).argmax(axis=-1)
+    found = np.take_along_axis(multiples, greatest[..., None, None], axis=-2)[..., 0, :]
+    found = found * np.where(found[..., 3:] < 0, -1.0, 1.0)
+    return np.asarray(found / np.linalg.norm(found, axis=-1, keepdims=True))
+
+
 def rotate(quaternion: Array, vector: Array) -> Array:
     """Vectors `(…, 3)` turned by unit quaternions `(…, 4)`."""
     axis, scalar = quaternion[..., :3], quaternion[..., 3:]

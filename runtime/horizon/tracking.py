@@ -17,6 +17,7 @@ from ...compiler import ir
 from ..motion.movement import followers
 from ..plan import Plan
 from ..skeleton import Array, Configuration
+from ..splines import ClampedSpline
 from ..verify.geometry import Frames
 from ..verify.kinematics import Kinematics, Motion, motion_of, place
 from .clearance import worst_clearance
@@ -84,8 +85,6 @@ def _rms(values: Array) -> float:
 
 def driven(planned: Motion, plan: Plan, module: str, noise: Noise, random: np.random.Generator) -> Array:
     """Executed joint values `(T, n)` of a module at the time stamps of the plan."""
-    from scipy.interpolate import CubicSpline
-
     result = planned.joints[module].copy()
     if not result.shape[1]:
         return result
@@ -94,7 +93,7 @@ def driven(planned: Motion, plan: Plan, module: str, noise: Noise, random: np.ra
     gain, damping = STIFFNESS**2, 2.0 * STIFFNESS
     for phase, (first, last) in enumerate(planned.ranges[: len(plan.phases)]):
         knots = np.asarray(splines[phase].knots)
-        curve = CubicSpline(knots, np.asarray(splines[phase].values), bc_type="clamped")
+        curve = ClampedSpline(knots, splines[phase].values)
         steps = max(1, int(np.ceil((knots[-1] - knots[0]) / STEP)))
         length = (knots[-1] - knots[0]) / steps
         misses = random.normal(0.0, noise.drive, (steps, len(error)))

@@ -17,6 +17,7 @@ from ...compiler.courses import centre_at
 from ..motion.movement import followers
 from ..resampling import Linker, between, kept_pairs
 from ..skeleton import Array, Configuration, PhasePath
+from ..splines import ClampedSpline
 from .state import Reached, start
 
 
@@ -98,12 +99,10 @@ def _last(executed: Executed, configuration: Configuration) -> Configuration:
 
 def spline_values(knots: Array, duration: float, times: Array, derivative: int = 0) -> Array:
     """Joint values `(T, n)`, or their derivatives, of the clamped spline through equidistant `knots` `(S + 1, n)`."""
-    from scipy.interpolate import CubicSpline
-
     if knots.shape[1] == 0:
         return np.zeros((len(times), 0))
     at = np.linspace(0.0, duration, len(knots))
-    return np.asarray(CubicSpline(at, knots, bc_type="clamped")(times, derivative))
+    return ClampedSpline(at, knots)(times, derivative)
 
 
 def carried(

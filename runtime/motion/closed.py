@@ -15,6 +15,7 @@ import numpy as np
 from ...compiler.motion.collision import contacts
 from ..budget import Budget
 from ..skeleton import Array, Configuration, PhasePath, Skeleton, Violation
+from ..splines import spline_weights
 from .acceptance import clashes, dense, slip, steps
 from .path import BUMP, PathProgram, attempt
 from .settings import MotionSettings
@@ -146,8 +147,6 @@ def _denser(
 
 
 def _spline(rows: Array, factor: int) -> Array:
-    from scipy.interpolate import CubicSpline
-
     count = len(rows) - 1
     times = np.arange(count * factor + 1) / factor
-    return np.asarray(CubicSpline(np.arange(count + 1), rows, bc_type="clamped")(times))
+    return spline_weights(count, times) @ rows

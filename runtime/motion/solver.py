@@ -6,10 +6,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import lapack
 
 from ..budget import Budget
 from ..skeleton import Array
+from .banded import factored, solved
 from .program import Program
 
 
@@ -67,10 +67,9 @@ def banded_step(band: Array, gradient: Array, damping: float) -> tuple[Array, fl
     while damping < NO_STEP:
         damped = band.copy()
         damped[:, 0] += damping
-        factor, info = lapack.dpbtrf(damped.T, lower=1, overwrite_ab=1)
-        if info == 0:
-            step, _ = lapack.dpbtrs(factor, -gradient, lower=1)
-            return step, damping
+        factor = factored(damped)
+        if factor is not None:
+            return solved(factor, -gradient), damping
         damping = max(10.0 * damping, 1e-6)
     return np.zeros_like(gradient), damping
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...compiler.ir import World
 from ..skeleton import Array
+from ..splines import ClampedSpline
 
 SHORTEST = 0.1
 """Least duration of a phase, seconds."""
@@ -55,7 +56,5 @@ def peaks(values: Array) -> tuple[Array, Array]:
 def _second_derivatives(count: int) -> Array:
     """The matrix `(count + 1, count + 1)` from the values of a clamped spline at 0, 1 … `count` to its second
     derivatives there."""
-    from scipy.interpolate import CubicSpline
-
     knots = np.arange(count + 1)
-    return np.asarray(CubicSpline(knots, np.eye(count + 1), bc_type="clamped")(knots, 2))
+    return ClampedSpline(knots, np.eye(count + 1))(knots, 2)

@@ -14,6 +14,7 @@ from .happenings import Happenings
 from .kinematics import Motion
 from .limits import LIMITS
 from .replay import Story
+from .splines import Spline
 
 SPLINE_SAMPLES = 10
 """Limits are read from a spline at so many points per knot interval."""
@@ -84,8 +85,6 @@ def _check_limits(module: ModuleRecord, rows: Array, times: Array, findings: Fin
 
 def _check_splines(plan: Plan, motion: Motion, findings: Findings) -> None:
     """Stored joint values lie on the stored splines, which keep the limits, too."""
-    from scipy.interpolate import CubicSpline
-
     modules = {m.name: m for m in plan.modules}
     for spline in plan.splines:
         module = modules[spline.module]
@@ -93,7 +92,7 @@ def _check_splines(plan: Plan, motion: Motion, findings: Findings) -> None:
             continue
         first, last = motion.ranges[spline.phase]
         knots = np.asarray(spline.knots)
-        curve = CubicSpline(knots, np.asarray(spline.values), bc_type="clamped")
+        curve = Spline(knots, spline.values, clamped=True)
         off = np.abs(curve(motion.times[first : last + 1]) - motion.joints[module.name][first : last + 1])
         at, joint = np.unravel_index(int(np.argmax(off)), off.shape)
         message = f"joint {module.joints[int(joint)].name} of {module.name} leaves its spline"

@@ -11,6 +11,7 @@ from ..plan import NO_LIMIT, ModuleRecord, PhaseRecord, Plan
 from .findings import Findings
 from .geometry import Array
 from .kinematics import Motion
+from .splines import Spline
 
 WORDS = {"speed": "is faster than its limit", "acceleration": "speeds up or slows down harder than its limit"}
 ENDS = {("speed", "revolute"): "rad_s", ("speed", "prismatic"): "m_s",
@@ -60,14 +61,12 @@ def _check_spline(
 ) -> None:
     """The acceleration of a cubic spline is linear between knots: it is greatest at one of them, and the speed there or
     where the acceleration is zero."""
-    from scipy.interpolate import CubicSpline
-
-    curve = CubicSpline(knots, values, bc_type="clamped")
+    curve = Spline(knots, values, clamped=True)
     if not stopped:
         _record(problem, module, "acceleration", curve(knots, 2), knots, findings)
     _record(problem, module, "speed", curve(knots, 1), knots, findings)
     for index in range(len(module.joints)):
-        cubic, square = curve.c[0, :, index], curve.c[1, :, index]
+        cubic, square = curve.cubic[:, index], curve.square[:, index]
         bent = np.abs(cubic) > 1e-12
         turns = knots[:-1] + np.where(bent, -square / np.where(bent, 3.0 * cubic, 1.0), 0.0)
         turns = turns[(turns > knots[:-1]) & (turns < knots[1:])]

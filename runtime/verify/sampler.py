@@ -16,8 +16,8 @@ from ..plan import Plan
 from .geometry import Array, Frames, frames
 from .happenings import Happenings
 from .kinematics import Kinematics, Motion
+from .splines import Spline
 
-Curve = Callable[[Array], Array]
 IDENTITY = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 
 
@@ -37,22 +37,19 @@ class Sampler:
         self, problem: ir.Problem, plan: Plan, motion: Motion, kinematics: Mapping[str, Kinematics],
         happenings: Happenings,
     ) -> None:  # fmt: skip
-        from scipy.interpolate import CubicSpline
-
-        self._spline = CubicSpline
         self._motion = motion
         self._world = problem.world
         self._happenings = happenings
         self._kinematics = kinematics
-        self._joints: dict[tuple[str, int], Curve] = {
-            (s.module, s.phase): CubicSpline(s.knots, np.asarray(s.values), bc_type="clamped")
+        self._joints: dict[tuple[str, int], Spline] = {
+            (s.module, s.phase): Spline(s.knots, s.values, clamped=True)
             for s in plan.splines
             if kinematics[s.module].module.joints
         }
         self._knots = [
             max((len(s.knots) for s in plan.splines if s.phase == p), default=0) for p in range(len(plan.phases))
         ]
-        self._carried: dict[tuple[str, int], tuple[str, Curve]] = {}
+        self._carried: dict[tuple[str, int], tuple[str, Spline]] = {}
 
     def grid(self, phase: int, looks: int) -> Array:
         """The stored times of a phase, with each interval cut so that at least `looks` fall on every knot interval of
@@ -109,7 +106,7 @@ class Sampler:
             stored = self._stored(thing, frame, phase)
             rows = np.hstack([stored.position, stored.rotation.reshape(-1, 9)])
             knots = self._motion.times[first : last + 1]
-            self._carried[key] = (frame, self._spline(knots, rows))
+            self._carried[key] = (frame, Spline(knots, rows, clamped=False))
         curve = self._carried[key][1]
         carrier = self._happenings.carrier[phase].get(thing)
 

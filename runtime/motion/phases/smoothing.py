@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...budget import Budget
 from ...skeleton import Array
+from ..banded import factored, solved
 from .batch import Batch
 from .kinematics import Indices
 from .penalty import Penalty, penalty
@@ -78,18 +79,15 @@ class _Normal:
 
     def step(self, hessian: Array, gradient: Array, damping: Array) -> Array:
         """The damped Newton step of every phase; they do not couple, so one banded factorisation treats them all."""
-        from scipy.linalg import lapack
-
         phases = len(hessian)
         band = np.broadcast_to(self.band, (phases, *self.band.shape)).copy()
         band[:, :, self.column, self.row - self.column] += hessian[:, :, self.row, self.column]
         band[:, :, :, 0] += damping[:, None, None]
         width = 2 * self.joints + 1
-        factor, failed = lapack.dpbtrf(band.reshape(-1, width).T, lower=1, overwrite_ab=1)
-        if failed:
+        factor = factored(band.reshape(-1, width))
+        if factor is None:
             return np.zeros_like(gradient)
-        step, _ = lapack.dpbtrs(factor, -gradient.reshape(-1), lower=1)
-        return np.asarray(step).reshape(gradient.shape)
+        return solved(factor, -gradient.reshape(-1)).reshape(gradient.shape)
 
 
 @dataclass(slots=True)

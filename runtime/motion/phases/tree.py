@@ -17,6 +17,7 @@ import numpy as np
 from ....compiler.ir import Function, ModuleType, Problem, Shape, Var, Vec3
 from ....compiler.motion.collision import keeps_pose, pose_matrix
 from ...skeleton import Array, Configuration, Phase
+from ...transforms import quaternions
 
 STILL = 1e-6
 """A robot whose joint values differ by less between two switches stays still."""
@@ -71,11 +72,7 @@ class PhaseTree:
 
 def pose_vector(matrix: Array) -> Array:
     """The pose `(7,)`, or poses `(…, 7)`, of homogeneous matrices; quaternions have w >= 0."""
-    from scipy.spatial.transform import Rotation
-
-    rotations = Rotation.from_matrix(matrix[..., :3, :3].reshape(-1, 3, 3))
-    quaternions = rotations.as_quat(canonical=True).reshape(*matrix.shape[:-2], 4)
-    return np.concatenate([matrix[..., :3, 3], quaternions], axis=-1)
+    return np.concatenate([matrix[..., :3, 3], quaternions(matrix[..., :3, :3])], axis=-1)
 
 
 def inverse(matrix: Array) -> Array:
