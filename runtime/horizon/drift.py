@@ -8,7 +8,7 @@ import numpy as np
 
 from ...compiler import ir
 from ...compiler.hulls import hull
-from ...compiler.motion.collision import CHECK_MARGIN, Sphere, module_spheres, pair
+from ...compiler.motion.collision import CHECK_MARGIN, module_spheres, pair
 from ..motion.movement import carrier
 from ..resampling import kept_pairs
 from ..skeleton import Array, Configuration, Phase, PhasePath
@@ -38,23 +38,39 @@ def deepest(
     for module in problem.world.modules.values():
         if not len(module.type.joints) or not (everyone or np.ptp(joints[module.name], axis=0).any()):
             continue
-        frames = joint_frames(module.type.joints, poses[module.name], joints[module.name])
-        spheres = module_spheres(module.type, CHECK_MARGIN)
-        centres = np.array([_centres(frames, sphere) for sphere in spheres])
-        radii = np.array([sphere.radius for sphere in spheres])[:, None]
+        cover = _cover(module, poses[module.name], joints[module.name])
         for body in problem.world.bodies.values():
-            if pair(module.name, body.name) in kept:
-                continue
-            rows = np.broadcast_to(poses[body.name], (LOOKS, 7))
-            local = rotate(inverse(rows)[None, :, 3:], centres - rows[None, :, :3])
-            worst = max(worst, float((radii - signed_distance(body.shape, local)).max()))
+            if pair(module.name, body.name) not in kept:
+                worst = max(worst, -float(_distances(cover, body, poses[body.name]).min()))
     return worst
 
 
-def _centres(frames: list[Array], sphere: Sphere) -> Array:
-    """Centres `(T, 3)` of a sphere of a module, in the world."""
-    placed = compose(frames[sphere.joint + 1], np.array([*sphere.centre, 0.0, 0.0, 0.0, 1.0]))
-    return placed[:, :3]
+def clearances(world: ir.World, configuration: Configuration) -> dict[tuple[str, str], float]:
+    """The distance in metres of every module, covered by spheres, from every body."""
+    found = {}
+    for module in world.modules.values():
+        state = configuration.modules[module.name][None, :]
+        cover = _cover(module, state[:, :7], state[:, 7:])
+        for body in world.bodies.values():
+            rows = configuration.bodies[body.name][None, :]
+            found[module.name, body.name] = float(_distances(cover, body, rows).min(initial=np.inf))
+    return found
+
+
+def _cover(module: ir.Module, poses: Array, joints: Array) -> tuple[Array, Array]:
+    """Centres `(n, T, 3)` in the world, and radii `(n, 1)`, of the spheres of a module along a motion."""
+    frames = joint_frames(module.type.joints, poses, joints)
+    spheres = module_spheres(module.type, CHECK_MARGIN)
+    centres = [compose(frames[s.joint + 1], np.array([*s.centre, 0.0, 0.0, 0.0, 1.0]))[:, :3] for s in spheres]
+    return np.array(centres), np.array([sphere.radius for sphere in spheres])[:, None]
+
+
+def _distances(cover: tuple[Array, Array], body: ir.Body, poses: Array) -> Array:
+    """The distances `(n, T)` of the spheres of a cover from a body at `poses`, `(T, 7)` or `(1, 7)`."""
+    centres, radii = cover
+    rows = np.broadcast_to(poses, (centres.shape[1], 7))
+    local = rotate(inverse(rows)[None, :, 3:], centres - rows[None, :, :3])
+    return np.asarray(signed_distance(body.shape, local) - radii)
 
 
 def signed_distance(shape: ir.Shape, points: Array) -> Array:

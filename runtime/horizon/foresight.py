@@ -13,13 +13,14 @@ from dataclasses import replace
 import numpy as np
 
 from ...compiler import ir
-from ...compiler.motion.collision import bounding_radius, reach
+from ...compiler.motion.collision import Pair, bounding_radius, pair, reach
 from ...compiler.poses import joint_frames
 from ...compiler.scenes.touching import touching
 from ..motion.movement import carrier
 from ..resampling import kept_pairs
 from ..skeleton import Array, Configuration, Skeleton
 from ..transforms import compose, inverse, rotate
+from .drift import clearances
 from .state import Reached, placed, reached_problem
 from .world import carried
 
@@ -27,6 +28,8 @@ SAME = 1e-4
 """Metres that make no difference."""
 AWAY = 2e-3
 """Metres by which such a body is put away from the end, as it may come after it."""
+TOO_NEAR = 0.01
+"""Metres between a module and a body at the start of a phase at which no path may be found."""
 LET_GO = 0.01
 """A body that is nearer to an end, metres, has just been let go."""
 
@@ -53,10 +56,35 @@ def foreseen_problem(
         shift = compose(modules[module][:7], inverse(now.modules[module][:7]))
         bodies[body] = compose(shift, now.bodies[body])
         bodies[body][:3] += AWAY * _outward(problem, end, modules[module])
-    for body, module in passed.items():
-        shift = compose(modules[module][:7], inverse(now.modules[module][:7]))
-        bodies[body] = compose(shift, now.bodies[body])
-    return reached_problem(problem, replace(reached, configuration=Configuration(modules, bodies)))
+    let_go = {body for _, body in touched(problem, reached, met)}
+    then = Configuration(modules, bodies)
+    coming = _coming(problem, reached, then)
+    for body, module in {**coming, **passed}.items():
+        if body not in let_go | met:
+            shift = compose(modules[module][:7], inverse(now.modules[module][:7]))
+            bodies[body] = compose(shift, now.bodies[body])
+    begun = reached_problem(problem, replace(reached, configuration=then))
+    return replace(begun, touching=begun.touching | _close(begun, then))
+
+
+def _coming(problem: ir.Problem, reached: Reached, then: Configuration) -> dict[str, str]:
+    """Bodies that will have come too near to a module that does not move, and the module: it has to leave before."""
+    kept = {name for ends in kept_pairs(problem, reached.mode) for name in ends}
+    now = clearances(problem.world, reached.configuration)
+    found: dict[str, str] = {}
+    for (module, body), distance in sorted(clearances(problem.world, then).items(), key=lambda item: item[1]):
+        comes = distance < min(TOO_NEAR, now[module, body] - SAME)
+        if comes and body not in kept and not problem.world.bodies[body].movable:
+            found.setdefault(body, module)
+    return found
+
+
+def _close(problem: ir.Problem, configuration: Configuration) -> frozenset[Pair]:
+    """Modules with the bodies that they are not kept to and that are nearer than is asked for along a path, so that
+    they may be so when it starts."""
+    kept = {name for ends in kept_pairs(problem, problem.init_motion) for name in ends}
+    near = {names for names, distance in clearances(problem.world, configuration).items() if distance < TOO_NEAR}
+    return frozenset(pair(module, body) for module, body in near if body not in kept)
 
 
 def _outward(problem: ir.Problem, end: str, state: Array) -> Array:
@@ -78,7 +106,7 @@ def displaced(problem: ir.Problem, reached: Reached, expected: Mapping[str, Arra
 
 def touched(problem: ir.Problem, reached: Reached, met: frozenset[str]) -> list[tuple[str, str]]:
     """Ends with the bodies that they touch without being kept there; bodies that keep anything are left out."""
-    kept = {name for pair in kept_pairs(problem, reached.mode) for name in pair}
+    kept = {name for ends in kept_pairs(problem, reached.mode) for name in ends}
     found = {}
     for a, b in sorted(touching(placed(problem.world, reached.configuration), LET_GO)):
         for end, body in ((a, b), (b, a)):

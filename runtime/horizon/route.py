@@ -12,7 +12,7 @@ from ..budget import Budget, OutOfTime
 from ..lgp import SolveOptions
 from ..resampling import kept_pairs
 from ..skeleton import Array, Phase, PhasePath
-from .drift import LOOKS, deepest
+from .drift import LOOKS, clearances, deepest
 from .failures import Failures
 from .foresight import displaced, foreseen_problem
 from .lookout import Lookout
@@ -31,7 +31,11 @@ WIDER = 0.01
 """Metres by which margins grow for a phase that would get into what moves."""
 DEEP = 8e-4
 """Metres that a phase may be in something, as when it leaves what rises."""
-LONGEST_SEARCH = 10.0
+PRESSED = 2e-4
+"""The same for a robot at rest, which what changes its way may press further before it is noticed."""
+AROUND = 0.1
+"""Metres from a robot at rest within which bodies are looked out for."""
+LONGEST_SEARCH = 30.0
 """Seconds that the search for another way may take in mid-run."""
 
 
@@ -113,7 +117,7 @@ class Route:
                 passed = {body: module for body, module in passed.items() if body not in elsewhere}
             elif window.paths[0].duration > seconds:
                 seconds = ROOM * window.paths[0].duration
-            elif self._meets(world, first, in_time(window.paths[0], seconds), poses):
+            elif self._deepest(world, first, in_time(window.paths[0], seconds), poses) > DEEP:
                 wider += WIDER
             else:
                 self._seconds[first.action.rule] = ROOM * window.paths[0].duration
@@ -128,18 +132,23 @@ class Route:
         return {b: m for b, m in blamed if b not in passed and b not in kept and not bodies[b].movable}
 
     def may_wait(self, world: World, phase: Phase, path: PhasePath) -> bool:
-        """Whether nothing that moves gets into a robot while it rests."""
-        return not self._meets(world, phase, path, self.lookout.look(world), everyone=True)
+        """Whether nothing that moves presses upon a robot while it rests."""
+        return self._deepest(world, phase, path, self.lookout.look(world), everyone=True) <= PRESSED
 
-    def _meets(
+    def near(self, world: World) -> frozenset[str]:
+        """The bodies on courses that a robot at rest has to look out for."""
+        found = clearances(self.problem.world, world.reached.configuration).items()
+        return frozenset(body for (_, body), distance in found if distance < AROUND and body in world.on_course)
+
+    def _deepest(
         self, world: World, phase: Phase, path: PhasePath, poses: Mapping[str, Array], everyone: bool = False
-    ) -> bool:
-        """Whether a phase gets into something while bodies move on as they seem to."""
+    ) -> float:
+        """How deep a phase gets into something, metres, while bodies move on as they seem to."""
         times = np.linspace(0.0, path.duration, LOOKS)
         foreseen = self.lookout.sensing.foreseen
         own = {body: np.array([foreseen(body, pose, float(t)) for t in times]) for body, pose in poses.items()}
         whole = self.failures.whole(path, world.reached.configuration)
-        return deepest(self.problem, world.reached.configuration, phase, whole, own, everyone) > DEEP
+        return deepest(self.problem, world.reached.configuration, phase, whole, own, everyone)
 
     def _known(self, problem: ir.Problem, wider: float) -> Window | None:
         return self.planner.known_way(problem, self.way, self.horizon, self._moving(), wider, self.budget)

@@ -182,10 +182,20 @@ class Run:
             self._waits += 1
             if not self._route.may_wait(self.world, phase, path):
                 return False
+            path = waiting(self.world.reached.configuration, self._calm(WAIT))
         else:
             return False
         self._perform(phase, path, completed=False)
         return True
+
+    def _calm(self, seconds: float) -> float:
+        """How long a robot that rests may do so before something near is not where it was expected."""
+        near = self._route.near(self.world)
+        for look in np.arange(1, int(np.ceil(seconds / PERIOD))) * PERIOD:
+            self._lookout.look(self.world, self.world.time + float(look))
+            if self._lookout.surprise(near, frozenset(), self.world.time + float(look)) is not None:
+                return float(look)
+        return seconds
 
     # --- carrying out --------------------------------------------------------------------------------------------
 
