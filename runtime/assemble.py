@@ -6,6 +6,7 @@ import hashlib
 import importlib.metadata
 import platform
 from collections.abc import Mapping, Sequence
+from typing import Protocol
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from ..compiler.printing_terms import format_formula
 from ..langs.source import Span
 from . import plan as record
 from .resampling import Resampled, resample
-from .skeleton import PhasePath, Skeleton, start_configuration
+from .skeleton import Array, Phase, PhasePath, Skeleton, start_configuration
 from .verify.findings import place_of
 from .verify.formulas import ReplayError
 from .verify.replay import Interpreter
@@ -24,7 +25,23 @@ FACTOR = 5
 """Samples of the plan file per sample of the planner."""
 DIGITS = 10
 """Decimals of metres, radians and seconds in the file."""
+Places = Mapping[ir.Fact, Span | None]
+"""Where literals are written."""
 PACKAGES = ("numpy", "casadi", "pin", "coal", "scipy")
+
+
+class Motion(Protocol):
+    """One phase as it moves: `times` `(T,)` since the start, per module poses `(T, 7)` and joints `(T, n)`, per moving
+    body poses `(T, 7)`."""
+
+    @property
+    def times(self) -> Array: ...
+    @property
+    def poses(self) -> dict[str, Array]: ...
+    @property
+    def joints(self) -> dict[str, Array]: ...
+    @property
+    def bodies(self) -> dict[str, Array]: ...
 
 
 def assemble(
@@ -37,25 +54,34 @@ def assemble(
     """The plan file of a solved skeleton: one path per action. Raises MissingLibrary."""
     motions = _resampled(problem, skeleton, paths)
     phases = _phases(problem, actions, skeleton, motions)
-    start = start_configuration(problem)
-    moving = [b for b in problem.world.bodies if any(b in m.bodies for m in motions)]
+    final_mode = literal_records(problem, skeleton.final_mode, {})
+    return plan_of(problem, motions, paths, phases, final_mode, statistics)
+
+
+def plan_of(
+    problem: ir.Problem, motions: Sequence[Motion], paths: Sequence[PhasePath],
+    phases: list[record.PhaseRecord], final_mode: list[record.LiteralRecord], statistics: record.StatisticsRecord,
+) -> record.Plan:  # fmt: skip
+    """The plan file of phases with their motions, one after the other; `paths` hold the knots of the splines."""
+    world = problem.world
+    moving = [b for b in world.bodies.values() if any(b.name in m.bodies for m in motions)]
     return record.Plan(
         format=record.FORMAT,
-        versions=versions(),
-        task=task_record(problem),
-        modules=[module_record(m) for m in problem.world.modules.values()],
-        bodies=[body_record(b) for b in problem.world.bodies.values()],
+        versions=_versions(),
+        task=_task_record(problem),
+        modules=[module_record(m) for m in world.modules.values()],
+        bodies=[_body_record(b) for b in world.bodies.values()],
         phases=phases,
-        final_mode=literal_records(problem, skeleton.final_mode, {}),
-        times=rounded_row(np.concatenate([m.times for m in motions])) if motions else [0.0],
-        tracks=[_track(m, motions) for m in problem.world.modules.values()],
-        body_tracks=[_body_track(b, start.bodies[b], motions) for b in moving],
-        splines=_splines(skeleton, paths),
+        final_mode=final_mode,
+        times=_rounded_row(np.concatenate([m.times for m in motions])) if motions else [0.0],
+        tracks=[_track(m, motions) for m in world.modules.values()],
+        body_tracks=[_body_track(b, motions) for b in moving],
+        splines=_splines(world, motions, paths),
         statistics=statistics,
     )
 
 
-def versions() -> dict[str, str]:
+def _versions() -> dict[str, str]:
     """What made the plan: tamplang, Python and the libraries that are installed."""
     found = {"tamplang": __version__, "python": platform.python_version()}
     for package in PACKAGES:
@@ -78,51 +104,48 @@ def _resampled(problem: ir.Problem, skeleton: Skeleton, paths: Sequence[PhasePat
     return result
 
 
-def rounded_row(values: np.typing.NDArray[np.float64]) -> list[float]:
+def _rounded_row(values: np.typing.NDArray[np.float64]) -> list[float]:
     rounded: list[float] = np.round(values, DIGITS).tolist()
     return rounded
 
 
-def rounded_rows(values: np.typing.NDArray[np.float64]) -> list[list[float]]:
+def _rounded_rows(values: np.typing.NDArray[np.float64]) -> list[list[float]]:
     rounded: list[list[float]] = np.round(values, DIGITS).tolist()
     return rounded
 
 
-def _track(module: ir.Module, motions: Sequence[Resampled]) -> record.TrackRecord:
+def _track(module: ir.Module, motions: Sequence[Motion]) -> record.TrackRecord:
     poses = [m.poses[module.name] for m in motions] or [np.array([module.pose])]
     joints = [m.joints[module.name] for m in motions] or [np.array([module.joints])]
-    return record.TrackRecord(module.name, rounded_rows(np.vstack(poses)), rounded_rows(np.vstack(joints)))
+    return record.TrackRecord(module.name, _rounded_rows(np.vstack(poses)), _rounded_rows(np.vstack(joints)))
 
 
-def _body_track(
-    name: str, pose: np.typing.NDArray[np.float64], motions: Sequence[Resampled]
-) -> record.BodyTrackRecord:
+def _body_track(body: ir.Body, motions: Sequence[Motion]) -> record.BodyTrackRecord:
     """A body rests, between the phases that move it, where the last of them left it."""
-    rows = []
+    pose, rows = np.array(body.pose), []
     for motion in motions:
-        poses = motion.bodies.get(name)
+        poses = motion.bodies.get(body.name)
         if poses is None:
             poses = np.broadcast_to(pose, (len(motion.times), 7))
         rows.append(poses)
         pose = poses[-1]
-    return record.BodyTrackRecord(name, rounded_rows(np.vstack(rows)))
+    return record.BodyTrackRecord(body.name, _rounded_rows(np.vstack(rows)))
 
 
-def _splines(skeleton: Skeleton, paths: Sequence[PhasePath]) -> list[record.SplineRecord]:
-    begin, result = 0.0, []
-    for index, path in enumerate(paths):
-        for name in skeleton.problem.world.modules:
+def _splines(world: ir.World, motions: Sequence[Motion], paths: Sequence[PhasePath]) -> list[record.SplineRecord]:
+    result = []
+    for index, (motion, path) in enumerate(zip(motions, paths, strict=True)):
+        for name in world.modules:
             values = path.modules[name][:, 7:]
-            knots = begin + np.linspace(0.0, path.duration, len(values))
-            result.append(record.SplineRecord(name, index, rounded_row(knots), rounded_rows(values)))
-        begin += path.duration
+            knots = np.linspace(motion.times[0], motion.times[-1], len(values))
+            result.append(record.SplineRecord(name, index, _rounded_row(knots), _rounded_rows(values)))
     return result
 
 
 # --- the task ----------------------------------------------------------------------------------------------------
 
 
-def task_record(problem: ir.Problem) -> record.TaskRecord:
+def _task_record(problem: ir.Problem) -> record.TaskRecord:
     sources = [
         record.SourceRecord(s.path, s.text, hashlib.sha256(s.text.encode()).hexdigest()) for s in problem.sources
     ]
@@ -158,7 +181,7 @@ def module_record(module: ir.Module) -> record.ModuleRecord:
     )
 
 
-def body_record(body: ir.Body) -> record.BodyRecord:
+def _body_record(body: ir.Body) -> record.BodyRecord:
     return record.BodyRecord(body.name, body.type, _shape(body.shape), list(body.pose), body.movable)
 
 
@@ -183,26 +206,35 @@ def _phases(
         else:
             after, mode = outcome.facts, outcome.motion
             places.update(outcome.places)
-        rule = problem.rules.get(action.rule)
-        result.append(
-            record.PhaseRecord(
-                action=str(action),
-                rule=action.rule,
-                args=[str(a) for a in action.args],
-                place=place_of(rule.span) if rule else None,
-                start=round(float(motion.times[0]), DIGITS),
-                end=round(float(motion.times[-1]), DIGITS),
-                literals=literal_records(problem, shown, before),
-                mode=literal_records(problem, phase.mode, before),
-                added=literal_records(problem, phase.added, places),
-            )
-        )
+        result.append(phase_record(problem, phase, motion, shown, before, places))
         facts, previous = after, action
     return result
 
 
+def phase_record(
+    problem: ir.Problem, phase: Phase, motion: Motion, facts: frozenset[ir.Fact], before: Places, after: Places,
+    completed: bool = True,
+) -> record.PhaseRecord:  # fmt: skip
+    """A phase as the plan file holds it. `before` and `after` tell where the literals that hold during it and those
+    that it adds are written."""
+    action = phase.action
+    rule = problem.rules.get(action.rule)
+    return record.PhaseRecord(
+        action=str(action),
+        rule=action.rule,
+        args=[str(a) for a in action.args],
+        place=place_of(rule.span) if rule else None,
+        start=round(float(motion.times[0]), DIGITS),
+        end=round(float(motion.times[-1]), DIGITS),
+        literals=literal_records(problem, facts, before),
+        mode=literal_records(problem, phase.mode, before),
+        added=literal_records(problem, phase.added, after),
+        completed=completed,
+    )
+
+
 def literal_records(
-    problem: ir.Problem, facts: frozenset[ir.Fact], places: Mapping[ir.Fact, Span | None]
+    problem: ir.Problem, facts: frozenset[ir.Fact], places: Places
 ) -> list[record.LiteralRecord]:
     """Literals in alphabetical order, each with the effect that added it, or else its declaration, as its place."""
     result = []

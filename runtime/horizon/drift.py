@@ -8,11 +8,11 @@ import numpy as np
 
 from ...compiler import ir
 from ...compiler.hulls import hull
-from ...compiler.motion.collision import CHECK_MARGIN, module_spheres, pair
+from ...compiler.motion.collision import CHECK_MARGIN, bounding_radius, module_spheres, pair
 from ..motion.movement import carrier
 from ..resampling import kept_pairs
 from ..skeleton import Array, Configuration, Phase, PhasePath
-from ..transforms import compose, inverse, joint_frames, rotate
+from ..transforms import inverse, joint_frames, rotate
 from .world import carried, spline_values
 
 LOOKS = 25
@@ -45,15 +45,19 @@ def deepest(
     return worst
 
 
-def clearances(world: ir.World, configuration: Configuration) -> dict[tuple[str, str], float]:
-    """The distance in metres of every module, covered by spheres, from every body."""
+def clearances(world: ir.World, configuration: Configuration, within: float) -> dict[tuple[str, str], float]:
+    """The distances in metres of modules, covered by spheres, from bodies that are nearer than `within`."""
     found = {}
     for module in world.modules.values():
         state = configuration.modules[module.name][None, :]
         cover = _cover(module, state[:, :7], state[:, 7:])
         for body in world.bodies.values():
             rows = configuration.bodies[body.name][None, :]
-            found[module.name, body.name] = float(_distances(cover, body, rows).min(initial=np.inf))
+            apart = np.linalg.norm(cover[0][:, 0] - rows[:, :3], axis=1) - cover[1][:, 0]
+            if apart.min(initial=np.inf) < bounding_radius(body.shape) + within:
+                distance = float(_distances(cover, body, rows).min())
+                if distance < within:
+                    found[module.name, body.name] = distance
     return found
 
 
@@ -61,8 +65,12 @@ def _cover(module: ir.Module, poses: Array, joints: Array) -> tuple[Array, Array
     """Centres `(n, T, 3)` in the world, and radii `(n, 1)`, of the spheres of a module along a motion."""
     frames = joint_frames(module.type.joints, poses, joints)
     spheres = module_spheres(module.type, CHECK_MARGIN)
-    centres = [compose(frames[s.joint + 1], np.array([*s.centre, 0.0, 0.0, 0.0, 1.0]))[:, :3] for s in spheres]
-    return np.array(centres), np.array([sphere.radius for sphere in spheres])[:, None]
+    centres = np.zeros((len(spheres), len(poses), 3))
+    for joint in {s.joint for s in spheres}:
+        mine = [k for k, s in enumerate(spheres) if s.joint == joint]
+        frame = frames[joint + 1]
+        centres[mine] = frame[:, :3] + rotate(frame[None, :, 3:], np.array([spheres[k].centre for k in mine])[:, None])
+    return centres, np.array([sphere.radius for sphere in spheres])[:, None]
 
 
 def _distances(cover: tuple[Array, Array], body: ir.Body, poses: Array) -> Array:

@@ -70,10 +70,11 @@ def foreseen_problem(
 def _coming(problem: ir.Problem, reached: Reached, then: Configuration) -> dict[str, str]:
     """Bodies that will have come too near to a module that does not move, and the module: it has to leave before."""
     kept = {name for ends in kept_pairs(problem, reached.mode) for name in ends}
-    now = clearances(problem.world, reached.configuration)
+    now = clearances(problem.world, reached.configuration, TOO_NEAR)
+    near = clearances(problem.world, then, TOO_NEAR).items()
     found: dict[str, str] = {}
-    for (module, body), distance in sorted(clearances(problem.world, then).items(), key=lambda item: item[1]):
-        comes = distance < min(TOO_NEAR, now[module, body] - SAME)
+    for (module, body), distance in sorted(near, key=lambda item: item[1]):
+        comes = distance < now.get((module, body), TOO_NEAR) - SAME
         if comes and body not in kept and not problem.world.bodies[body].movable:
             found.setdefault(body, module)
     return found
@@ -83,7 +84,7 @@ def _close(problem: ir.Problem, configuration: Configuration) -> frozenset[Pair]
     """Modules with the bodies that they are not kept to and that are nearer than is asked for along a path, so that
     they may be so when it starts."""
     kept = {name for ends in kept_pairs(problem, problem.init_motion) for name in ends}
-    near = {names for names, distance in clearances(problem.world, configuration).items() if distance < TOO_NEAR}
+    near = clearances(problem.world, configuration, TOO_NEAR)
     return frozenset(pair(module, body) for module, body in near if body not in kept)
 
 

@@ -137,8 +137,8 @@ class Route:
 
     def near(self, world: World) -> frozenset[str]:
         """The bodies on courses that a robot at rest has to look out for."""
-        found = clearances(self.problem.world, world.reached.configuration).items()
-        return frozenset(body for (_, body), distance in found if distance < AROUND and body in world.on_course)
+        found = clearances(self.problem.world, world.reached.configuration, AROUND)
+        return frozenset(body for _, body in found if body in world.on_course)
 
     def _deepest(
         self, world: World, phase: Phase, path: PhasePath, poses: Mapping[str, Array], everyone: bool = False
