@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import lru_cache
 
 from lark import Tree, UnexpectedInput
 
@@ -16,6 +17,7 @@ from .grammar_loader import parser
 from .source import Source, Span
 
 
+@lru_cache(maxsize=32)
 def parse(source: Source) -> tuple[syntax.File, tuple[Diagnostic, ...]]:
     """The tree of `source`, and all that is wrong with its syntax, in source order.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import gc
 import signal
 import sys
 from collections.abc import Sequence
@@ -18,12 +19,17 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """What a disk says that takes no more; for standard output nothing can find it out beforehand."""
 
 
+COLLECTED = (20_000, 20, 20)
+"""How much is made before Python looks for cycles of garbage: a solve makes many objects and few cycles."""
+
+
 def main() -> None:
     """Entry point of the console script: runs the command line and ends the process with its exit status."""
     # A reader that closes the pipe, such as `head`, ends the process without a word, as it does other Unix commands.
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     sys.excepthook = report_crash
     use_one_thread()
+    gc.set_threshold(*COLLECTED)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # for terminals that cannot show every character
