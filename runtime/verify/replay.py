@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 from ...compiler import ir
@@ -228,8 +229,8 @@ class Story:
 def replay(problem: ir.Problem, plan: Plan, findings: Findings, measured: Motion | None = None) -> Story:
     """Carry out every action of the plan by the rules; compare conditions, stored literals and goal.
 
-    Conditions measure the scene at the start. Those of a run, which is planned on the way, may do so in the scene as
-    `measured` has it when the window of the phase starts, or the phase starts or ends.
+    Conditions measure the scene at the start; those of a run, which is planned on the way, measure it as `measured`
+    has it when the window of the phase starts, or as its planner foresaw it, when the phase ends.
     """
     interpreter, left = Interpreter(problem), frozenset[str]()
     facts, motion = problem.init, interpreter.canonical(problem.init_motion)
@@ -250,7 +251,8 @@ def replay(problem: ir.Problem, plan: Plan, findings: Findings, measured: Motion
                 added.append(frozenset())
                 _broken_off(index, phase, findings)
                 continue
-            outcome = _applied(interpreter, plan, measured, index, facts, motion, action, previous)
+            scenes = _scenes(interpreter, plan, measured, index)
+            outcome = _applied(scenes, facts, motion, action, previous)
         except ReplayError as error:
             place = place_of(error.place) if isinstance(error, Inapplicable) else phase.place
             findings.fail("action", f"phase {index + 1}, {phase.action}: {error}", time=phase.end, place=place)
@@ -283,24 +285,30 @@ def _broken_off(index: int, phase: PhaseRecord, findings: Findings) -> None:
         findings.fail("literals", f"phase {index + 1} was broken off, but adds literals", time=phase.end)
 
 
+def _scenes(
+    interpreter: Interpreter, plan: Plan, measured: Motion | None, index: int
+) -> Iterator[Interpreter]:
+    """The scenes in which the condition of an action may hold: that at the start, or, in a run, which is planned on
+    the way, that in which the window of the phase starts, and that in which the phase ends."""
+    planned = max((w.phase for w in plan.windows if 0 <= w.phase <= index), default=0)
+    if measured is None or planned == 0:
+        yield interpreter
+    if measured is not None and plan.windows:
+        samples = [measured.ranges[planned][0]] if planned else []
+        for sample in (*samples, measured.ranges[index][1]):
+            yield Interpreter(scene_at(interpreter.problem, measured, sample))
+
+
 def _applied(
-    interpreter: Interpreter, plan: Plan, measured: Motion | None, index: int, facts: Facts, motion: Facts,
-    action: ir.Action, previous: ir.Action | None,
-) -> Outcome:  # fmt: skip
-    """The outcome of an action. Raises Inapplicable, ReplayError."""
+    scenes: Iterator[Interpreter], facts: Facts, motion: Facts, action: ir.Action, previous: ir.Action | None
+) -> Outcome:
+    """The outcome of an action whose condition holds in one of some scenes. Raises Inapplicable, ReplayError."""
     try:
-        return interpreter.apply(facts, motion, action, previous)
+        return next(scenes).apply(facts, motion, action, previous)
     except Inapplicable:
-        if measured is None or not plan.windows:
-            raise
-        planned = max((w.phase for w in plan.windows if 0 <= w.phase <= index), default=index)
-        for sample in (measured.ranges[planned][0], *measured.ranges[index]):
-            try:
-                return Interpreter(scene_at(interpreter.problem, measured, sample)).apply(
-                    facts, motion, action, previous
-                )
-            except Inapplicable:
-                continue
+        for scene in scenes:
+            with suppress(Inapplicable):
+                return scene.apply(facts, motion, action, previous)
         raise
 
 
