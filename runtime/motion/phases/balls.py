@@ -15,11 +15,13 @@ from ....compiler.motion.collision import ON_AXIS, PATH_MARGIN, Sphere, body_sph
 from ...skeleton import Array
 from .tree import Mount, Obstacle, PhaseTree
 
+Indices = NDArray[np.intp]
+
 
 @dataclass(frozen=True, slots=True)
 class Ball:
-    """A sphere fixed to a node; `owner` is its module or body, `tag` the effector or body that contacts name. An
-    `exact` one is a whole shape, no part of a cover."""
+    """A sphere fixed to a node; `owner` is its module or body, `tag` the effector or body that contacts name, `part`
+    the shape of its owner that it covers. An `exact` one is a whole shape, no part of a cover."""
 
     node: int
     centre: tuple[float, float, float]
@@ -27,6 +29,7 @@ class Ball:
     owner: str
     tag: str | None
     exact: bool
+    part: int = 0
 
 
 class Lineage:
@@ -116,7 +119,7 @@ def moving_balls(tree: PhaseTree, world: World, margin: float) -> tuple[Ball, ..
             at, centre = hoist(tree, node, point) if maybe else (node, point)
             x, y, z = centre.tolist()
             tag = owner if owner in tree.bodies else f"{owner}.{sphere.effector}" if sphere.effector else None
-            yield Ball(at, (x, y, z), sphere.radius, owner, tag, sphere.exact)
+            yield Ball(at, (x, y, z), sphere.radius, owner, tag, sphere.exact, sphere.part)
 
     found: list[Ball] = []
     for module, links in tree.links.items():
@@ -127,26 +130,54 @@ def moving_balls(tree: PhaseTree, world: World, margin: float) -> tuple[Ball, ..
     return tuple(found)
 
 
-def meeting_pairs(lineage: Lineage, balls: tuple[Ball, ...], bodies: bool) -> tuple[tuple[int, int], ...]:
-    """Pairs of spheres of a phase that can meet: of two robots, all; of one robot, those whose distance two joints
-    change (one, when a body is carried there), far enough apart along the joints. Without `bodies`, spheres of
-    carried bodies are left out."""
-    tree = lineage.tree
-    if not balls:
-        return ()
-    above = lineage.above[[b.node + 1 for b in balls]]
-    still = lineage.held_still(balls)
-    owners, owner = np.unique([b.owner for b in balls], return_inverse=True)
-    features = np.column_stack([above, still, owner, [b.node < 0 for b in balls]])
-    kinds, kind = np.unique(features, axis=0, return_inverse=True)
-    carried = np.array([owners[k] in tree.bodies for k in kinds[:, -2]])
-    first, second = np.nonzero(_may_meet(kinds, carried, len(tree.parents), bodies)[kind[:, None], kind[None]])
-    first, second = first[first < second], second[first < second]
-    radius = np.array([b.radius for b in balls])
-    touch = radius[first] + radius[second] + PATH_MARGIN
-    far = lineage.lengths_between(balls, first, second) >= 2 * touch
-    kept = ~_one_robot(kinds, len(tree.parents))[kind[first], kind[second]] | far
-    return tuple(zip(first[kept].tolist(), second[kept].tolist(), strict=True))
+class Meetings:
+    """Which spheres of a phase can meet: of two robots, all; of one robot, those whose distance two joints change (one,
+    when a body is carried there), far enough apart along the joints. Without `bodies`, spheres of carried bodies meet
+    nothing."""
+
+    def __init__(self, lineage: Lineage, balls: tuple[Ball, ...], bodies: bool) -> None:
+        self._lineage, self._balls = lineage, balls
+        joints = len(lineage.tree.parents)
+        if not balls:
+            return
+        above = lineage.above[[b.node + 1 for b in balls]]
+        owners, owner = np.unique([b.owner for b in balls], return_inverse=True)
+        fixed = [b.node < 0 for b in balls]
+        features = np.column_stack([above, lineage.held_still(balls), owner, fixed])
+        kinds, self._kind = np.unique(features, axis=0, return_inverse=True)
+        carried = np.array([owners[k] in lineage.tree.bodies for k in kinds[:, -2]])
+        self._may = _may_meet(kinds, carried, joints, bodies)
+        self._one_robot = _one_robot(kinds, joints)
+        self._radius = np.array([b.radius for b in balls])
+
+    def meet(self, first: Indices, second: Indices) -> NDArray[np.bool_]:
+        """Whether pairs of spheres, given by their indices `(m,)`, can meet."""
+        result: NDArray[np.bool_] = self._may[self._kind[first], self._kind[second]]
+        near = np.flatnonzero(result & self._one_robot[self._kind[first], self._kind[second]])
+        first, second = first[near], second[near]
+        touch = self._radius[first] + self._radius[second] + PATH_MARGIN
+        result[near] = self._lineage.lengths_between(self._balls, first, second) >= 2 * touch
+        return result
+
+    def pairs(self, groups: Sequence[Indices] = ()) -> tuple[Indices, list[tuple[int, ...]]]:
+        """The pairs `(pairs, 2)` that can meet, and for each group the spheres that can meet all of it, which is then
+        one thing. Spheres of one group do not meet."""
+        alone = np.ones(len(self._balls), bool)
+        for group in groups:
+            alone[group] = False
+        plain = np.flatnonzero(alone)
+        first, second = (plain[side] for side in np.triu_indices(len(plain), 1))
+        meets, found = [], [np.column_stack([first, second])[self.meet(first, second)]] if len(plain) else []
+        others = np.ones(len(self._balls), bool)
+        for group in groups:
+            others[group] = False
+            first, second = (side.reshape(-1) for side in np.meshgrid(np.flatnonzero(others), group, indexing="ij"))
+            possible = self.meet(first, second).reshape(-1, len(group))
+            every = np.asarray(possible.all(axis=1))
+            meets.append(tuple(np.flatnonzero(others)[every].tolist()))
+            left = (possible & ~every[:, None]).reshape(-1)
+            found.append(np.column_stack([first, second])[left])
+        return np.concatenate([np.zeros((0, 2), np.intp), *found]), meets
 
 
 def _one_robot(kinds: NDArray[np.intp], joints: int) -> NDArray[np.bool_]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ....compiler.ir import World
 from ....compiler.motion.collision import PhaseContacts
 from ...skeleton import Array, Configuration
+from ...splines import spline_weights
 from .geometry import Geometry, Part
 from .kinematics import Indices
 from .shares import FULL, Kinds, required_table, share_table
@@ -57,15 +58,12 @@ class Looks:
     `shares` and `required` tell, per kind of pair, what is asked of the optimiser's and of the fine spheres then."""
 
     def __init__(self, slices: int, count: int) -> None:
-        from scipy.interpolate import CubicSpline
-
         times = np.arange(1, slices * count) / count
         self.shares = share_table(times, slices)
         self.required = required_table(times, slices)[0] + BEYOND
         self.weights: Array | None = None
         if count > 1:
-            knots = np.arange(slices + 1)
-            self.weights = np.asarray(CubicSpline(knots, np.eye(slices + 1), bc_type="clamped")(times))
+            self.weights = spline_weights(slices, times)
 
 
 class Batch:
@@ -161,14 +159,14 @@ def excess_clearance(batch: Batch, values: Array, columns: slice) -> Array:
 
 def _blocks(fine: Geometry, values: Array, required: Array) -> list[Array]:
     """Per kind of pair: the least excess clearance `(…, phases)`."""
-    obstacles, pairs, bodies = fine.clearances(values)
+    obstacles, pairs, wholes = fine.clearances(values)
     exact = fine.exact
     return [
         excess(obstacles, fine.obstacle_kinds, exact, required),
         excess(pairs, fine.pair_kinds, exact[fine.pairs].min(axis=1), required),
         *(
-            excess(clearance, kinds, exact[body.meets], required)
-            for body, clearance, kinds in zip(fine.bodies, bodies, fine.body_kinds, strict=True)
+            excess(clearance, kinds, exact[whole.meets], required)
+            for whole, clearance, kinds in zip(fine.wholes, wholes, fine.whole_kinds, strict=True)
         ),
     ]
 

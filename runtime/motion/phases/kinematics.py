@@ -142,6 +142,19 @@ class Points:
             result[mine] = turned + axes[3]
         return result
 
+    def placed(self, frames: Array) -> Array:
+        """World positions `(points, 3, phases, times)` by frames `(nodes + 1, 4, 3, phases, times)`, the world's
+        last."""
+        result = np.empty((len(self.nodes), *frames.shape[2:]))
+        for node, mine, equal in self.groups:
+            axes = frames[node]
+            if equal:
+                turned = (self.centres[0, mine] @ axes[:3].reshape(3, -1)).reshape(len(mine), *result.shape[1:])
+            else:
+                turned = np.einsum("bna,aibt->nibt", self.centres[:, mine], axes[:3])
+            result[mine] = turned + axes[3]
+        return result
+
 
 def mounted_poses(tree: PhaseTree, mount: Mount, values: Array) -> Array:
     """World poses `(times, 4, 4)` of a mounted frame for joint values `(times, joints)` of one phase."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...skeleton import Array
 from .batch import Batch, Looks
-from .geometry import Geometry
+from .geometry import WORLD, Geometry
 from .kinematics import Indices
 from .shares import NEVER
 
@@ -113,6 +113,10 @@ def _missed(batch: Batch, inner: Array, margin: float) -> _Rows:
     points = geometry.points.place(frames, phases, times)
     twists = (_stacked(angular, phases, times), _stacked(linear, phases, times))
     rows = [make(margin, shares, geometry, points, twists) for make in (_obstacle_rows, _pair_rows)]
+    for number, whole in enumerate(geometry.wholes):
+        frame = frames[whole.node] if whole.node >= 0 else WORLD
+        carrier = np.stack([np.broadcast_to(a, points.shape[1:]) for a in frame])
+        rows.append(_whole_rows(margin, shares, geometry, number, carrier, points, twists))
     if batch.fading is not None:
         points = batch.fading.points.place(frames, phases, times)
         rows.append(_obstacle_rows(margin, batch.looks.required, batch.fading, points, twists))
@@ -130,14 +134,22 @@ def _stacked(vectors: list[Array], phases: int, times: int) -> Array:
 
 
 def _slopes(
-    geometry: Geometry, twists: tuple[Array, Array], spheres: Indices, points: Array, normals: Array,
-    phase: Indices, time: Indices,
+    twists: tuple[Array, Array], points: Array, normals: Array, phase: Indices, time: Indices, moved_by: Array
 ) -> Array:
-    """How fast each joint carries points `(m, 3)` of the given spheres along normals `(m, 3)`: `(m, joints)`."""
+    """How fast each joint carries points `(m, 3)` along normals `(m, 3)`: `(m, joints)`; `moved_by` `(m, joints)` tells
+    which of them move the points, and -1 that they move the other side."""
     angular, linear = (t[:, :, phase, time] for t in twists)
-    moment = np.cross(points, normals)
+    moment = _cross(points, normals)
     slope = np.einsum("jcm,mc->mj", angular, moment) + np.einsum("jcm,mc->mj", linear, normals)
-    return np.asarray(slope * geometry.moved_by[spheres])
+    return np.asarray(slope * moved_by)
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Vector products `(m, 3)`."""
+    return np.stack([
+        a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1], a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2],
+        a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0],
+    ], axis=1)  # fmt: skip
 
 
 def _obstacle_rows(
@@ -151,7 +163,7 @@ def _obstacle_rows(
     hit, t = np.nonzero(missed > 0.0)
     a, o, k = a[hit], o[hit], k[hit]
     normals = geometry.shapes.normals(offset[hit, :, t], excess[hit, :, t], o, k)
-    slope = _slopes(geometry, twists, a, points[a, :, k, t], normals, k, t)
+    slope = _slopes(twists, points[a, :, k, t], normals, k, t, geometry.moved_by[a])
     return _Rows(missed[hit, t], -slope, k * times + t)
 
 
@@ -166,6 +178,26 @@ def _pair_rows(margin: float, shares: Array, geometry: Geometry, points: Array, 
     hit = np.flatnonzero(missed > 0.0)
     p, k, t, missed = p[hit], k[hit], t[hit], missed[hit]
     normals = normals[hit] / np.maximum(distance[hit], 1e-9)[:, None]
-    slope = _slopes(geometry, twists, first[p], points[first[p], :, k, t], normals, k, t)
-    slope -= _slopes(geometry, twists, second[p], points[second[p], :, k, t], normals, k, t)
+    moved_by = geometry.moved_by[first[p]].astype(float) - geometry.moved_by[second[p]]
+    slope = _slopes(twists, points[first[p], :, k, t], normals, k, t, moved_by)
+    return _Rows(missed, -slope, k * times + t)
+
+
+def _whole_rows(
+    margin: float, shares: Array, geometry: Geometry, number: int, frames: Array, points: Array,
+    twists: tuple[Array, Array],
+) -> _Rows:  # fmt: skip
+    """Of one whole shape; `frames` `(4, 3, phases, times)` are those of its node."""
+    whole, kinds, times = geometry.wholes[number], geometry.whole_kinds[number], points.shape[-1]
+    reach = geometry.radius[whole.meets] + whole.extent[:, None] + margin
+    away = points[whole.meets] - whole.origin(frames)
+    near = np.einsum("nikt,nikt->nkt", away, away) < reach**2
+    n, k, t = np.nonzero(near & (kinds != NEVER)[..., None])
+    a = whole.meets[n]
+    distance, normals = whole.distance_and_normal(frames[:, :, k, t].transpose(2, 0, 1), points[a, :, k, t], k)
+    missed = geometry.radius[a, 0, 0] + shares[kinds[n, k], t] - distance
+    hit = np.flatnonzero(missed > 0.0)
+    k, t, a, missed = k[hit], t[hit], a[hit], missed[hit]
+    moved_by = geometry.moved_by[a].astype(float) - geometry.wholes_moved_by[number]
+    slope = _slopes(twists, points[a, :, k, t], normals[hit], k, t, moved_by)
     return _Rows(missed, -slope, k * times + t)

@@ -31,14 +31,17 @@ class _Checker:
         least = share_table(np.arange(self.batch.slices + 1.0), self.batch.slices).min(axis=1)
         needed = np.where(least < 1.0, np.minimum(least, 0.0) - CONTACT_TOLERANCE, CHECK_MARGIN)
         self.needed = (needed[coarse.obstacle_kinds], needed[coarse.pair_kinds])
+        self.needed_of_wholes = [needed[kinds] for kinds in coarse.whole_kinds]
         joints = self.batch.joints
         self.lower, self.upper = joints.lower[0] + 1e-3, joints.upper[0] - 1e-3
 
     def free(self, poses: Array) -> Array:
         """`(poses,)` whether joint values `(poses, joints)` are free."""
-        obstacles, pairs, _ = self.batch.coarse.clearances(poses[None])
+        obstacles, pairs, wholes = self.batch.coarse.clearances(poses[None])
         clear = (obstacles[:, :, 0] >= self.needed[0]).all(axis=(0, 1))
         clear &= (pairs[:, 0] >= self.needed[1]).all(axis=0)
+        for clearance, needed in zip(wholes, self.needed_of_wholes, strict=True):
+            clear &= (clearance[:, 0] >= needed).all(axis=0)
         return np.asarray(clear & ((poses >= self.lower) & (poses <= self.upper)).all(axis=1))
 
     def advance(self, start: Array, goal: Array) -> tuple[Array, bool]:

@@ -90,7 +90,7 @@ class Shapes:
 
     def boxed(self, lowest: Array, highest: Array, wanted: Array) -> NDArray[np.bool_]:
         """Whether points between `lowest` and `highest` `(points, 3, phases)` can be nearer than `wanted`
-        `(points, 1, 1)` to a shape, by the box around it along the world's axes: `(points, count, phases)`."""
+        `(points, 1, phases or 1)` to a shape, by the box around it in the world's axes: `(points, count, phases)`."""
         half = self.half.copy()
         half[:, 1] = np.where(self.round, half[:, 0], half[:, 1])
         extent = np.einsum("oijbt,ojbt->oib", np.abs(self.turn), half) + self.rounding[:, None, :, 0]
