@@ -2,7 +2,7 @@
 
     python -m venv /tmp/planners && /tmp/planners/bin/pip install up-fast-downward pyperplan
     python benchmarks/planners.py --peers /tmp/planners [--tasks climb] [--sizes 8 64] [--limit 120] [--memory 8]
-        [--markdown FILE]
+        [--only "FD optimal"] [--markdown FILE]
 
 CPU seconds end to end: ours from the text of the task to an optimal skeleton (the interpreter's start left out); Fast
 Downward from the PDDL to an optimal plan (A* with LM-cut) and to any plan (lazy greedy, FF); pyperplan to any plan
@@ -112,9 +112,10 @@ def main() -> None:
     parser.add_argument("--sizes", nargs="+", default=["8", "64", "256"], help="numbers of stairs")
     parser.add_argument("--limit", type=float, default=120.0, help="CPU seconds for each run of a peer")
     parser.add_argument("--memory", type=float, default=8.0, help="GB of memory for each process of a peer")
+    parser.add_argument("--only", nargs="+", help="the peers that are measured, by their names in the table")
     parser.add_argument("--markdown", type=Path, help="write the table there as well")
     given = parser.parse_args()
-    found = peers(given.peers)
+    found = [peer for peer in peers(given.peers) if not given.only or peer.name in given.only]
     head = ["task", "length", "ours s", *(f"{p.name} s" for p in found), "FD optimal / ours"]
     print("  ".join(head))
     table = [head, ["---"] * len(head)]

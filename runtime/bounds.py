@@ -206,7 +206,10 @@ class Bounds:
 
     def _whole(self, skeleton: Skeleton) -> tuple[BoundResult, int]:
         """P_seq of a skeleton, and how many of its phases were tried. One start of all tells which phase fails; where
-        the beginning up to that is refused from every start, the rest need not be tried."""
+        the beginning up to that is refused from every start, the rest need not be tried. The windows of a long one
+        tell that by themselves."""
+        if len(skeleton) > LONGEST:
+            return self._sequence(skeleton, self.seed, None, tries=self.tries), len(skeleton)
         first = self._sequence(skeleton, self.seed, None, tries=ONCE)
         end = first.violations[0].phase + 1 if first.violations else len(skeleton)
         if first.feasible or self.tries == ONCE:
@@ -234,11 +237,13 @@ class Bounds:
 
     def _shrink(self, skeleton: Skeleton, refused: BoundResult, end: int) -> Conflict:
         """A minimal contiguous conflict behind a refused P_seq of the first `end` phases, by deletion: from the end,
-        first one phase, then by halving; then from the front as long as what is left is refused wherever it starts."""
+        first one phase, then by halving; then from the front as long as what is left is refused wherever it starts.
+        Windows that came far have found the end."""
         known, violations = 0, refused.violations
         if end > LONGEST:
             worst = max((v.phase for v in violations), default=end - 1)
-            known, end = max(0, worst - SPAN), min(end, worst + SPAN)
+            far = worst + SPAN > LONGEST
+            known, end = (worst, worst + 1) if far else (max(0, worst - SPAN), min(end, worst + SPAN))
         middle = end - 1
         while end - known > 1:
             self._expect_prefixes(skeleton, known, middle, end)
@@ -272,7 +277,7 @@ class Bounds:
             if not self._needs_no_solve(skeleton, strains, k) and not self._expect_window(skeleton, k, k):
                 return
         if whole:
-            self._expect_whole(skeleton, ONCE)
+            self._expect_whole(skeleton, ONCE if len(skeleton) <= LONGEST else self.tries)
 
     def _expect_whole(self, skeleton: Skeleton, tries: int | None) -> bool:
         return self.ahead.expect(skeleton, Whole(self.settings, self.seed, tries), self.budget)

@@ -47,8 +47,8 @@ def solve_sequence(
     tries: int | None = None,
 ) -> BoundResult:
     """P_seq of the whole skeleton from `start` (default: the scene at time 0). `warm` gives the K switch
-    configurations to start from; `tries` how many starts a span gets, and how often windows go back, at most. Raises
-    OutOfTime."""
+    configurations to start from; `tries` how many starts a span gets at most, and in skeletons that are not long how
+    often windows go back. Raises OutOfTime."""
     from .windows import WINDOW, solve_windows
 
     began = time.monotonic()
@@ -59,7 +59,7 @@ def solve_sequence(
     random = np.random.default_rng(seed)
     span = _Span(skeleton, 0, last, settings, random, budget, origin, False)
     if len(skeleton) > LONGEST and warm is None:
-        result = solve_windows(skeleton, settings, random, budget, origin, tries)
+        result = solve_windows(skeleton, settings, random, budget, origin, tries, patient=True)
     else:
         result = span.search(warm, tries or min(TRIES, 4 + last))
         if not result.feasible and span.reached and len(skeleton) > WINDOW and warm is None:

@@ -19,6 +19,8 @@ from .switches import SwitchProgram
 WINDOW = 4
 COMMIT = 2
 BACKTRACKS = 10
+PATIENCE = 6
+"""How often windows go back at least before new ground is won."""
 ANEW = 3
 """What a new start of the first window counts for."""
 PERIOD = 2
@@ -117,11 +119,12 @@ class _Alone:
 
 def solve_windows(
     skeleton: Skeleton, settings: MotionSettings, random: np.random.Generator, budget: Budget, start: Configuration,
-    tries: int | None = None,
+    tries: int | None = None, patient: bool = False,
 ) -> BoundResult:  # fmt: skip
     """Windows of four phases that commit two, each started from what the one before has found ahead, and then from the
     slice two phases back moved along with its supports. On failure the search goes back further each time, to start
-    anew. Phases that span the most, and those that a window blames, are tried alone first. Raises OutOfTime."""
+    anew, until it comes farther than before; `tries` bounds the starts of a window, and with `patient` not how often it
+    goes back. Phases that span the most, and those that a window blames, are tried alone first. Raises OutOfTime."""
     from .sequence import solve_span
 
     alone = _Alone(skeleton, settings, budget, tries)
@@ -133,7 +136,8 @@ def solve_windows(
 
     known = [start]
     ahead: list[Configuration] = []
-    iterations = setbacks = 0
+    most = max(PATIENCE, tries or BACKTRACKS) if patient else tries or BACKTRACKS
+    iterations = setbacks = farthest = 0
     while len(known) <= len(skeleton):
         first = len(known) - 1
         last = min(first + WINDOW, len(skeleton)) - 1
@@ -149,8 +153,10 @@ def solve_windows(
         if refusal is not None:
             refusal.iterations = iterations + alone.iterations
             return refusal
+        if first >= farthest + COMMIT:
+            farthest, setbacks = first, 0
         setbacks += 1 if first else ANEW
-        if setbacks > (tries or BACKTRACKS):
+        if setbacks > most:
             result.iterations = iterations + alone.iterations
             return result
         del known[max(1, first + 1 - COMMIT * (1 + setbacks // 2)) :]
