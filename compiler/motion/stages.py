@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import casadi as ca
@@ -13,6 +14,7 @@ from .kinematics import Expression
 Array = NDArray[np.float64]
 
 
+@cache
 def _bucket(count: int) -> int:
     """The batch size, at most a third above `count`, for which a mapped Function is kept."""
     size = 1
@@ -38,7 +40,9 @@ class _Batch:
     def __call__(self, *arguments: Array) -> list[Array]:
         count = len(arguments[0])
         for array, argument in zip(self.inputs, arguments, strict=True):
-            array[:count, : argument.shape[1]] = argument
+            width = argument.shape[1]
+            if width:
+                array[:count, :width] = argument
         self.trigger()
         return [array[:count] for array in self.outputs]
 
@@ -61,7 +65,7 @@ class Stage:
             if what == "values":
                 made = ca.Function("values", [x, p], [r])
             elif what == "jacobians":
-                made = ca.Function("jacobians", [x, p], [r, ca.densify(ca.jacobian(r, x))])
+                made = ca.Function("jacobians", [x, p], [ca.densify(ca.jacobian(r, x)).T])
             else:
                 weights = ca.SX.sym("weights", self.rows)
                 made = ca.Function("hessians", [x, p, weights], [ca.densify(ca.hessian(ca.dot(weights, r), x)[0])])
@@ -70,18 +74,20 @@ class Stage:
 
     def _call(self, what: str, *arguments: Array) -> list[Array]:
         size = _bucket(len(arguments[0]))
-        if (what, size) not in self._batches:
-            self._batches[what, size] = _Batch(self._function(what), size)
-        return self._batches[what, size](*arguments)
+        batch = self._batches.get((what, size))
+        if batch is None:
+            batch = self._batches[what, size] = _Batch(self._function(what), size)
+        return batch(*arguments)
 
-    def values(self, variables: Array, constants: Array) -> Array:
-        """Residuals (N, rows) of N instances, from variables (N, inputs) and constants (N, parameters)."""
-        return self._call("values", variables, constants)[0].copy()
+    def values(self, variables: Array, constants: Array, scale: float = 1.0) -> Array:
+        """Residuals (N, rows), times `scale`, of N instances: variables (N, inputs), constants (N, parameters)."""
+        values: Array = scale * self._call("values", variables, constants)[0]
+        return values
 
-    def jacobians(self, variables: Array, constants: Array) -> Array:
-        """Dense Jacobians (N, rows, inputs)."""
-        flat = self._call("jacobians", variables, constants)[1]
-        return np.ascontiguousarray(flat.reshape(-1, self.inputs, self.rows).transpose(0, 2, 1))
+    def jacobians(self, variables: Array, constants: Array, scale: float = 1.0) -> Array:
+        """Dense Jacobians (N, rows, inputs), times `scale`."""
+        flat = scale * self._call("jacobians", variables, constants)[0]
+        return flat.reshape(-1, self.rows, self.inputs)
 
     def hessians(self, variables: Array, constants: Array, weights: Array) -> Array:
         """Hessians (N, inputs, inputs) of weights · r, for weights (N, rows)."""

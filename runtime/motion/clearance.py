@@ -18,7 +18,7 @@ from ...compiler.motion.constraints import sphere_stage
 from ...compiler.motion.distances import SMOOTH
 from ...compiler.motion.stages import Stage
 from ..skeleton import Array
-from .groups import Label
+from .groups import Chosen, Label
 from .layout import Indices, Layout
 
 NEAR = 0.3
@@ -282,7 +282,7 @@ class ClearanceGroup:
         values: Array = self.wanted - self._distances(z, self.first, self.second)
         return values[:, None]
 
-    def jacobians(self, z: Array, chosen: Indices) -> tuple[Array, Indices]:
+    def jacobians(self, z: Array, chosen: Chosen) -> tuple[Array, Indices]:
         first, second = self.first[chosen], self.second[chosen]
         direction = self._directions(z, first, second)[:, None, :]
         parts = [-np.matmul(direction, self.cloud.derivatives(z, first))]

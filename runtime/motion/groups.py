@@ -5,6 +5,7 @@ A group has N instances of m rows over n places of z. Costs are ½‖r‖², equ
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -15,6 +16,10 @@ from ...compiler.motion.stages import Stage
 from ...langs.source import Span
 from ..skeleton import Array
 from .layout import Indices
+
+Chosen = Indices | slice
+"""Numbers of instances, or a slice of them."""
+ALL = slice(None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +52,7 @@ class Group(Protocol):
         """Scaled residuals (N, m)."""
         ...
 
-    def jacobians(self, z: Array, chosen: Indices) -> tuple[Array, Indices]:
+    def jacobians(self, z: Array, chosen: Chosen) -> tuple[Array, Indices]:
         """Scaled Jacobians (len(chosen), m, n) of the chosen instances, and their places in z (len(chosen), n)."""
         ...
 
@@ -81,11 +86,11 @@ class StageGroup:
         return self.labels[instance]
 
     def residuals(self, z: Array) -> Array:
-        return self.scale * self.stage.values(z[self.places], self.constants)
+        return self.stage.values(z[self.places], self.constants, self.scale)
 
-    def jacobians(self, z: Array, chosen: Indices) -> tuple[Array, Indices]:
+    def jacobians(self, z: Array, chosen: Chosen) -> tuple[Array, Indices]:
         places = self.places[chosen]
-        return self.scale * self.stage.jacobians(z[places], self.constants[chosen]), places
+        return self.stage.jacobians(z[places], self.constants[chosen], self.scale), places
 
     def curvature(self, z: Array, weights: Array) -> list[tuple[Array, Indices]]:
         return [(self.stage.hessians(z[self.places], self.constants, self.scale * weights), self.places)]
@@ -115,10 +120,11 @@ class LinearGroup:
         return self.labels[instance]
 
     def residuals(self, z: Array) -> Array:
-        values: Array = (z[self.places] * self.coefficients).sum(1) - self.targets
+        terms = z[self.places] * self.coefficients
+        values: Array = (terms[:, 0] if terms.shape[1] == 1 else terms.sum(1)) - self.targets
         return values[:, None]
 
-    def jacobians(self, z: Array, chosen: Indices) -> tuple[Array, Indices]:
+    def jacobians(self, z: Array, chosen: Chosen) -> tuple[Array, Indices]:
         return self.coefficients[chosen][:, None, :], self.places[chosen]
 
     def curvature(self, z: Array, weights: Array) -> list[tuple[Array, Indices]]:
@@ -126,6 +132,18 @@ class LinearGroup:
 
     def span(self) -> Indices:
         return self.places
+
+
+def merged(groups: Sequence[LinearGroup]) -> list[LinearGroup]:
+    """Linear groups without labels as one, none when there are no rows; short rows get terms of no weight."""
+    groups = [group for group in groups if group.shape[0]]
+    if not groups:
+        return []
+    width = max(group.places.shape[1] for group in groups)
+    places = [np.pad(g.places, ((0, 0), (0, width - g.places.shape[1])), mode="edge") for g in groups]
+    coefficients = [np.pad(g.coefficients, ((0, 0), (0, width - g.places.shape[1]))) for g in groups]
+    targets = np.concatenate([g.targets for g in groups])
+    return [LinearGroup(groups[0].kind, np.concatenate(places), np.concatenate(coefficients), targets, [])]
 
 
 class NormGroup:
@@ -148,7 +166,7 @@ class NormGroup:
         values: Array = np.square(z[self.places]).sum(1, keepdims=True) - 1.0
         return values
 
-    def jacobians(self, z: Array, chosen: Indices) -> tuple[Array, Indices]:
+    def jacobians(self, z: Array, chosen: Chosen) -> tuple[Array, Indices]:
         places = self.places[chosen]
         return 2.0 * z[places][:, None, :], places
 

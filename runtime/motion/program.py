@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..skeleton import Array, Violation
-from .groups import Group, Label
+from .assembly import Scatter, Sums, Together
+from .groups import ALL, Group, Label, LinearGroup, merged
 from .layout import Indices
 
 KINDS = ("cost", "equality", "inequality")
@@ -16,77 +17,30 @@ DIVERGED = 1e9
 """Stands for a violation that is no number: JSON has none, and no comparison would tell it."""
 
 
-class _Scatter:
-    """Flat places in the lower band of the outer products of rows over `places` (N, n)."""
-
-    def __init__(self, places: Indices, first_unknown: int, width: int) -> None:
-        unknown = places - first_unknown
-        rows, columns = unknown[:, :, None], unknown[:, None, :]
-        kept = ((columns >= 0) & (rows >= columns)).ravel()
-        self.source = np.flatnonzero(kept)
-        self.target = (columns * width + (rows - columns)).reshape(-1)[self.source]
-        self.vector_source = np.flatnonzero(unknown.ravel() >= 0)
-        self.vector_target = unknown.ravel()[self.vector_source]
-
-
-class _Sums:
-    """Contributions to a gradient and to a lower band, added up in one go."""
-
-    def __init__(self, unknowns: int, width: int) -> None:
-        self.shape = (unknowns, width)
-        self._values: list[Array] = []
-        self._targets: list[Indices] = []
-        self._slopes: list[Array] = []
-        self._slope_targets: list[Indices] = []
-
-    def add(self, scatter: _Scatter, slope: Array, square: Array) -> None:
-        self._values.append(square.ravel()[scatter.source])
-        self._targets.append(scatter.target)
-        self.pull(scatter, slope)
-
-    def pull(self, scatter: _Scatter, slope: Array) -> None:
-        self._slopes.append(slope.ravel()[scatter.vector_source])
-        self._slope_targets.append(scatter.vector_target)
-
-    @staticmethod
-    def _sum(targets: list[Indices], values: list[Array], size: int) -> Array:
-        if not targets:
-            return np.zeros(size)
-        sums = np.bincount(np.concatenate(targets), np.concatenate(values), minlength=size)
-        return np.asarray(sums, dtype=np.float64)
-
-    def gradient(self) -> Array:
-        return self._sum(self._slope_targets, self._slopes, self.shape[0])
-
-    def band(self) -> Array:
-        return self._sum(self._targets, self._values, self.shape[0] * self.shape[1]).reshape(self.shape)
-
-
 class Program:
     """Minimise Σ ½‖cost‖² subject to equalities and inequalities, over x = z[len(constants):].
 
     Residuals come as three flat vectors: costs, equalities, inequalities (r <= 0), each group after the other. Costs
-    are linear rows, so that their part of the system is made once.
+    are linear groups, so that their part of the system is made once.
     """
 
     def __init__(self, constants: Array, unknowns: int, groups: Sequence[Group]) -> None:
         self.constants = constants
         self.unknowns = unknowns
         self.groups: dict[str, list[Group]] = {
-            kind: [g for g in groups if g.kind == kind and g.shape[0]] for kind in KINDS
+            kind: [g for g in groups if g.kind == kind and g.shape[0]] for kind in KINDS[1:]
         }
+        costs = merged([g for g in groups if isinstance(g, LinearGroup) and g.kind == "cost"])
+        self.groups["cost"] = [*costs]
         self.width = 1 + max((self._reach(g) for gs in self.groups.values() for g in gs), default=0)
-        self._scatters = {
-            id(g): _Scatter(g.span(), len(constants), self.width)
-            for kind in ("cost", "equality") for g in self.groups[kind]
-        }  # fmt: skip
-
-        z = self.full(np.zeros(unknowns))
-        self._cost_jacobians = [g.jacobians(z, np.arange(g.shape[0]))[0] for g in self.groups["cost"]]
-        sums = _Sums(unknowns, self.width)
-        for group, jacobian in zip(self.groups["cost"], self._cost_jacobians, strict=True):
-            square = np.matmul(jacobian.transpose(0, 2, 1), jacobian)
-            sums.add(self._scatters[id(group)], np.zeros((len(jacobian), 1, jacobian.shape[2])), square)
+        self._shape = (unknowns, self.width)
+        self._bounds = np.cumsum([0, *(count * rows for count, rows in (g.shape for g in self.groups["inequality"]))])
+        self._always = Together(self.groups["equality"], len(constants), self._shape)
+        self._costs = [(g.coefficients, Scatter(g.places, len(constants), self._shape)) for g in costs]
+        sums = Sums(self._shape)
+        for coefficients, scatter in self._costs:
+            square = coefficients[:, :, None] * coefficients[:, None, :]
+            sums.add(scatter.band.ravel(), square.ravel())
         self._cost_band = sums.band()
 
     def _reach(self, group: Group) -> int:
@@ -116,52 +70,40 @@ class Program:
         """Gradient (unknowns,) and lower band (unknowns, width) of the Gauss-Newton model of the augmented
         Lagrangian ½‖c‖² + ½μ‖e + λ/μ‖² + ½μ‖max(i + κ/μ, 0)‖² with `multipliers` (λ, κ)."""
         z = self.full(x)
-        sums = _Sums(self.unknowns, self.width)
+        sums = Sums(self._shape)
         cost, equality, inequality = residuals
         if costs:
-            self._pull_costs(cost, sums)
-        self._add_always("equality", z, mu * equality + multipliers[0], mu, sums)
+            for coefficients, scatter in self._costs:
+                sums.pull(scatter.gradient.ravel(), (cost[:, None] * coefficients).ravel())
+        self._always.add(z, mu * equality + multipliers[0], mu, sums)
         self._add_pushing(z, np.maximum(mu * inequality + multipliers[1], 0.0), mu, sums)
         band = sums.band()
         return sums.gradient(), band + self._cost_band if costs else band
 
-    def _pull_costs(self, cost: Array, sums: _Sums) -> None:
-        at = 0
-        for group, jacobian in zip(self.groups["cost"], self._cost_jacobians, strict=True):
-            count, rows = group.shape
-            block = cost[at : at + count * rows].reshape(count, 1, rows)
-            at += count * rows
-            sums.pull(self._scatters[id(group)], np.matmul(block, jacobian))
-
-    def _add_always(self, kind: str, z: Array, pull: Array, weight: float, sums: _Sums) -> None:
-        at = 0
-        for group in self.groups[kind]:
-            count, rows = group.shape
-            jacobian, _ = group.jacobians(z, np.arange(count))
-            block = pull[at : at + count * rows].reshape(count, 1, rows)
-            at += count * rows
-            square = np.matmul(jacobian.transpose(0, 2, 1), weight * jacobian)
-            sums.add(self._scatters[id(group)], np.matmul(block, jacobian), square)
-
-    def _add_pushing(self, z: Array, pull: Array, weight: float, sums: _Sums) -> None:
+    def _add_pushing(self, z: Array, pull: Array, weight: float, sums: Sums) -> None:
         """Inequalities: only instances with a row that pushes are differentiated."""
-        at = 0
-        for group in self.groups["inequality"]:
-            count, rows = group.shape
-            block = pull[at : at + count * rows].reshape(count, rows)
-            at += count * rows
+        pushing = np.flatnonzero(pull)
+        if not len(pushing):
+            return
+        among = np.searchsorted(pushing, self._bounds).tolist()
+        for number, group in enumerate(self.groups["inequality"]):
+            if among[number] == among[number + 1]:
+                continue
+            block = pull[self._bounds[number] : self._bounds[number + 1]].reshape(group.shape)
             chosen = np.flatnonzero(block.any(1))
-            if len(chosen):
-                jacobian, places = group.jacobians(z, chosen)
-                slope = np.matmul(block[chosen][:, None, :], jacobian)
-                jacobian = jacobian * (block[chosen] > 0)[:, :, None]
-                square = np.matmul(jacobian.transpose(0, 2, 1), weight * jacobian)
-                sums.add(_Scatter(places, len(self.constants), self.width), slope, square)
+            block = block[chosen]
+            jacobian, places = group.jacobians(z, chosen)
+            slope = np.matmul(block[:, None, :], jacobian)
+            jacobian = jacobian * (block > 0)[:, :, None]
+            square = np.matmul(jacobian.transpose(0, 2, 1), weight * jacobian)
+            scatter = Scatter(places, len(self.constants), self._shape)
+            sums.add(scatter.band.ravel(), square.ravel())
+            sums.pull(scatter.gradient.ravel(), slope.ravel())
 
     def hessian(self, x: Array, cost_weight: float, multipliers: tuple[Array, Array]) -> Array:
         """Lower band (unknowns, width) of the Hessian of cost_weight · ½‖c‖² + λ·e + κ·i; costs are linear rows."""
         z = self.full(x)
-        sums = _Sums(self.unknowns, self.width)
+        sums = Sums(self._shape)
         for kind, weights in (("equality", multipliers[0]), ("inequality", multipliers[1])):
             at = 0
             for group in self.groups[kind]:
@@ -169,8 +111,8 @@ class Program:
                 block = weights[at : at + count * rows].reshape(count, rows)
                 at += count * rows
                 for hessians, places in group.curvature(z, block):
-                    slope = np.zeros((len(places), 1, places.shape[1]))
-                    sums.add(_Scatter(places, len(self.constants), self.width), slope, hessians)
+                    scatter = Scatter(places, len(self.constants), self._shape)
+                    sums.add(scatter.band.ravel(), hessians.ravel())
         return sums.band() + cost_weight * self._cost_band
 
     def jacobian(self, x: Array) -> tuple[Array, Indices, Indices]:
@@ -182,7 +124,7 @@ class Program:
         for kind in ("equality", "inequality"):
             for group in self.groups[kind]:
                 count, rows = group.shape
-                jacobian, places = group.jacobians(z, np.arange(count))
+                jacobian, places = group.jacobians(z, ALL)
                 unknown = np.broadcast_to((places - len(self.constants))[:, None, :], jacobian.shape)
                 row = np.broadcast_to(np.arange(at, at + count * rows).reshape(count, rows, 1), jacobian.shape)
                 kept = unknown >= 0
