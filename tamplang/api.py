@@ -99,17 +99,19 @@ class Task:
         plan: PlanRecord | None = None,
         horizon: int | str | None = None,
         noise: Noise | None = None,
+        latency: float | None = None,
         time: float | None = None,
         seed: int = 0,
         progress: Callable[[RunProgress], None] | None = None,
     ) -> RunResult:
         """Carry the task out in the simulated world, planning on the way; `plan`, if there is one, is followed as long
-        as the world allows it. `horizon` actions get their motion in one window; `seed` steers the noise.
+        as the world allows it. `horizon` actions get their motion in one window, whose planning takes `latency`
+        simulated seconds (None: the default); `seed` steers the noise.
         Raises `tamplang.runtime.native.MissingLibrary` when a system library is missing.
         """
         from .runtime.horizon.execution import execute
 
-        return RunResult(*execute(self.problem, plan, horizon, noise, time, seed, progress))
+        return RunResult(*execute(self.problem, plan, horizon, noise, time, seed, latency, progress))
 
 
 def _solved(

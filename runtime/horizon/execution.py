@@ -12,7 +12,7 @@ from ..lgp import options_of
 from ..plan import Plan
 from ..verify import verify
 from .rerun import window_of
-from .run import HORIZON, Run, RunOptions, RunProgress
+from .run import HORIZON, LATENCY, Run, RunOptions, RunProgress
 from .tracking import Deviations, Noise, follow
 
 SECONDS = 120.0
@@ -21,7 +21,7 @@ SECONDS = 120.0
 
 def execute(
     problem: ir.Problem, plan: Plan | None, horizon: int | str | None, noise: Noise | None, seconds: float | None,
-    seed: int, tell: Callable[[RunProgress], None] | None,
+    seed: int, latency: float | None, tell: Callable[[RunProgress], None] | None,
 ) -> tuple[str, Plan, tuple[Diagnostic, ...], Deviations]:  # fmt: skip
     """Status, record, explanation and deviations. A plan that tells of the world as it moves, or whose scene rests, is
     followed as it is; else it is the first window of a run."""
@@ -36,7 +36,8 @@ def execute(
         return status if plan.complete else "stuck", plan, (), follow(plan, problem, noise, seed)
     bound = "path" if problem.options.bound == "seq" else None
     options = options_of(problem, bound=bound, time=seconds, otherwise=SECONDS)
+    delay = LATENCY if latency is None else latency
     chosen = horizon if isinstance(horizon, int) else HORIZON
     first = None if plan is None else window_of(problem, plan)
-    outcome = Run(problem, RunOptions(options, chosen, noise.position, seed), tell, first).run()
+    outcome = Run(problem, RunOptions(options, chosen, noise.position, seed, delay), tell, first).run()
     return outcome.status, outcome.plan, tuple(outcome.explanation), follow(outcome.plan, problem, noise, seed)

@@ -42,7 +42,8 @@ class Lookout:
 
     def expect(self, time: float, poses: dict[str, Array]) -> None:
         """From now on bodies are expected to go on as the last looks have it."""
-        positions = {body: self.sensing.foreseen(body, pose, 0.0)[:3] for body, pose in poses.items()}
+        now = np.array([time])
+        positions = {body: self.sensing.foreseen(body, pose, now)[0, :3] for body, pose in poses.items()}
         self.expectation = Expectation(time, positions, {body: self.sensing.velocity(body) for body in poses})
 
     def surprise(self, named: frozenset[str], passed: frozenset[str], time: float) -> str | None:

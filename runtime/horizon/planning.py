@@ -60,9 +60,8 @@ class Planner:
         budget: Budget,
     ) -> Window | None:  # fmt: skip
         """A window on a way that is known, without a search; None when it is not possible so. Raises OutOfTime."""
-        try:
-            skeleton = replayed(problem, actions[:horizon], lambda interpreter, facts, action: action)
-        except ReplayError:
+        skeleton = self.skeleton(problem, actions[:horizon])
+        if skeleton is None:
             return None
         moving = concerned(skeleton, moving)
         motions = 1 if moving else horizon
@@ -77,6 +76,13 @@ class Planner:
                 return Window(problem, tuple(actions), skeleton, found.paths, moving)
             self.blamed = _in_the_way(problem, found)
         return None
+
+    def skeleton(self, problem: ir.Problem, actions: Sequence[ir.Action]) -> Skeleton | None:
+        """The skeleton of actions; None when one of them cannot be done."""
+        try:
+            return replayed(problem, actions, lambda interpreter, facts, action: action)
+        except ReplayError:
+            return None
 
     def new_way(
         self, problem: ir.Problem, previous: ir.Action | None, horizon: int, moving: frozenset[str], wider: float,

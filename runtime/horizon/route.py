@@ -9,9 +9,10 @@ import numpy as np
 
 from ...compiler import ir
 from ..budget import Budget, OutOfTime
-from ..lgp import SolveOptions
+from ..lgp import SolveOptions, motion_settings
 from ..resampling import kept_pairs
 from ..skeleton import Array, Phase, PhasePath
+from .aside import way_aside
 from .drift import LOOKS, clearances, deepest
 from .failures import Failures
 from .foresight import displaced, foreseen_problem
@@ -97,7 +98,8 @@ class Route:
         self.lookout.expect(world.time, poses)
         met, passed, wider = frozenset[str](), dict[str, str](), 0.0
         for _ in range(ATTEMPTS):
-            expected = {b: self.lookout.sensing.foreseen(b, pose, seconds) for b, pose in poses.items()}
+            then = np.array([world.time + seconds])
+            expected = {b: self.lookout.sensing.foreseen(b, pose, then)[0] for b, pose in poses.items()}
             base = self.failures.base(self.problem)
             problem = self.failures.stuck(foreseen_problem(base, world.reached, expected, met, passed))
             window = self._search(world, problem) if search else self._known(problem, wider)
@@ -131,9 +133,21 @@ class Route:
         blamed = self.planner.blamed.items()
         return {b: m for b, m in blamed if b not in passed and b not in kept and not bodies[b].movable}
 
-    def may_wait(self, world: World, phase: Phase, path: PhasePath) -> bool:
-        """Whether nothing that moves presses upon a robot while it rests."""
+    def is_clear(self, world: World, phase: Phase, path: PhasePath) -> bool:
+        """Whether nothing presses upon a robot on a way that no window is for, such as rest."""
         return self._deepest(world, phase, path, self.lookout.look(world), everyone=True) <= PRESSED
+
+    def aside(self, world: World) -> PhasePath | None:
+        """A motion, standing where it stands, of the robot that the next action moves, to where it has room."""
+        poses, then = self.lookout.look(world), np.array([world.time + FIRST_GUESS])
+        expected = {b: self.lookout.sensing.foreseen(b, pose, then)[0] for b, pose in poses.items()}
+        base = self.failures.base(self.problem)
+        problem = self.failures.stuck(foreseen_problem(base, world.reached, expected, frozenset(), {}))
+        skeleton = self.planner.skeleton(problem, self.way[:1])
+        if skeleton is None:
+            return None
+        seed = self.options.seed + self.planner.failures
+        return way_aside(skeleton, motion_settings(problem, self.options), seed, self.budget)
 
     def near(self, world: World) -> frozenset[str]:
         """The bodies on courses that a robot at rest has to look out for."""
@@ -144,9 +158,8 @@ class Route:
         self, world: World, phase: Phase, path: PhasePath, poses: Mapping[str, Array], everyone: bool = False
     ) -> float:
         """How deep a phase gets into something, metres, while bodies move on as they seem to."""
-        times = np.linspace(0.0, path.duration, LOOKS)
-        foreseen = self.lookout.sensing.foreseen
-        own = {body: np.array([foreseen(body, pose, float(t)) for t in times]) for body, pose in poses.items()}
+        times = world.time + np.linspace(0.0, path.duration, LOOKS)
+        own = {body: self.lookout.sensing.foreseen(body, pose, times) for body, pose in poses.items()}
         whole = self.failures.whole(path, world.reached.configuration)
         return deepest(self.problem, world.reached.configuration, phase, whole, own, everyone)
 

@@ -38,9 +38,13 @@ from .world import Interval, World
 
 HORIZON = 4
 """Actions that get their motion in one window, where nothing else is said."""
+LATENCY = 0.25
+"""Simulated seconds that planning a window takes, where nothing else is said."""
 BACK, SHORT = 0.5, 0.4
 """Share of a broken-off motion that is gone back where nothing leads on from its end; one of so many seconds is gone
 back as a whole."""
+INSTANT = 1e-3
+"""Seconds that make no difference."""
 WAIT = 0.5
 """Seconds that the run waits where nothing leads on, in the hope that what moves does so."""
 MOST_WAITS = 40
@@ -48,12 +52,14 @@ MOST_WAITS = 40
 
 @dataclass(frozen=True, slots=True)
 class RunOptions:
-    """`horizon` actions get their motion in one window; `sigma` is the noise of sensed positions, metres."""
+    """`horizon` actions get their motion in one window; `sigma` is the noise of sensed positions, metres; planning a
+    window takes `latency` simulated seconds."""
 
     solve: SolveOptions
     horizon: int = HORIZON
     sigma: float = 0.0
     seed: int = 0
+    latency: float = LATENCY
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +106,7 @@ class Run:
         self._trail: list[PhasePath] = []
         self._left: float | None = None
         self._waits = 0
+        self._asked = 0.0
         self._cost = 0.0
         self._first = first
         self._explanation: list[Diagnostic] = []
@@ -112,6 +119,7 @@ class Run:
         reason = "start"
         while True:
             self.budget.check()
+            self._hold()
             failed = self._failures.until(self.world.time, self.world.reached)
             if failed.lost is not None:
                 self._explanation = [failed.lost]
@@ -134,6 +142,20 @@ class Run:
             self._explanation = planner.refusals.explain("exhausted" if planner.status == "stuck" else planner.status)
         return "stuck"
 
+    def _hold(self) -> None:
+        """Rest until the next window can be there. Its planning goes on since it was asked for: while a phase that is
+        not disturbed is carried out, or while the robot brakes. The clock starts with the first window."""
+        end = self._asked + self.options.latency
+        failure = self._failures.due(end)
+        end = end if failure is None else min(end, failure.time)
+        if not self.steps or not self._route.way or not self._unmet() or end < self.world.time + INSTANT:
+            return
+        phase = Phase(self._route.way[0], self.world.reached.mode, frozenset[ir.Fact]())
+        for look in np.arange(self.world.time + PERIOD, end, PERIOD):
+            self._lookout.look(self.world, float(look))
+        seconds = end - self.world.time
+        self._perform(phase, waiting(self.world.reached.configuration, seconds), completed=False)
+
     # --- planning ------------------------------------------------------------------------------------------------
 
     def _unmet(self) -> list[str]:
@@ -145,8 +167,9 @@ class Run:
         return [format_formula(p) for p in parts if not interpreter.holds(self.world.reached.facts, p)]
 
     def _plan(self, reason: str) -> Window | None:
-        """The next window: on the known way, or else, unless the run can go back, on another one."""
+        """The next window: on the known way, or else on another one; while the run goes back, on the known way only."""
         began = time.process_time()
+        self._lookout.sensing.known = self.world.time - self.options.latency
         unmet = self._unmet()
         self._say(f"planning: {reason}")
         window, self._first = self._first, None
@@ -154,7 +177,7 @@ class Run:
             self._route.take(self.world, window)
         else:
             window = self._route.on_the_way(self.world, self._left)
-        if window is None and not self._trail:
+        if window is None and not (self._trail and self._route.planner.failures):
             window = self._route.another_way(self.world)
         seconds = time.process_time() - began
         actions = [str(a) for a in window.actions] if window is not None else []
@@ -165,37 +188,40 @@ class Run:
         return window
 
     def _gave_way(self) -> bool:
-        """Where nothing leads on: go back some of what was broken off, the way it came, or wait for what moves."""
+        """Where nothing leads on: out of the way, if that can be."""
         if not self.steps or not self._route.way:
             return False
         self._route.planner.failures += 1
-        self._left = None
         phase = Phase(self._route.way[0], self.world.reached.mode, frozenset[ir.Fact]())
+        path = self._way_out(phase)
+        if path is None:
+            return False
+        near = self._route.near(self.world)
+        if self._watched(phase, path, near, frozenset(), completed=False) is not None:
+            self._trail = []
+        self._left = None
+        return True
+
+    def _way_out(self, phase: Phase) -> PhasePath | None:
+        """Some of what was broken off, back the way it came; else rest, for what moves may move on; else a motion to
+        where the robot has room. Only what stays clear of everything will do."""
+        world, route = self.world, self._route
         if self._trail:
             last = self._trail.pop()
             share = BACK if last.duration > SHORT else 1.0
             path = reversed_path(self.problem.world, last, share)
-            if share < 1.0:
-                self._trail.append(first_part(last, 1.0 - share))
-        elif self._waits < MOST_WAITS and self.world.on_course:
-            path = waiting(self.world.reached.configuration, WAIT)
-            self._waits += 1
-            if not self._route.may_wait(self.world, phase, path):
-                return False
-            path = waiting(self.world.reached.configuration, self._calm(WAIT))
-        else:
-            return False
-        self._perform(phase, path, completed=False)
-        return True
-
-    def _calm(self, seconds: float) -> float:
-        """How long a robot that rests may do so before something near is not where it was expected."""
-        near = self._route.near(self.world)
-        for look in np.arange(1, int(np.ceil(seconds / PERIOD))) * PERIOD:
-            self._lookout.look(self.world, self.world.time + float(look))
-            if self._lookout.surprise(near, frozenset(), self.world.time + float(look)) is not None:
-                return float(look)
-        return seconds
+            if route.is_clear(world, phase, path):
+                self._trail += [first_part(last, 1.0 - share)] if share < 1.0 else []
+                return path
+            self._trail = []
+        if self._waits >= MOST_WAITS or not world.on_course:
+            return None
+        self._waits += 1
+        rest = waiting(world.reached.configuration, WAIT)
+        if route.is_clear(world, phase, rest):
+            return rest
+        aside = route.aside(world)
+        return aside if aside is not None and route.is_clear(world, phase, aside) else None
 
     # --- carrying out --------------------------------------------------------------------------------------------
 
@@ -213,14 +239,23 @@ class Run:
 
     def _carry_out(self, phase: Phase, path: PhasePath, window: Window) -> str | None:
         """One phase; when it is broken off, why."""
-        self._left = None
-        alone = replace(window.skeleton, phases=(phase,))
-        near = concerned(alone, frozenset(self.world.on_course))
+        near = concerned(replace(window.skeleton, phases=(phase,)), frozenset(self.world.on_course))
         named = frozenset(a for literal in phase.mode | phase.added for a in literal[1:])
-        self._lookout.look(self.world)
+        self._left = None
+        found = self._watched(phase, path, named, near, completed=True)
+        if found is None:
+            self._waits = 0
+        return found
+
+    def _watched(
+        self, phase: Phase, path: PhasePath, named: frozenset[str], near: frozenset[str], *, completed: bool
+    ) -> str | None:
+        """Carry out a motion while looking at the bodies that it touches and passes; when it is broken off, why."""
         begin, failure = self.world.time, self._failures.next_of(phase, self.world.time)
+        self._asked = begin
+        self._lookout.look(self.world)
         found = self._lookout.surprise(named, near, begin)
-        if found is not None:
+        if found is not None and completed:
             return found
         for look in np.arange(1, int(np.ceil(path.duration / PERIOD))) * PERIOD:
             now = begin + float(look)
@@ -229,19 +264,19 @@ class Run:
             self._lookout.look(self.world, now)
             found = self._lookout.surprise(named, near, now)
             if found is not None:
+                self._asked = now
                 slowed = braked(self.problem.world, path, float(look))
-                self._perform(phase, slowed, completed=slowed is path)
-                if slowed is not path:
+                self._perform(phase, slowed, completed=completed and slowed is path)
+                if completed and slowed is not path:
                     self._trail.append(slowed)
                     self._left = path.duration - float(look)
                 return found
         if failure is not None and failure.time < begin + path.duration:
-            if failure.time - begin > 1e-3:
+            if failure.time - begin > INSTANT:
                 self._perform(phase, stopped(path, failure.time - begin), completed=False)
-            self.world.time = max(self.world.time, failure.time)
+            self.world.time = self._asked = max(self.world.time, failure.time)
             return f"{failure.module} is {failure.kind}"
-        self._perform(phase, path, completed=True)
-        self._waits = 0
+        self._perform(phase, path, completed=completed)
         return None
 
     def _perform(self, phase: Phase, path: PhasePath, *, completed: bool) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -13,46 +13,69 @@ PERIOD = 0.05
 """Seconds between two looks at the scene."""
 MEMORY = 20
 """Looks from which a velocity is estimated."""
+KEPT = 60
+"""Looks that are remembered: planning may know the last ones too late."""
+SAME_TIME = 1e-9
+"""Seconds that make no difference."""
 TOLERANCE = 5e-4
 """Metres by which a body may be off where a window expects it."""
 SURE = 5.0
 """Standard deviations of the noise that make no difference."""
 
 
+@dataclass(frozen=True, slots=True)
+class Line:
+    """The way of a body as some looks have it: from `begin` to `end`, at `position` `(3,)` then, with a `velocity`."""
+
+    begin: float
+    end: float
+    position: Array
+    velocity: Array
+
+    def at(self, times: Array) -> Array:
+        """Positions `(T, 3)` at times `(T,)`."""
+        return np.asarray(self.position + (times - self.end)[:, None] * self.velocity)
+
+
 @dataclass(slots=True)
 class Sighting:
-    """The last looks at one body: times and positions `(3,)`."""
+    """The last looks at one body: times and positions `(3,)`; and, of each change of its way, when it was noticed, and
+    the last look before."""
 
-    times: deque[float] = field(default_factory=lambda: deque(maxlen=MEMORY))
-    positions: deque[Array] = field(default_factory=lambda: deque(maxlen=MEMORY))
+    times: deque[float] = field(default_factory=lambda: deque(maxlen=KEPT))
+    positions: deque[Array] = field(default_factory=lambda: deque(maxlen=KEPT))
+    changes: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=KEPT))
 
-    def line(self) -> tuple[Array, Array]:
-        """Position at the last look, and velocity, by least squares; at rest after a single look."""
-        if len(self.times) < 2:
-            return self.positions[-1], np.zeros(3)
-        times = np.array(self.times) - self.times[-1]
-        slope, origin = np.polyfit(times, np.array(self.positions), 1)
-        return np.asarray(origin), np.asarray(slope)
+    def line(self, known: float = np.inf) -> Line:
+        """By least squares through the looks up to a time, or else the first one; at rest after a single look."""
+        begin = max((since for noticed, since in self.changes if noticed <= known + SAME_TIME), default=-np.inf)
+        chosen = [k for k, time in enumerate(self.times) if begin <= time <= known + SAME_TIME][-MEMORY:] or [0]
+        times, positions = (np.array([rows[k] for k in chosen]) for rows in (self.times, self.positions))
+        if len(chosen) < 2:
+            return Line(times[0], times[0], positions[0], np.zeros(3))
+        slope, origin = np.polyfit(times - times[-1], positions, 1)
+        return Line(times[0], times[-1], np.asarray(origin), np.asarray(slope))
 
 
 class Sensing:
     """Looks at the bodies that may move. Positions are read with normal noise of `sigma` metres per axis, from the
-    generator given; orientations without."""
+    generator given; orientations without. What is foreseen rests on the looks up to the time `known`."""
 
     def __init__(self, sigma: float, random: np.random.Generator) -> None:
         self.sigma = sigma
         self.tolerance = TOLERANCE + SURE * sigma
+        self.known = np.inf
         self._random = random
         self._seen: dict[str, Sighting] = {}
 
     def look(self, time: float, poses: dict[str, Array]) -> dict[str, Array]:
         """Sense the poses `(7,)` of bodies at a time; gives the sensed positions `(3,)`. A body that is not where the
-        looks before would have it has changed its way: only the last look before still counts."""
+        looks before would have it has changed its way: from then on only the last look before still counts."""
         found = {}
         for name, pose in poses.items():
             position = pose[:3] + (self._random.normal(0.0, self.sigma, 3) if self.sigma else 0.0)
             sighting = self._seen.setdefault(name, Sighting())
-            if sighting.times and time - sighting.times[-1] < 1e-9:
+            if sighting.times and time - sighting.times[-1] < SAME_TIME:
                 found[name] = sighting.positions[-1]
                 continue
             self._check_way(sighting, time, position)
@@ -62,14 +85,11 @@ class Sensing:
         return found
 
     def _check_way(self, sighting: Sighting, time: float, position: Array) -> None:
-        if len(sighting.times) < 2:
+        line = sighting.line() if sighting.times else None
+        if line is None or line.begin == line.end:
             return
-        here, velocity = sighting.line()
-        off = float(np.linalg.norm(here + velocity * (time - sighting.times[-1]) - position))
-        if off > 0.5 * self.tolerance:
-            while len(sighting.times) > 1:
-                sighting.times.popleft()
-                sighting.positions.popleft()
+        if float(np.linalg.norm(line.at(np.array([time]))[0] - position)) > 0.5 * self.tolerance:
+            sighting.changes.append((time, sighting.times[-1]))
 
     def last(self, body: str) -> Array:
         """The position `(3,)` at the last look."""
@@ -77,17 +97,14 @@ class Sensing:
 
     def velocity(self, body: str) -> Array:
         """The estimated velocity `(3,)` in m/s; what is not told apart from noise is zero."""
-        sighting = self._seen.get(body)
-        if sighting is None or len(sighting.times) < 2:
-            return np.zeros(3)
-        _, velocity = sighting.line()
-        span = sighting.times[-1] - sighting.times[0]
-        certain = max(1e-5, SURE * self.sigma / span)
-        return velocity if float(np.linalg.norm(velocity)) > certain else np.zeros(3)
+        return self._way(body).velocity if body in self._seen else np.zeros(3)
 
-    def foreseen(self, body: str, pose: Array, seconds: float) -> Array:
-        """The pose `(7,)` of a body some seconds after the last look; `pose` tells its orientation."""
-        position, _ = self._seen[body].line()
-        result = pose.copy()
-        result[:3] = position + seconds * self.velocity(body)
-        return result
+    def foreseen(self, body: str, pose: Array, times: Array) -> Array:
+        """The poses `(T, 7)` of a body at some times; `pose` tells its orientation."""
+        return np.column_stack([self._way(body).at(times), np.tile(pose[3:], (len(times), 1))])
+
+    def _way(self, body: str) -> Line:
+        line = self._seen[body].line(self.known)
+        span = line.end - line.begin
+        sure = span > 0.0 and float(np.linalg.norm(line.velocity)) > max(1e-5, SURE * self.sigma / span)
+        return line if sure else replace(line, velocity=np.zeros(3))

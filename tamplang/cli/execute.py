@@ -57,6 +57,8 @@ def _noise(context: click.Context, option: click.Parameter, texts: tuple[str, ..
 @click.option("--horizon", callback=checked_horizon, metavar="N|auto", help="Actions whose motion one window plans.")
 @click.option("--noise", multiple=True, metavar="KIND=SIGMA", callback=_noise,
               help="position (m) of sensed bodies, joint (rad) of sensed joints, drive (rad/s²); may be repeated.")
+@click.option("--latency", type=click.FloatRange(0.0, 2.0),
+              help="Simulated seconds that planning a window takes.  [default: 0.25]")
 @click.option("--time", "seconds", type=Seconds(), help="Budget in seconds; inf for none.")
 @click.option("--out", type=click.Path(path_type=Path), help="The plan file.  [default: TASK.run.json in this folder]")
 @click.option("--report", type=click.Path(path_type=Path), help="Write the report too: one HTML file.")
@@ -68,6 +70,7 @@ def run(
     seed: int,
     horizon: int | str | None,
     noise: dict[str, float],
+    latency: float | None,
     seconds: float | None,
     out: Path | None,
     report: Path | None,
@@ -92,7 +95,8 @@ def run(
         load_libraries()
         with kept_interrupt() as check:
             result = loaded.run(
-                plan=plan, horizon=horizon, noise=Noise(**noise), time=seconds, seed=seed, progress=_told(check)
+                plan=plan, horizon=horizon, noise=Noise(**noise), latency=latency, time=seconds, seed=seed,
+                progress=_told(check),
             )
         result.plan.save(out)
         if report is not None:

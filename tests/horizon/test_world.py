@@ -123,7 +123,7 @@ def test_velocities_are_read_off_the_last_looks() -> None:
         pose = pose + np.array([0.002, 0, 0, 0, 0, 0, 0])
         sensing.look(0.1 * k, {"b": pose})
     assert sensing.velocity("b") == pytest.approx([0.02, 0.0, 0.0])
-    assert sensing.foreseen("b", pose, 1.0)[0] == pytest.approx(0.028)
+    assert sensing.foreseen("b", pose, np.array([1.4]))[0, 0] == pytest.approx(0.028)
     sensing.look(0.5, {"b": pose + np.array([0.3, 0, 0, 0, 0, 0, 0])})  # someone pushed it
     sensing.look(0.6, {"b": pose + np.array([0.3, 0, 0, 0, 0, 0, 0])})
     sensing.look(0.7, {"b": pose + np.array([0.3, 0, 0, 0, 0, 0, 0])})
