@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.metadata
 import platform
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Protocol
 
 import numpy as np
@@ -15,6 +15,7 @@ from ..compiler import ir
 from ..compiler.printing_terms import format_formula
 from ..langs.source import Span
 from . import plan as record
+from .native import MissingLibrary, load_native
 from .resampling import Resampled, resample
 from .skeleton import Array, Phase, PhasePath, Skeleton, start_configuration
 from .verify.findings import place_of
@@ -27,7 +28,8 @@ DIGITS = 10
 """Decimals of metres, radians and seconds in the file."""
 Places = Mapping[ir.Fact, Span | None]
 """Where literals are written."""
-PACKAGES = ("numpy", "casadi", "pin", "coal", "scipy")
+LIBRARIES = {"numpy": "numpy", "casadi": "casadi", "pinocchio": "pin", "coal": "coal", "scipy": "scipy"}
+"""Compiled libraries, and the Python packages that bring them."""
 
 
 class Motion(Protocol):
@@ -82,13 +84,11 @@ def plan_of(
 
 
 def _versions() -> dict[str, str]:
-    """What made the plan: tamplang, Python and the libraries that are installed."""
+    """What made the plan: tamplang, Python and the libraries that can be loaded."""
     found = {"tamplang": __version__, "python": platform.python_version()}
-    for package in PACKAGES:
-        try:
-            found["pinocchio" if package == "pin" else package] = importlib.metadata.version(package)
-        except importlib.metadata.PackageNotFoundError:
-            continue
+    for name, package in LIBRARIES.items():
+        with suppress(MissingLibrary):
+            found[name] = load_native(name, package).__version__
     return found
 
 

@@ -39,15 +39,13 @@ class Kinematics:
         """The moving frame of every joint, and -1 for the module frame, for poses `(T, 7)`, joints `(T, n)`."""
         rows = np.hstack([_unit(poses), joints])
         count = len(self._ids)
-        position, rotation = np.empty((len(rows), count, 3)), np.empty((len(rows), count, 3, 3))
+        found = np.empty((count, len(rows), 4, 4))
         placements: Any = self._data.oMi
         for t, row in enumerate(rows):
             self._forward(self._model, self._data, row)
             for k, index in enumerate(self._ids):
-                placement = placements[index]
-                position[t, k] = placement.translation
-                rotation[t, k] = placement.rotation
-        return {k - 1: Frames(position[:, k], rotation[:, k]) for k in range(count)}
+                found[k, t] = placements[index].homogeneous
+        return {k - 1: Frames(m[:, :3, 3].copy(), m[:, :3, :3].copy()) for k, m in enumerate(found)}
 
     def effector(self, name: str, joints: Mapping[int, Frames]) -> Frames:
         """The frame of an effector, given those of the joints."""
