@@ -17,7 +17,7 @@ from ...compiler.symbolic.successors import Successors
 from ..bounds import EXPECTED, Bounds
 from ..budget import Budget
 from ..judgement import Judgement
-from ..lgp import SolveOptions, motion_settings
+from ..lgp import MOST_REMEMBERED, SolveOptions, motion_settings
 from ..plan import SearchNode
 from ..refusals import Refusals
 from ..search.best_first import Candidate, SkeletonSearch
@@ -31,8 +31,11 @@ LOOKAHEAD = 2
 """P_seq looks so many phases beyond the window."""
 FEW_PARTS = 3
 """Up to so many unmet parts of the goal are planned for at once from the first try on."""
-NODES, MORE_NODES = 3000, 30000
+NODES, MORE_NODES = 300, 30000
 """Nodes that a search for the cheapest plan may expand, and then a hurried one."""
+WEIGHT = 1.0
+"""The surcharge that an action at the limit of its conditions has before any was refused: first windows then need
+fewer candidates, and runs promise no cheapest plan anyway."""
 STRAINED = 200
 """Pairs of state and action for which a search learns a strain that depends on the state: windows are many."""
 WIDTH = 40
@@ -137,7 +140,7 @@ class _Planner:
         self.began = time.monotonic()
         self.refused = self.tree_nodes = self.expanded_nodes = 0
         self.tree: tuple[SearchNode, ...] = ()
-        self.proved = False
+        self.proved = self.again = False
         self.unmet: list[ir.Formula] = []
 
     def run(self) -> Window:
@@ -213,22 +216,24 @@ class _Planner:
             search = SkeletonSearch(problem, successors, self.options.search, self.budget, NODES)
         strain = Strain(successors, STRAINED)
         surcharge = Surcharge(strain)
-        if self.memory.surcharge is not None:
+        if self.memory.surcharge is None:
+            surcharge.weight = WEIGHT
+        else:
             surcharge.inherit(self.memory.surcharge)
-            search.surcharge = surcharge.of if surcharge.weight else None
         self.memory.surcharge = surcharge
+        search.surcharge = surcharge.of
         for actions in self.forbidden:
             forbid(search, actions)
-        again = False
+        self.again = False
         try:
             for _ in range(CANDIDATES):
                 with clock("search"):
                     candidate = self._next(search, strain)
                 if candidate is None:
                     self.proved = search.status == "infeasible" and not self.forbidden
-                    if search.status != "exhausted" or again or not search.readmit():
+                    if search.status != "exhausted" or self.again or not search.readmit():
                         return None
-                    again = True
+                    self.again = True
                     self.memory.bounds.try_harder()
                     continue
                 if self._too_short(candidate, goal):
@@ -274,8 +279,8 @@ class _Planner:
             if conflict.bound != EXPECTED:
                 self.memory.refusals.add(replace(seen, problem=self.memory.refusals.problem), conflict)
                 surcharge.refused(candidate.numbers, conflict.first, conflict.last)
-                search.surcharge = surcharge.of if surcharge.weight else None
-            search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start)
+            short = not self.again and conflict.bound in ("seq", EXPECTED) and conflict.last < MOST_REMEMBERED
+            search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start and not short)
         return None
 
     def _coming(self) -> tuple[tuple[str, str], ...]:
