@@ -236,8 +236,9 @@ class ClearanceGroup:
         first, second, wanted, _ = self._all
         value = wanted - self._distances(z, first, second)
         close = value > -near
+        added = close.copy()
+        added[self.rows] = False
         close[self.rows] = True
-        added = np.setdiff1d(np.flatnonzero(close), self.rows)
         broken = bool((value[added] > 1e-4).any())
         self._use(np.flatnonzero(close))
         return broken

@@ -4,6 +4,7 @@ slices (thesis section 3.2; Toussaint 2017, k-order motion optimisation)."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from .groups import ALL, Group, Label, LinearGroup, merged
 from .layout import Indices
 
 KINDS = ("cost", "equality", "inequality")
+SMALL = 100_000
+"""Of a group with no more products of rows, all their places are found at once."""
 DIVERGED = 1e9
 """Stands for a violation that is no number: JSON has none, and no comparison would tell it."""
 
@@ -21,7 +24,8 @@ class Program:
     """Minimise Σ ½‖cost‖² subject to equalities and inequalities, over x = z[len(constants):].
 
     Residuals come as three flat vectors: costs, equalities, inequalities (r <= 0), each group after the other. Costs
-    are linear groups, so that their part of the system is made once.
+    are linear groups, so that their part of the system is made once. The groups must stay as they are while systems are
+    asked for.
     """
 
     def __init__(self, constants: Array, unknowns: int, groups: Sequence[Group]) -> None:
@@ -34,14 +38,29 @@ class Program:
         self.groups["cost"] = [*costs]
         self.width = 1 + max((self._reach(g) for gs in self.groups.values() for g in gs), default=0)
         self._shape = (unknowns, self.width)
-        self._bounds = np.cumsum([0, *(count * rows for count, rows in (g.shape for g in self.groups["inequality"]))])
-        self._always = Together(self.groups["equality"], len(constants), self._shape)
-        self._costs = [(g.coefficients, Scatter(g.places, len(constants), self._shape)) for g in costs]
+        self._linear = costs
+        self._scatters: dict[int, Scatter] = {}
+
+    @cached_property
+    def _always(self) -> Together:
+        return Together(self.groups["equality"], len(self.constants), self._shape)
+
+    @cached_property
+    def _costs(self) -> list[tuple[Array, Scatter]]:
+        return [(g.coefficients, Scatter(g.places, len(self.constants), self._shape)) for g in self._linear]
+
+    @cached_property
+    def _cost_band(self) -> Array:
         sums = Sums(self._shape)
         for coefficients, scatter in self._costs:
             square = coefficients[:, :, None] * coefficients[:, None, :]
             sums.add(scatter.band.ravel(), square.ravel())
-        self._cost_band = sums.band()
+        return sums.band()
+
+    @cached_property
+    def _bounds(self) -> Indices:
+        """Where each group of inequalities begins in their residuals, and where the last one ends."""
+        return np.cumsum([0, *(count * rows for count, rows in (g.shape for g in self.groups["inequality"]))])
 
     def _reach(self, group: Group) -> int:
         places = group.span()
@@ -96,9 +115,19 @@ class Program:
             slope = np.matmul(block[:, None, :], jacobian)
             jacobian = jacobian * (block > 0)[:, :, None]
             square = np.matmul(jacobian.transpose(0, 2, 1), weight * jacobian)
+            band, gradient = self._targets(number, group, chosen, places)
+            sums.add(band, square.ravel())
+            sums.pull(gradient, slope.ravel())
+
+    def _targets(self, number: int, group: Group, chosen: Indices, places: Indices) -> tuple[Indices, Indices]:
+        """Where the products of chosen instances go; those of a small group are all found at once."""
+        if group.shape[0] * places.shape[1] ** 2 > SMALL:
             scatter = Scatter(places, len(self.constants), self._shape)
-            sums.add(scatter.band.ravel(), square.ravel())
-            sums.pull(scatter.gradient.ravel(), slope.ravel())
+            return scatter.band.ravel(), scatter.gradient.ravel()
+        if number not in self._scatters:
+            self._scatters[number] = Scatter(group.span(), len(self.constants), self._shape)
+        scatter = self._scatters[number]
+        return scatter.band[chosen].ravel(), scatter.gradient[chosen].ravel()
 
     def hessian(self, x: Array, cost_weight: float, multipliers: tuple[Array, Array]) -> Array:
         """Lower band (unknowns, width) of the Hessian of cost_weight · ½‖c‖² + λ·e + κ·i; costs are linear rows."""
