@@ -24,25 +24,31 @@ def deepest(
     everyone: bool = False,
 ) -> float:  # fmt: skip
     """How deep, in metres, a module whose joints move (or, with `everyone`, any) gets into a body that the phase does
-    not keep it to; negative when it stays clear.
+    not keep it to; negative when it stays clear. Arguments are those of `nearest`."""
+    found = nearest(problem, before, phase, path, own)
+    moved = {name for name, rows in path.modules.items() if everyone or np.ptp(rows[:, 7:], axis=0).any()}
+    return -min((distance for (module, _), distance in found.items() if module in moved), default=np.inf)
+
+
+def nearest(
+    problem: ir.Problem, before: Configuration, phase: Phase, path: PhasePath, own: Mapping[str, Array]
+) -> dict[tuple[str, str], float]:
+    """The least distance, in metres, of every module with joints from every body that the phase does not keep it to.
 
     `own` gives the poses `(LOOKS, 7)` of the bodies that move on their own, evenly over the phase; `before` is the true
-    configuration in which it starts. Modules are covered by spheres; bodies of other shapes than boxes and round ones
-    are left to the check of what was carried out.
+    configuration in which it starts. Modules are covered by spheres.
     """
     times = np.linspace(0.0, path.duration, LOOKS)
     joints = {name: spline_values(rows[:, 7:], path.duration, times) for name, rows in path.modules.items()}
     poses = carried(problem, phase.mode, joints, before, own, path)
     kept = {pair(*(carrier(problem, name) for name in names)) for names in kept_pairs(problem, phase.mode)}
-    worst = -np.inf
+    found = {}
     for module in problem.world.modules.values():
-        if not len(module.type.joints) or not (everyone or np.ptp(joints[module.name], axis=0).any()):
-            continue
         cover = _cover(module, poses[module.name], joints[module.name])
-        for body in problem.world.bodies.values():
+        for body in problem.world.bodies.values() if len(cover[0]) and module.type.joints else ():
             if pair(module.name, body.name) not in kept:
-                worst = max(worst, -float(_distances(cover, body, poses[body.name]).min()))
-    return worst
+                found[module.name, body.name] = float(_distances(cover, body, poses[body.name]).min())
+    return found
 
 
 def clearances(world: ir.World, configuration: Configuration, within: float) -> dict[tuple[str, str], float]:

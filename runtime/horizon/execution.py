@@ -11,9 +11,10 @@ from ...langs.diagnostics import Diagnostic
 from ..lgp import options_of
 from ..plan import Plan
 from ..verify import verify
+from .drives import Noise
 from .rerun import window_of
 from .run import HORIZON, LATENCY, Run, RunOptions, RunProgress
-from .tracking import Deviations, Noise, follow
+from .tracking import Deviations, deviations, follow
 
 SECONDS = 120.0
 """Budget of a run that says nothing else."""
@@ -39,5 +40,6 @@ def execute(
     delay = LATENCY if latency is None else latency
     chosen = horizon if isinstance(horizon, int) else HORIZON
     first = None if plan is None else window_of(problem, plan)
-    outcome = Run(problem, RunOptions(options, chosen, noise.position, seed, delay), tell, first).run()
-    return outcome.status, outcome.plan, tuple(outcome.explanation), follow(outcome.plan, problem, noise, seed)
+    outcome = Run(problem, RunOptions(options, chosen, noise, seed, delay), tell, first).run()
+    off = deviations(outcome.plan, problem, outcome.commanded, outcome.driven)
+    return outcome.status, outcome.plan, tuple(outcome.explanation), off

@@ -13,11 +13,13 @@ from ..lgp import SolveOptions, motion_settings
 from ..resampling import kept_pairs
 from ..skeleton import Array, Phase, PhasePath
 from .aside import way_aside
-from .drift import LOOKS, clearances, deepest
+from .braking import waiting
+from .drift import LOOKS, clearances, deepest, nearest
 from .failures import Failures
 from .foresight import displaced, foreseen_problem
 from .lookout import Lookout
 from .planning import Planner, Window
+from .sensing import SAME_TIME
 from .world import World
 
 FIRST_GUESS = 2.0
@@ -34,8 +36,10 @@ DEEP = 8e-4
 """Metres that a phase may be in something, as when it leaves what rises."""
 PRESSED = 2e-4
 """The same for a robot at rest, which what changes its way may press further before it is noticed."""
-AROUND = 0.1
-"""Metres from a robot at rest within which bodies are looked out for."""
+MORE = 5e-5
+"""Metres that are no more."""
+AROUND = 0.05
+"""Metres from a robot within which bodies are looked out for."""
 LONGEST_SEARCH = 30.0
 """Seconds that the search for another way may take in mid-run."""
 
@@ -134,8 +138,10 @@ class Route:
         return {b: m for b, m in blamed if b not in passed and b not in kept and not bodies[b].movable}
 
     def is_clear(self, world: World, phase: Phase, path: PhasePath) -> bool:
-        """Whether nothing presses upon a robot on a way that no window is for, such as rest."""
-        return self._deepest(world, phase, path, self.lookout.look(world), everyone=True) <= PRESSED
+        """Whether nothing presses upon a robot on a way that no window is for, such as rest, or no more than now."""
+        poses, now = self.lookout.look(world), waiting(world.reached.configuration, SAME_TIME)
+        pressed = self._deepest(world, phase, now, poses, everyone=True)
+        return self._deepest(world, phase, path, poses, everyone=True) <= max(PRESSED, min(pressed + MORE, DEEP))
 
     def aside(self, world: World) -> PhasePath | None:
         """A motion, standing where it stands, of the robot that the next action moves, to where it has room."""
@@ -148,6 +154,14 @@ class Route:
             return None
         seed = self.options.seed + self.planner.failures
         return way_aside(skeleton, motion_settings(problem, self.options), seed, self.budget)
+
+    def passed(self, world: World, phase: Phase, path: PhasePath) -> frozenset[str]:
+        """The bodies on courses that a motion comes near, as they seem to move."""
+        times = world.time + np.linspace(0.0, path.duration, LOOKS)
+        poses = self.lookout.look(world)
+        own = {body: self.lookout.sensing.foreseen(body, pose, times) for body, pose in poses.items()}
+        found = nearest(self.problem, world.reached.configuration, phase, path, own)
+        return frozenset(body for (_, body), distance in found.items() if distance < AROUND and body in own)
 
     def near(self, world: World) -> frozenset[str]:
         """The bodies on courses that a robot at rest has to look out for."""

@@ -23,12 +23,12 @@ from ..assemble import FACTOR
 from ..budget import Budget, ending
 from ..lgp import SolveOptions
 from ..plan import Plan, StatisticsRecord, WindowRecord
-from ..skeleton import Phase, PhasePath
+from ..skeleton import Array, Phase, PhasePath
 from ..verify import verify
 from ..verify.replay import Interpreter
 from .braking import braked, first_part, reversed_path, stopped, waiting
+from .drives import EXACT, Noise
 from .failures import Failures
-from .foresight import concerned
 from .lookout import Lookout
 from .planning import Window
 from .record import Step, plan_of_run
@@ -52,12 +52,11 @@ MOST_WAITS = 40
 
 @dataclass(frozen=True, slots=True)
 class RunOptions:
-    """`horizon` actions get their motion in one window; `sigma` is the noise of sensed positions, metres; planning a
-    window takes `latency` simulated seconds."""
+    """`horizon` actions get their motion in one window, whose planning takes `latency` simulated seconds."""
 
     solve: SolveOptions
     horizon: int = HORIZON
-    sigma: float = 0.0
+    noise: Noise = EXACT
     seed: int = 0
     latency: float = LATENCY
 
@@ -77,11 +76,14 @@ class RunProgress:
 class RunOutcome:
     """`status` is "solved"; "stuck": from the state reached no way leads on; "lost": a breakdown took what carries a
     robot or holds a thing; "refused": by the verifier; "budget" or "interrupted". `plan` holds what was carried out,
-    verified; it is not `complete` unless the goal is reached."""
+    verified; it is not `complete` unless the goal is reached. `commanded` and `driven` joint values `(T, n)` are those
+    at its time stamps."""
 
     status: str
     plan: Plan
     explanation: list[Diagnostic] = field(default_factory=list)
+    commanded: dict[str, Array] = field(default_factory=dict)
+    driven: dict[str, Array] = field(default_factory=dict)
 
 
 class Run:
@@ -93,12 +95,12 @@ class Run:
     ) -> None:  # fmt: skip
         self.problem = problem
         self.options = options
-        self.world = World(problem)
+        self.world = World(problem, options.noise, options.seed)
         self.budget = Budget(options.solve.time)
         self.steps: list[Step] = []
         self.windows: list[WindowRecord] = []
         self._tell = tell
-        sensing = Sensing(options.sigma, np.random.default_rng([options.seed, 1]))
+        sensing = Sensing(options.noise.position, np.random.default_rng([options.seed, 1]))
         self._failures = Failures(problem)
         self._lookout = Lookout(sensing)
         self._route = Route(problem, options.solve, options.horizon, self._failures, self._lookout, self.budget)
@@ -143,18 +145,22 @@ class Run:
         return "stuck"
 
     def _hold(self) -> None:
-        """Rest until the next window can be there. Its planning goes on since it was asked for: while a phase that is
-        not disturbed is carried out, or while the robot brakes. The clock starts with the first window."""
+        """Rest until the next window can be there, or go back where something would press. Planning goes on since it
+        was asked for: while a phase that is not disturbed is carried out, or while the robot brakes. The clock starts
+        with the first window."""
         end = self._asked + self.options.latency
         failure = self._failures.due(end)
         end = end if failure is None else min(end, failure.time)
         if not self.steps or not self._route.way or not self._unmet() or end < self.world.time + INSTANT:
             return
         phase = Phase(self._route.way[0], self.world.reached.mode, frozenset[ir.Fact]())
-        for look in np.arange(self.world.time + PERIOD, end, PERIOD):
+        path = waiting(self.world.reached.configuration, end - self.world.time)
+        back = None if self._route.is_clear(self.world, phase, path) else self._back(phase)
+        if back is not None:
+            path, self._left = back, None
+        for look in np.arange(self.world.time + PERIOD, self.world.time + path.duration, PERIOD):
             self._lookout.look(self.world, float(look))
-        seconds = end - self.world.time
-        self._perform(phase, waiting(self.world.reached.configuration, seconds), completed=False)
+        self._perform(phase, path, completed=False)
 
     # --- planning ------------------------------------------------------------------------------------------------
 
@@ -206,14 +212,9 @@ class Run:
         """Some of what was broken off, back the way it came; else rest, for what moves may move on; else a motion to
         where the robot has room. Only what stays clear of everything will do."""
         world, route = self.world, self._route
-        if self._trail:
-            last = self._trail.pop()
-            share = BACK if last.duration > SHORT else 1.0
-            path = reversed_path(self.problem.world, last, share)
-            if route.is_clear(world, phase, path):
-                self._trail += [first_part(last, 1.0 - share)] if share < 1.0 else []
-                return path
-            self._trail = []
+        path = self._back(phase)
+        if path is not None:
+            return path
         if self._waits >= MOST_WAITS or not world.on_course:
             return None
         self._waits += 1
@@ -223,13 +224,26 @@ class Run:
         aside = route.aside(world)
         return aside if aside is not None and route.is_clear(world, phase, aside) else None
 
+    def _back(self, phase: Phase) -> PhasePath | None:
+        """Some of what was broken off, back the way it came, where that is clear."""
+        if not self._trail:
+            return None
+        last = self._trail.pop()
+        share = BACK if last.duration > SHORT else 1.0
+        path = reversed_path(self.problem.world, last, share)
+        if self._route.is_clear(self.world, phase, path):
+            self._trail += [first_part(last, 1.0 - share)] if share < 1.0 else []
+            return path
+        self._trail = []
+        return None
+
     # --- carrying out --------------------------------------------------------------------------------------------
 
     def _follow(self, window: Window) -> str:
         """Carry out the phases of a window that have motions; why the next one is planned."""
         for phase, path in zip(window.skeleton.phases, window.paths, strict=False):
             self._say(str(phase.action))
-            reason = self._carry_out(phase, self._failures.whole(path, self.world.reached.configuration), window)
+            reason = self._carry_out(phase, self._failures.whole(path, self.world.reached.configuration))
             failed = self._failures.due(self.world.time)
             if reason is None and failed is not None:
                 reason = f"{failed.module} is {failed.kind}"
@@ -237,9 +251,9 @@ class Run:
                 return reason
         return "next window"
 
-    def _carry_out(self, phase: Phase, path: PhasePath, window: Window) -> str | None:
+    def _carry_out(self, phase: Phase, path: PhasePath) -> str | None:
         """One phase; when it is broken off, why."""
-        near = concerned(replace(window.skeleton, phases=(phase,)), frozenset(self.world.on_course))
+        near = self._route.passed(self.world, phase, path)
         named = frozenset(a for literal in phase.mode | phase.added for a in literal[1:])
         self._left = None
         found = self._watched(phase, path, named, near, completed=True)
@@ -319,7 +333,12 @@ class Run:
         assert plan.verdict is not None
         if status == "solved" and not plan.verdict.verified:
             status = "refused"
-        return RunOutcome(status, plan, self._explanation)
+        executed = [step.executed for step in self.steps]
+        modules = self.problem.world.modules.values()
+        rest = {m.name: [np.array([m.joints])] for m in modules}
+        told = {name: np.vstack([e.commanded[name] for e in executed] or rest[name]) for name in rest}
+        done = {name: np.vstack([e.driven[name] for e in executed] or rest[name]) for name in rest}
+        return RunOutcome(status, plan, self._explanation, told, done)
 
     def _say(self, message: str) -> None:
         if self._tell is not None:

@@ -1,9 +1,6 @@
-"""How drives follow a plan: a simulation of the joints with seeded noise, and how far the executed motion is off.
+"""How far what drives carry out is off what they were commanded; and drives that follow a plan file.
 
-Every joint is a drive that is told position, speed and acceleration of the plan at each step and corrects what its
-sensor shows (feed-forward and a critically damped PD law). Its acceleration misses the command by normal noise; its
-sensor reads with normal noise. Inertia and load are taken to be fed forward exactly; grips and feet hold. What the
-executed joints mean for poses follows by forward kinematics (Pinocchio) from what each robot stands on.
+Grips and feet hold. What joints mean for poses follows by forward kinematics (Pinocchio) from what robots stand on.
 """
 
 from __future__ import annotations
@@ -17,26 +14,11 @@ from ...compiler import ir
 from ..motion.movement import followers
 from ..plan import Plan
 from ..skeleton import Array, Configuration
-from ..splines import ClampedSpline
 from ..verify.geometry import Frames
 from ..verify.kinematics import Kinematics, Motion, motion_of, place
 from .clearance import worst_clearance
+from .drives import Noise, missed
 from .world import carried
-
-STEP = 2e-3
-"""Seconds of one step of the drives."""
-STIFFNESS = 40.0
-"""Natural frequency of the drives, 1/s."""
-
-
-@dataclass(frozen=True, slots=True)
-class Noise:
-    """Standard deviations: `position` of sensed bodies (m), `joint` of sensed joints (rad or m), `drive` of the
-    accelerations that drives give (rad/s² or m/s²)."""
-
-    position: float = 0.0
-    joint: float = 5e-4
-    drive: float = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,14 +46,21 @@ class Deviations:
 
 def follow(plan: Plan, problem: ir.Problem, noise: Noise, seed: int) -> Deviations:
     """Let simulated drives carry out the joint motion of a plan. Raises MissingLibrary."""
+    planned = motion_of(plan, {m.name: Kinematics(m) for m in plan.modules})
+    return deviations(plan, problem, planned.joints, _driven(planned, noise, np.random.default_rng([seed, 2])))
+
+
+def deviations(
+    plan: Plan, problem: ir.Problem, commanded: Mapping[str, Array], driven: Mapping[str, Array]
+) -> Deviations:
+    """How `driven` joints, `(T, n)` at the time stamps of a plan, deviate from the `commanded` ones. Raises
+    MissingLibrary."""
     kinematics = {m.name: Kinematics(m) for m in plan.modules}
-    planned = motion_of(plan, kinematics)
-    random = np.random.default_rng([seed, 2])
-    joints = {name: driven(planned, plan, name, noise, random) for name in planned.joints}
-    executed = _posed(plan, problem, planned, joints, kinematics)
+    told = motion_of(plan, kinematics)
+    planned, executed = (_posed(plan, problem, told, joints, kinematics) for joints in (commanded, driven))
     found = []
     for module in plan.modules:
-        off = np.abs(joints[module.name] - planned.joints[module.name])
+        off = np.abs(driven[module.name] - commanded[module.name])
         for k, joint in enumerate(module.joints):
             found.append(JointDeviation(module.name, joint.name, float(off[:, k].max()), _rms(off[:, k])))
     switch, name = _switch_error(plan, planned.frames, executed.frames, planned)
@@ -83,31 +72,17 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def driven(planned: Motion, plan: Plan, module: str, noise: Noise, random: np.random.Generator) -> Array:
-    """Executed joint values `(T, n)` of a module at the time stamps of the plan."""
-    result = planned.joints[module].copy()
-    if not result.shape[1]:
-        return result
-    splines = {s.phase: s for s in plan.splines if s.module == module}
-    error, rate = np.zeros(result.shape[1]), np.zeros(result.shape[1])
-    gain, damping = STIFFNESS**2, 2.0 * STIFFNESS
-    for phase, (first, last) in enumerate(planned.ranges[: len(plan.phases)]):
-        knots = np.asarray(splines[phase].knots)
-        curve = ClampedSpline(knots, splines[phase].values)
-        steps = max(1, int(np.ceil((knots[-1] - knots[0]) / STEP)))
-        length = (knots[-1] - knots[0]) / steps
-        misses = random.normal(0.0, noise.drive, (steps, len(error)))
-        reads = random.normal(0.0, noise.joint, (steps, len(error)))
-        errors = np.empty((steps + 1, len(error)))
-        errors[0] = error
-        for k in range(steps):
-            rate = rate + length * (misses[k] - gain * (error + reads[k]) - damping * rate)
-            error = error + length * rate
-            errors[k + 1] = error
-        grid = np.linspace(knots[0], knots[-1], steps + 1)
-        times = planned.times[first : last + 1]
-        off = np.column_stack([np.interp(times, grid, column) for column in errors.T])
-        result[first : last + 1] = curve(times) + off
+def _driven(planned: Motion, noise: Noise, random: np.random.Generator) -> dict[str, Array]:
+    """Executed joint values `(T, n)` at the time stamps of a plan."""
+    result = {}
+    for name, rows in planned.joints.items():
+        values, error = rows.copy(), np.zeros(rows.shape[1])
+        for first, last in planned.ranges if rows.shape[1] else ():
+            part = slice(first, last + 1)
+            errors = missed(noise, random, error, planned.times[part])
+            values[part] += errors
+            error = errors[-1]
+        result[name] = values
     return result
 
 

@@ -18,6 +18,7 @@ from ..motion.movement import followers
 from ..resampling import Linker, between, kept_pairs
 from ..skeleton import Array, Configuration, PhasePath
 from ..splines import ClampedSpline
+from .drives import EXACT, Noise, missed
 from .state import Reached, start
 
 
@@ -37,7 +38,8 @@ class Interval:
 @dataclass(frozen=True, slots=True)
 class Executed:
     """An interval as it took place: `times` `(T,)` since the start of the run; `poses` `(T, 7)` of modules and of the
-    bodies that moved, `joints` `(T, n)`; `before` is the state in which it began."""
+    bodies that moved, `joints` `(T, n)`; `before` is the state in which it began. The path of `interval` is the one
+    that was `commanded` `(T, n)`, and ends where the drives came to; `driven` `(T, n)` is where they were meanwhile."""
 
     interval: Interval
     before: Reached
@@ -45,13 +47,18 @@ class Executed:
     poses: dict[str, Array]
     joints: dict[str, Array]
     bodies: dict[str, Array]
+    commanded: dict[str, Array]
+    driven: dict[str, Array]
 
 
 class World:
-    """The scene of `problem` as it truly is. `time` is in seconds since the start; `reached` the present state."""
+    """The scene of `problem` as it truly is. `time` is in seconds since the start; `reached` the present state. Drives
+    miss what they are told by `noise`."""
 
-    def __init__(self, problem: ir.Problem) -> None:
+    def __init__(self, problem: ir.Problem, noise: Noise = EXACT, seed: int = 0) -> None:
         self.problem = problem
+        self.noise = noise
+        self._random = np.random.default_rng([seed, 2])
         self.time = 0.0
         self.reached = start(problem)
         self._courses: dict[str, list[ir.Course]] = {}
@@ -77,19 +84,50 @@ class World:
         """Let an interval take place, and time pass. The state reached still has the facts of before: what the action
         does to them is not the world's business."""
         self.begin(interval.mode)
-        path = interval.path
-        inner = np.linspace(0.0, path.duration, samples)
+        inner = np.linspace(0.0, interval.path.duration, samples)
         times = self.time + inner
-        joints = {name: spline_values(rows[:, 7:], path.duration, inner) for name, rows in path.modules.items()}
+        errors = self._errors(interval.path, inner)
+        path = missing(interval.path, errors)
+        commanded, joints = sampled(interval.path, inner), sampled(path, inner)
+        driven = {name: values + errors[name] for name, values in commanded.items()}
         own = {body: self.body_poses(body, times) for body in sorted(self.on_course)}
         before = self.reached
         poses = carried(self.problem, interval.mode, joints, before.configuration, own, path)
         bodies = {name: rows for name, rows in poses.items() if name in self.problem.world.bodies and len(rows) > 1}
         modules = {name: poses[name] for name in self.problem.world.modules}
-        executed = Executed(interval, before, times, modules, joints, bodies)
+        told = replace(interval, path=path)
+        executed = Executed(told, before, times, modules, joints, bodies, commanded, driven)
         self.time = float(times[-1])
         self.reached = replace(before, configuration=_last(executed, before.configuration))
         return executed
+
+
+    def _errors(self, path: PhasePath, times: Array) -> dict[str, Array]:
+        """How far joints are from where `path` has them at `times`, `(T, n)`: at first as far as they are now."""
+        found = {}
+        for name, rows in path.modules.items():
+            error = self.reached.configuration.modules[name][7:] - rows[0, 7:]
+            moves = bool(np.ptp(rows[:, 7:], axis=0).any()) and self.noise != EXACT
+            found[name] = (
+                missed(self.noise, self._random, error, times) if moves else np.tile(error, (len(times), 1))
+            )
+        return found
+
+
+def missing(path: PhasePath, errors: Mapping[str, Array]) -> PhasePath:
+    """A motion that ends where `errors` `(T, n)` lead it, and goes there from the first of them without haste."""
+    modules = {}
+    for name, rows in path.modules.items():
+        share = np.linspace(0.0, 1.0, len(rows))[:, None]
+        first, last = errors[name][0], errors[name][-1]
+        values = rows[:, 7:] + first + (3.0 * share**2 - 2.0 * share**3) * (last - first)
+        modules[name] = np.hstack([rows[:, :7], values])
+    return PhasePath(modules, path.bodies, path.duration)
+
+
+def sampled(path: PhasePath, times: Array) -> dict[str, Array]:
+    """Joint values `(T, n)` of all modules at `times` since the start of a motion."""
+    return {name: spline_values(rows[:, 7:], path.duration, times) for name, rows in path.modules.items()}
 
 
 def _last(executed: Executed, configuration: Configuration) -> Configuration:

@@ -80,7 +80,7 @@ def run(
 
     The scene may move, and modules may fail. What was carried out is a plan file, which is verified.
     """
-    from ..runtime.horizon.tracking import Noise
+    from ..runtime.horizon.drives import Noise
 
     plan = read(file) if file.suffix == ".json" else None
     if plan is not None and (task is not None or parameters):

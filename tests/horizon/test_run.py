@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
 
 import msgspec
@@ -9,8 +10,8 @@ import pytest
 
 from tamplang.api import Task, load, task_of_plan
 from tamplang.compiler.pipeline import compile_text
+from tamplang.runtime.horizon.drives import Noise
 from tamplang.runtime.horizon.run import Run, RunOptions, RunProgress
-from tamplang.runtime.horizon.tracking import Noise
 from tamplang.runtime.lgp import SolveOptions
 from tamplang.runtime.plan import Plan, read_plan
 from tamplang.runtime.verify import verify
@@ -53,6 +54,43 @@ def test_a_drifting_target_is_met_where_it_is(drifting: Plan) -> None:
     assert drifting.windows[0].unmet == ["(held target)"]
     moved = drifting.body_tracks[0].poses[-1][1] - drifting.body_tracks[0].poses[0][1]
     assert moved == pytest.approx(-0.01 * drifting.times[-1], abs=1e-9)
+
+
+def test_planning_takes_simulated_time() -> None:
+    drifts = task("moves target along (0, -10 cm, 0) at 1 cm/s")
+    at_once, late = (drifts.run(latency=seconds).record for seconds in (0.0, 0.5))
+    assert [p.completed for p in at_once.phases] == [False, True]
+    assert [p.completed for p in late.phases] == [False, False, True]
+    broken, held, _ = late.phases
+    assert held.end == pytest.approx(0.05 + 0.5) and broken.end < held.end  # asked for at the first look
+    assert {row[0] for row in rows(late, held.start, held.end)} == {rows(late, held.start, held.end)[0][0]}
+    assert late.verdict is not None and late.verdict.verified and late.complete
+
+
+def rows(plan: Plan, start: float, end: float) -> list[list[float]]:
+    """The joints of the first module from one time to another."""
+    times = zip(plan.times, plan.tracks[0].joints, strict=True)
+    return [joints for time, joints in times if start + 1e-6 < time < end - 1e-6]
+
+
+def test_conditions_are_measured_where_a_run_is_planned_not_where_its_scene_started() -> None:
+    rule = """
+rule take(A: gripper, X: object, Y: base) {
+    pre   (free A), (grippable X)
+    where distance(X, Y) <= 2 m
+    post  (grasped A X), not [stable ANY X], [stable A X], [touch A X]
+}
+"""
+    text = DRIFT.replace("import std.rules\n", "import std.logic\nimport std.motion\n" + rule)
+    rising = text.replace("HAPPENS", "moves target along (0, 0, 30 cm) at 5 cm/s")
+    plan = Task(compile_text(rising, "reach.tamp", "reach")[0]).run().record
+    assert plan.complete and plan.verdict is not None and plan.verdict.verified
+    tight = msgspec.to_builtins(plan)
+    for source in tight["task"]["sources"]:
+        source["text"] = source["text"].replace("<= 2 m", "<= 0.64 m")
+        source["sha256"] = hashlib.sha256(source["text"].encode()).hexdigest()
+    found = verify(msgspec.convert(tight, Plan)).failures
+    assert ["condition" in f.message for f in found] == [True], found
 
 
 @pytest.mark.parametrize(

@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 
 from tamplang.compiler import ir
 from tamplang.compiler.pipeline import compile_text
-from tamplang.runtime.horizon.braking import braked, first_part, reversed_path, stopped, within_limits
+from tamplang.runtime.horizon.braking import braked, first_part, reversed_path, stopped, waiting, within_limits
 from tamplang.runtime.horizon.drift import signed_distance
+from tamplang.runtime.horizon.drives import Noise
 from tamplang.runtime.horizon.sensing import Sensing
-from tamplang.runtime.horizon.world import World, carried
+from tamplang.runtime.horizon.world import Interval, World, carried
 from tamplang.runtime.skeleton import PhasePath
 from tamplang.runtime.verify.happenings import Course
 
@@ -151,3 +152,22 @@ def test_noise_is_seeded() -> None:
 )
 def test_signed_distances(shape: ir.Shape, point: tuple[float, float, float], distance: float) -> None:
     assert float(signed_distance(shape, np.array(point))) == pytest.approx(distance)
+
+
+def test_the_next_motion_starts_where_the_drives_came_to(problem: ir.Problem) -> None:
+    world = World(problem, Noise(0.0, 1e-3, 2.0), 5)
+    path = swing(problem, 2.0)
+    action, mode = ir.Action("grasp", ()), world.reached.mode
+    first = world.carry_out(Interval(action, mode, frozenset(), path, False), 101)
+    came_to = world.reached.configuration.modules["c"][7:]
+    off = came_to - path.modules["c"][-1, 7:]
+    assert 1e-5 < np.abs(off).max() < 2e-3
+    assert first.driven["c"][-1] == pytest.approx(came_to) and first.joints["c"][-1] == pytest.approx(came_to)
+    assert first.joints["c"][0] == pytest.approx(first.commanded["c"][0])
+    assert within_limits(problem.world, first.interval.path)
+    back = reversed_path(problem.world, path, 1.0)
+    second = world.carry_out(Interval(action, mode, frozenset(), back, False), 101)
+    assert second.joints["c"][0] == pytest.approx(came_to, abs=1e-12)
+    assert np.abs(second.driven["c"] - second.commanded["c"]).max() < 5e-3
+    rest = world.carry_out(Interval(action, mode, frozenset(), waiting(world.reached.configuration, 1.0), False), 21)
+    assert np.ptp(rest.joints["c"], axis=0).max() == 0.0

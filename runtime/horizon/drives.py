@@ -1,0 +1,49 @@
+"""Simulated drives: joints that follow commanded values with seeded noise.
+
+Every joint is a drive that is told position, speed and acceleration of the command at each step and corrects what its
+sensor shows (feed-forward and a critically damped PD law). Its acceleration misses the command by normal noise; its
+sensor reads with normal noise. Inertia and load are taken to be fed forward exactly. A joint that rests is braked.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..skeleton import Array
+
+STEP = 2e-3
+"""Seconds of one step of the drives."""
+STIFFNESS = 40.0
+"""Natural frequency of the drives, 1/s."""
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """Standard deviations: `position` of sensed bodies (m), `joint` of sensed joints (rad or m), `drive` of the
+    accelerations that drives give (rad/s² or m/s²)."""
+
+    position: float = 0.0
+    joint: float = 5e-4
+    drive: float = 0.5
+
+
+EXACT = Noise(0.0, 0.0, 0.0)
+
+
+def missed(noise: Noise, random: np.random.Generator, error: Array, times: Array) -> Array:
+    """How far joints are from their commanded values at increasing `times`, `(T, n)`, while they move: `error` `(n,)`
+    at the first one, at which they rest."""
+    steps = max(1, int(np.ceil((times[-1] - times[0]) / STEP)))
+    length = (times[-1] - times[0]) / steps
+    misses = random.normal(0.0, noise.drive, (steps, len(error)))
+    reads = random.normal(0.0, noise.joint, (steps, len(error)))
+    errors = np.empty((steps + 1, len(error)))
+    errors[0], rate = error, np.zeros(len(error))
+    gain, damping = STIFFNESS**2, 2.0 * STIFFNESS
+    for k in range(steps):
+        rate = rate + length * (misses[k] - gain * (errors[k] + reads[k]) - damping * rate)
+        errors[k + 1] = errors[k] + length * rate
+    grid = np.linspace(times[0], times[-1], steps + 1)
+    return np.array([np.interp(times, grid, column) for column in errors.T]).reshape(len(error), -1).T

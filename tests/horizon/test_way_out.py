@@ -1,0 +1,102 @@
+"""What a run does where nothing leads on, and what it foresees so that this seldom happens."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tamplang.compiler import ir
+from tamplang.compiler.pipeline import compile_text
+from tamplang.runtime.budget import Budget
+from tamplang.runtime.horizon.aside import ROOM, way_aside
+from tamplang.runtime.horizon.braking import waiting
+from tamplang.runtime.horizon.drift import clearances, nearest
+from tamplang.runtime.horizon.failures import Failures
+from tamplang.runtime.horizon.foresight import foreseen_problem
+from tamplang.runtime.horizon.lookout import Lookout
+from tamplang.runtime.horizon.planning import Planner
+from tamplang.runtime.horizon.route import PRESSED, Route
+from tamplang.runtime.horizon.sensing import PERIOD, Sensing
+from tamplang.runtime.horizon.world import Interval, World
+from tamplang.runtime.lgp import SolveOptions, motion_settings
+from tamplang.runtime.skeleton import Phase
+from tamplang.runtime.verify.replay import Interpreter
+
+SCENE = """
+import std.crawler
+import std.rules
+
+task below() {
+    base ground: box(2 m, 2 m, 0.05 m) at (0, 0, 0)
+    base lid: box(0.4 m, 0.4 m, 0.05 m) at (0, 0, HIGH m)
+    moves lid along (0, 0, -10 cm) at 4 mm/s
+    object target: sphere(0.04 m) at (0.4 m, 0.3 m, 0.6 m)
+    fact (grippable target)
+    crawler c: A on ground
+    goal (held target)
+}
+"""
+
+
+def world_with_a_lid(apart: float) -> World:
+    """A lid that sinks upon the end of a crawler that stands upright, `apart` metres above it."""
+    problem = scene(1.5)
+    distance = clearances(problem.world, World(problem).reached.configuration, 2.0)["c", "lid"]
+    return World(scene(1.5 - distance + apart))
+
+
+def scene(high: float) -> ir.Problem:
+    return compile_text(SCENE.replace("HIGH", f"{high:.6f}"), "below.tamp", "below")[0]
+
+
+def route_in(world: World) -> Route:
+    """With the last second of looks."""
+    lookout = Lookout(Sensing(0.0, np.random.default_rng(0)))
+    for look in np.arange(0.0, 1.0, PERIOD):
+        lookout.look(world, float(look))
+    world.time = 1.0
+    action = next(iter(first_actions(world.problem)))
+    return Route(world.problem, SolveOptions(), 4, Failures(world.problem), lookout, Budget(30.0), (action,))
+
+
+def first_actions(problem: ir.Problem) -> list[ir.Action]:
+    return list(Interpreter(problem).applicable(problem.init, problem.rules["grasp"]))
+
+
+@pytest.mark.parametrize(("apart", "seconds", "clear"), [(0.01, 0.5, True), (0.01, 4.0, False), (0.005, 0.5, False)])
+def test_a_robot_rests_only_while_nothing_presses_upon_it(apart: float, seconds: float, clear: bool) -> None:
+    world = world_with_a_lid(apart)
+    route = route_in(world)
+    world.reached.configuration.bodies["lid"] = world.at(world.time)["lid"]
+    phase = Phase(route.way[0], world.reached.mode, frozenset())
+    path = waiting(world.reached.configuration, seconds)
+    assert route.is_clear(world, phase, path) is clear
+    lid = world.body_poses("lid", np.array([world.time + seconds]))
+    own = {"lid": np.tile(lid, (25, 1))}
+    deep = -nearest(world.problem, world.reached.configuration, phase, path, own)["c", "lid"]
+    assert (deep <= PRESSED) is clear
+
+
+def test_what_comes_near_before_the_phase_ends_is_left_where_it_is_seen_from_the_robot() -> None:
+    world = world_with_a_lid(0.012)
+    now = world.reached.configuration.bodies["lid"]
+    sunk = now - np.array([0.0, 0.0, 0.02, 0.0, 0.0, 0.0, 0.0])
+    near = foreseen_problem(world.problem, world.reached, {"lid": sunk}, frozenset(), {})
+    assert near.world.bodies["lid"].pose[2] == pytest.approx(now[2]) and ("c.B", "lid") in near.touching
+    high = now + np.array([0.0, 0.0, 0.02, 0.0, 0.0, 0.0, 0.0])
+    far = foreseen_problem(world.problem, world.reached, {"lid": high}, frozenset(), {})
+    assert far.world.bodies["lid"].pose[2] == pytest.approx(high[2])
+    met = foreseen_problem(world.problem, world.reached, {"lid": sunk}, frozenset({"lid"}), {})
+    assert met.world.bodies["lid"].pose[2] == pytest.approx(sunk[2])
+
+
+def test_a_robot_moves_aside_to_where_it_has_room() -> None:
+    world = world_with_a_lid(0.008)
+    problem = foreseen_problem(world.problem, world.reached, {}, frozenset(), {})
+    skeleton = Planner(SolveOptions()).skeleton(problem, first_actions(problem)[:1])
+    assert skeleton is not None
+    path = way_aside(skeleton, motion_settings(problem, SolveOptions()), 0, Budget(30.0))
+    assert path is not None
+    done = world.carry_out(Interval(skeleton.phases[0].action, world.reached.mode, frozenset(), path, False), 21)
+    assert done.joints["c"][0] == pytest.approx(problem.world.modules["c"].joints)
+    assert ("c", "lid") not in clearances(problem.world, world.reached.configuration, ROOM - 5e-3)
