@@ -13,17 +13,18 @@ from .assemble import assemble
 from .budget import Budget, Clock, OutOfTime
 from .experience import Experience
 from .judgement import Conflict, Judgement, blame
+from .motion.mending import MENDS, Draw, Mend, mended, resampled, unmoved
 from .motion.path import solve_path
 from .motion.sequence import LONGEST, NOISE, judged_alone, solve_sequence
 from .motion.settings import MotionSettings
 from .motion.starts import guess
 from .plan import BoundRecord, Plan, StatisticsRecord
-from .questions import Attempt, Whole, Window, resampled, sequence_path, unmoved
+from .questions import Attempt, Whole, Window, sequence_path
 from .skeleton import BoundResult, Configuration, Skeleton, beginning
 from .verify import verify
 
 RESAMPLES = 4
-"""How often the switch poses are drawn anew when a phase between them finds no path."""
+"""How often all switch poses are drawn anew when mending them around phases without a path does not help."""
 EXPECTED = "expected"
 """The bound of conflicts that similar windows make likely, without a solve."""
 PATH_SECONDS, PATH_SHARE = 30.0, 0.4
@@ -301,24 +302,27 @@ class Bounds:
                     return
 
     def _paths(self, skeleton: Skeleton, sequence: BoundResult) -> Judgement:
-        """P_seqPath between the switch poses, drawn anew around phases that fail; then P_path."""
-        result: BoundResult | None = None
-        blamed: list[set[int]] = []
-        for attempt in range(RESAMPLES + 1):
-            path: BoundResult | None = None
-            if result is not None:
-                again, path = self._attempt(skeleton, sequence, result, attempt)
-                if not again.feasible:
-                    continue
-                sequence = again
-            if path is None:
-                self._expect_attempt(skeleton, sequence, result, attempt + 1)
-                path = self._sequence_path(skeleton, sequence, result is not None)
-            result = path
+        """P_seqPath between the switch poses, drawn anew around phases that fail, at last all of them; then P_path."""
+        result = self._sequence_path(skeleton, sequence, thorough=False)
+        blamed = [{v.phase for v in result.violations}]
+        for draw in (*MENDS, *range(1, RESAMPLES + 1)):
             if result.feasible:
-                return Judgement(True, result.paths, path_cost=result.cost, path_cost_before=result.cost_before)
+                break
+            path: BoundResult | None = None
+            if isinstance(draw, Mend):
+                again = self._mended(skeleton, sequence, result, draw)
+            else:
+                again, path = self._attempt(skeleton, sequence, result, draw)
+            if not again.feasible:
+                continue
+            sequence = again
+            if path is None:
+                self._expect_attempt(skeleton, sequence, result, draw)
+                path = self._sequence_path(skeleton, sequence, draw != MENDS[0], result if draw in MENDS else None)
+            result = path
             blamed.append({v.phase for v in result.violations})
-        assert result is not None
+        if result.feasible:
+            return Judgement(True, result.paths, path_cost=result.cost, path_cost_before=result.cost_before)
         bound = "seq-path"
         if self.finest == "path":
             free = self._path(skeleton, sequence)
@@ -326,6 +330,14 @@ class Bounds:
                 return Judgement(True, free.paths, path_cost=free.cost)
             bound = "path"
         return Judgement(False, conflicts=[blame(bound, result, blamed, len(skeleton))])
+
+    def _mended(self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, mend: Mend) -> BoundResult:
+        """P_seq around the phases that have no path; the other switch poses stay."""
+        self.tell("seq", f"P_seq around {len(refused.violations)} actions")
+        with self.clock("seq"):
+            result = mended(skeleton, sequence, refused, mend, self.settings, self.seed, self.budget, self.tries)
+        self._count("seq", result.feasible)
+        return result
 
     def _drawn(self, sequence: BoundResult, refused: BoundResult, attempt: int) -> Attempt:
         """The attempt after P_seqPath between the switch poses of `sequence` was refused."""
@@ -340,6 +352,8 @@ class Bounds:
         self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int
     ) -> tuple[BoundResult, BoundResult | None]:
         """P_seq once more, and P_seqPath too where another process has come to it already."""
+        if len(skeleton) > LONGEST:
+            return self._sequence(skeleton, self.seed + attempt, None, tries=self.tries), None
         drawn = self._drawn(sequence, refused, attempt)
         if not self.ahead.expects(skeleton, drawn):
             return self._sequence(skeleton, drawn.draw, drawn.warm, tries=self.tries), None
@@ -351,12 +365,11 @@ class Bounds:
             self._count("seq-path", path.feasible)
         return again, path
 
-    def _expect_attempt(
-        self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult | None, attempt: int
-    ) -> None:
+    def _expect_attempt(self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, draw: Draw) -> None:
         """The next attempt, if the same phases are refused as before."""
-        if self.ahead.helps and refused is not None and attempt <= RESAMPLES:
-            self.ahead.expect(skeleton, self._drawn(sequence, refused, attempt), self.budget)
+        following = draw + 1 if isinstance(draw, int) else 1 if draw == MENDS[-1] else RESAMPLES + 1
+        if self.ahead.helps and following <= RESAMPLES and len(skeleton) <= LONGEST:
+            self.ahead.expect(skeleton, self._drawn(sequence, refused, following), self.budget)
 
     def _path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult | None:
         """P_path, with a share of the time that is left; None when that is spent."""
@@ -372,10 +385,12 @@ class Bounds:
         self._count("path", result.feasible)
         return result
 
-    def _sequence_path(self, skeleton: Skeleton, sequence: BoundResult, thorough: bool) -> BoundResult:
+    def _sequence_path(
+        self, skeleton: Skeleton, sequence: BoundResult, thorough: bool, known: BoundResult | None = None
+    ) -> BoundResult:
         self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
         with self.clock("seq_path"):
-            result = sequence_path(skeleton, sequence, self.settings, self.seed, self.budget, thorough)
+            result = sequence_path(skeleton, sequence, self.settings, self.seed, self.budget, thorough, known)
         self._count("seq-path", result.feasible)
         return result
 

@@ -8,8 +8,6 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-import numpy as np
-
 from .budget import Budget
 from .motion.path import solve_path
 from .motion.phases import UnsupportedPhase, solve_sequence_path
@@ -82,33 +80,12 @@ class Attempt(Question[tuple[BoundResult, BoundResult | None]]):
 
 def sequence_path(
     skeleton: Skeleton, sequence: BoundResult, settings: MotionSettings, seed: int, budget: Budget,
-    thorough: bool = True,
+    thorough: bool = True, known: BoundResult | None = None,
 ) -> BoundResult:  # fmt: skip
     """P_seqPath between the switch configurations of `sequence`; as one program where phases cannot be told apart.
-    Unless `thorough`, hard phases fail soon. Raises OutOfTime."""
+    Unless `thorough`, hard phases fail soon; what is `known` of phases between the same switches stays. Raises
+    OutOfTime."""
     try:
-        return solve_sequence_path(skeleton, sequence.configurations, settings, seed, budget, thorough)
+        return solve_sequence_path(skeleton, sequence.configurations, settings, seed, budget, thorough, known)
     except UnsupportedPhase:
         return solve_path(skeleton, settings, seed, budget, sequence, pinned=True)
-
-
-def unmoved(configurations: Sequence[Configuration], failed: Sequence[int]) -> list[Configuration]:
-    """Switch configurations as a start in which the failed phases end where they begin."""
-    result = [configuration.copy() for configuration in configurations]
-    for phase in failed:
-        result[phase + 1] = result[phase].copy()
-    return result
-
-
-def resampled(configurations: Sequence[Configuration], failed: Sequence[int], seed: int) -> list[Configuration]:
-    """Switch configurations as a start, with new joint values at both ends of the failed phases."""
-    random = np.random.default_rng(seed)
-    changed = {k for phase in failed for k in (phase, phase + 1)} - {0}
-    result = []
-    for k, configuration in enumerate(configurations):
-        fresh = configuration.copy()
-        if k in changed:
-            for values in fresh.modules.values():
-                values[7:] += random.normal(0.0, 0.4, len(values) - 7)
-        result.append(fresh)
-    return result

@@ -25,8 +25,9 @@ SLIP = 1e-4
 """The largest drift of a kept pose along the resampled path, metres or radians."""
 FACTORS = (1, 2, 4, 8)
 """How many times as many slices a path may need for that, and for joints that move far."""
-STARTS = 3
-"""How many starts a phase gets: a straight one twice, the second time with a wider margin, then a bumped one."""
+ONCE, STARTS = 1, 3
+"""How many starts a phase gets, at first and once its switches were drawn anew: a straight one twice, the second time
+with a wider margin, then a bumped one."""
 CLOSURE = 1e-8
 ACCURATE = 1e-4
 PROJECTIONS = 40
@@ -47,12 +48,12 @@ class PhaseResult:
 
 def solve_phase(
     skeleton: Skeleton, phase: int, before: Configuration, after: Configuration, settings: MotionSettings,
-    random: np.random.Generator, budget: Budget,
+    random: np.random.Generator, budget: Budget, starts: int = STARTS,
 ) -> PhaseResult:  # fmt: skip
     """The motion of one phase between two switches, from a straight start, then from bumped ones. Raises OutOfTime."""
     best: PhaseResult | None = None
     iterations = 0
-    for number in range(STARTS):
+    for number in range(starts):
         wider = replace(settings, margin=settings.margin * NEARER) if number % 3 == 1 else settings
         program = PathProgram(skeleton, wider, [before, after], True, range(phase, phase + 1))
         bump = {n: random.normal(0.0, BUMP, len(c) - 7) for n, c in before.modules.items()} if number > 1 else {}

@@ -20,8 +20,8 @@ ORIGIN = -1
 
 
 class Layout:
-    """Offsets of every slot in z. Unknowns are ordered by slice, then in the order of `names`. Slices in `pinned` are
-    given, not unknown."""
+    """Offsets of every slot in z. Unknowns are ordered by slice, then in the order of `names`. What `pinned` holds in a
+    slice is given, not unknown."""
 
     def __init__(self, world: World, start: Configuration, pinned: Mapping[int, Configuration] | None = None) -> None:
         modules = [(m.name, start.modules[m.name]) for m in world.modules.values()]
@@ -38,7 +38,7 @@ class Layout:
         for slice_, configuration in [(0, start), *sorted((pinned or {}).items())]:
             given = configuration.modules | configuration.bodies
             self._pinned[slice_] = {}
-            for name in self.names:
+            for name in (n for n in self.names if n in given):
                 self._pinned[slice_][name] = at
                 values.append(given[name])
                 at += self.sizes[name]
@@ -60,12 +60,10 @@ class Layout:
 
     def add_slice(self, free: Iterable[str]) -> int:
         """Append a slice in which `free` have slots of their own and all else is where it was. Returns its number."""
-        offsets = dict(self.slices[-1])
-        pinned = self._pinned.get(len(self.slices))
-        if pinned:
-            offsets |= {name: pinned[name] for name in free}
-        else:
-            self._allocate(offsets, free)
+        offsets, chosen = dict(self.slices[-1]), frozenset(free)
+        pinned = self._pinned.get(len(self.slices), {})
+        offsets |= {name: at for name, at in pinned.items() if name in chosen}
+        self._allocate(offsets, chosen - pinned.keys())
         self.slices.append(offsets)
         return len(self.slices) - 1
 

@@ -83,11 +83,12 @@ def solve_span(
     warm: Sequence[Configuration] | None = None,
     free: bool = False,
     tries: int | None = None,
+    end: Configuration | None = None,
 ) -> BoundResult:
     """P_seq of phases `first` … `last`, with restarts. `configurations` begins with the state before `first`: `start`,
-    or with `free` an unknown one, and `start` is then the scene at time 0."""
+    or with `free` an unknown one, and `start` is then the scene at time 0. With `end` it leads there."""
     began = time.monotonic()
-    span = _Span(skeleton, first, last, settings, random, budget, start, free)
+    span = _Span(skeleton, first, last, settings, random, budget, start, free, end)
     best = span.search(warm, tries or min(TRIES, 4 + last - first))
     best.iterations, best.seconds = span.iterations, time.monotonic() - began
     return best
@@ -115,11 +116,11 @@ class _Span:
 
     def __init__(
         self, skeleton: Skeleton, first: int, last: int, settings: MotionSettings, random: np.random.Generator,
-        budget: Budget, start: Configuration, free: bool,
+        budget: Budget, start: Configuration, free: bool, end: Configuration | None = None,
     ) -> None:  # fmt: skip
         self.skeleton, self.first, self.last = skeleton, first, last
         self.settings, self.random, self.budget = settings, random, budget
-        self.start, self.free = start, free
+        self.start, self.free, self.end = start, free, end
         self.iterations = 0
         self.reached = False
         """Whether some attempt succeeded but for collisions."""
@@ -128,7 +129,7 @@ class _Span:
     def _program(self, frozen: bool) -> SwitchProgram:
         if frozen not in self._programs:
             self._programs[frozen] = SwitchProgram(
-                self.skeleton, self.first, self.last, self.start, self.settings, self.free, frozen
+                self.skeleton, self.first, self.last, self.start, self.settings, self.free, frozen, self.end
             )  # fmt: skip
         return self._programs[frozen]
 

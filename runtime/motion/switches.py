@@ -39,7 +39,8 @@ POLISH = Options(mu=1e4, damping=1e-3, iterations=60)
 
 
 class SwitchProgram:
-    """P_seq of phases `first` … `last` of a skeleton, from `start`, the state before `first`.
+    """P_seq of phases `first` … `last` of a skeleton, from `start`, the state before `first`, to `end` where that is
+    given: what a phase is the last to move comes to rest as it is there.
 
     With `free` the state before is unknown too, but for what never moved before: it satisfies the relations of its
     mode. With `frozen`, robots that a switch does not concern stay where they are.
@@ -47,24 +48,29 @@ class SwitchProgram:
 
     def __init__(
         self, skeleton: Skeleton, first: int, last: int, start: Configuration, settings: MotionSettings,
-        free: bool = False, frozen: bool = True,
+        free: bool = False, frozen: bool = True, end: Configuration | None = None,
     ) -> None:  # fmt: skip
         self.skeleton = skeleton
         self.problem: Problem = skeleton.problem
         self.phases = range(first, last + 1)
         self.settings = settings
-        self.layout = Layout(self.problem.world, start)
+        moving = [self._moving(phase, frozen) for phase in self.phases]
+        self.layout = Layout(self.problem.world, start, _settled(moving, end) if end else None)
         if free:
             self.layout.free_start(self._moved_before(first))
-        for phase in self.phases:
-            modules = involved(skeleton, phase) if frozen else frozenset(self.problem.world.modules)
-            self.layout.add_slice(modules | followers(self.problem, skeleton.phases[phase].mode))
+        for names in moving:
+            self.layout.add_slice(names)
         self._features = Features(self.problem, self.layout)
         if free:
             self._standing()
         self._literals()
         self._groups = self._all_groups()
         self._free = free
+
+    def _moving(self, phase: int, frozen: bool) -> frozenset[str]:
+        """What has a slot of its own at the switch that ends a phase."""
+        modules = involved(self.skeleton, phase) if frozen else frozenset(self.problem.world.modules)
+        return modules | followers(self.problem, self.skeleton.phases[phase].mode)
 
     def _moved_before(self, first: int) -> frozenset[str]:
         moved = set(self.problem.world.modules)
@@ -210,6 +216,17 @@ class SwitchProgram:
             program = self.program()
             x = project(program, x, tolerance, budget)
         return program, x
+
+
+def _settled(moving: Sequence[frozenset[str]], end: Configuration) -> dict[int, Configuration]:
+    """By slice, 1 for the first of the phases: what its phase is the last to move, where it is in the end."""
+    found = {}
+    later: frozenset[str] = frozenset()
+    for slice_, names in reversed(list(enumerate(moving, start=1))):
+        modules = {name: slot for name, slot in end.modules.items() if name in names - later}
+        found[slice_] = Configuration(modules, {n: pose for n, pose in end.bodies.items() if n in names - later})
+        later |= names
+    return found
 
 
 def run(program: Program, x: Array, options: Options, settings: MotionSettings, budget: Budget) -> Outcome:

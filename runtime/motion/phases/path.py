@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 
 import numpy as np
@@ -23,6 +23,7 @@ from ..timing import shortest_duration
 from .attempts import Group, improve, polish_groups, solve_groups, start_group
 from .batch import Batch, excess_clearance, worst_clash
 from .geometry import make_parts
+from .kept import cost_of, taken_over
 from .kinematics import mounted_poses
 from .smoothing import path_cost
 from .tree import Mount, PhaseTree, UnsupportedPhase, arrive, phase_tree, pose_vector
@@ -69,10 +70,11 @@ def _failures(group: Group, world: World) -> list[Violation]:
 
 def solve_sequence_path(
     skeleton: Skeleton, configurations: Sequence[Configuration], settings: MotionSettings, seed: int, budget: Budget,
-    thorough: bool = True,
+    thorough: bool = True, known: BoundResult | None = None,
 ) -> BoundResult:  # fmt: skip
     """P_seqPath (thesis, section 3.2): motions between the given K + 1 switch configurations, whose switch rows hold
-    to 1e-6. Unless `thorough`, hard phases fail soon, as they do where switches can be drawn anew.
+    to 1e-6. Unless `thorough`, hard phases fail soon, as they do where switches can be drawn anew. Phases that have a
+    path in `known`, a result between other switches, keep it where their own two are the same.
 
     The result's configurations take their joint values from the given ones and their poses from the kinematics of
     the phases before, so that what rests does not drift. When a phase fails, `paths` hold the best attempts and
@@ -82,7 +84,8 @@ def solve_sequence_path(
     """
     started = time.perf_counter()
     trees, states, drift, others = _chain(skeleton, configurations, settings)
-    groups = _groups(skeleton, trees, states, settings)
+    kept = taken_over(known, trees, [states[0][0], *(e for _, e in states)])
+    groups = _groups(skeleton, [t for t in trees if t.phase not in kept], states, settings)
     result = BoundResult("seq-path", False, math.inf, 0.0, 0, [states[0][0], *(e for _, e in states)], [], drift)
     result.violations += [v for group in groups for v in _blocked(group.batch)]
     if not result.violations:
@@ -90,14 +93,17 @@ def solve_sequence_path(
         failures = [v for group in groups for v in _failures(group, skeleton.problem.world)]
         result.violations += [v for v in failures if v.literal[0] != "step"]
         coarse = {v.phase for v in failures if v.literal[0] == "step"}
-        result.cost = _cost(groups)
-        if settings.polish and not failures:
+        before = cost_of(skeleton.problem.world, trees, kept)
+        result.cost = before + _cost(groups)
+        if settings.polish:
             with suppress(OutOfTime):
                 result.iterations += polish_groups(groups, budget)
-            result.cost_before, result.cost = result.cost, _cost(groups)
-        result.paths = _paths(skeleton, groups, trees, states, settings.slices)
+            result.cost_before, result.cost = result.cost, before + _cost(groups)
+        result.paths = _paths(skeleton, _motions(groups) | kept, trees, states, settings.slices)
         _refine(skeleton, result, states, sorted(coarse), settings, budget)
-        _solve_others(skeleton, result, states, others, settings, seed, budget)
+        if known:
+            result.paths = [known.paths[k] if k in others and k in kept else p for k, p in enumerate(result.paths)]
+        _solve_others(skeleton, result, states, [k for k in others if k not in kept], settings, seed, budget, thorough)
         result.feasible = not result.violations
     result.violations.sort(key=lambda v: (-v.amount, v.phase))
     result.seconds = time.perf_counter() - started
@@ -119,15 +125,16 @@ def _refine(
 
 def _solve_others(
     skeleton: Skeleton, result: BoundResult, states: Sequence[tuple[Configuration, Configuration]],
-    others: Sequence[int], settings: MotionSettings, seed: int, budget: Budget,
+    others: Sequence[int], settings: MotionSettings, seed: int, budget: Budget, thorough: bool,
 ) -> None:  # fmt: skip
     """Phases that are no open chains, until one fails."""
-    from ..closed import solve_phase
+    from ..closed import ONCE, STARTS, solve_phase
 
     for phase in others:
         if result.violations:
             return
-        found = solve_phase(skeleton, phase, *states[phase], settings, np.random.default_rng([seed, phase]), budget)
+        random = np.random.default_rng([seed, phase])
+        found = solve_phase(skeleton, phase, *states[phase], settings, random, budget, STARTS if thorough else ONCE)
         result.paths[phase] = found.path
         result.violations += found.violations
         result.cost += found.cost
@@ -155,7 +162,7 @@ def polish(
         iterations += improve(group, np.random.default_rng([seed, k]), starts, budget)
     cost = _cost(groups)
     seconds = result.seconds + time.perf_counter() - started
-    paths = _paths(skeleton, groups, trees, states, settings.slices)
+    paths = _paths(skeleton, _motions(groups), trees, states, settings.slices)
     for phase in others:
         paths[phase] = result.paths[phase]
     before = result.cost if result.cost_before is None else result.cost_before
@@ -212,17 +219,22 @@ def _groups(
     return groups
 
 
+def _motions(groups: Sequence[Group]) -> dict[int, Array]:
+    """The joint values of the phases of some groups."""
+    return {int(p): group.paths[k] for group in groups for k, p in enumerate(group.batch.phases)}
+
+
 def _paths(
-    skeleton: Skeleton, groups: Sequence[Group], trees: Sequence[PhaseTree],
+    skeleton: Skeleton, motions: Mapping[int, Array], trees: Sequence[PhaseTree],
     states: Sequence[tuple[Configuration, Configuration]], slices: int,
 ) -> list[PhasePath]:
-    """Samples of everything in every phase: modules that rest in constant rows, bodies that are carried."""
+    """Samples of everything in every phase: modules that rest in constant rows, bodies that are carried. `motions` are
+    the joint values `(times, joints)` of phases that move."""
     world = skeleton.problem.world
-    motions = {int(p): g.paths[k] for g in groups for k, p in enumerate(g.batch.phases)}
     paths = []
     for tree, (start, _) in zip(trees, states, strict=True):
         values = motions.get(tree.phase, np.zeros((slices + 1, 0)))
-        modules = {m: np.tile(state, (slices + 1, 1)) for m, state in start.modules.items()}
+        modules = {m: np.tile(state, (len(values), 1)) for m, state in start.modules.items()}
         for module, links in tree.links.items():
             modules[module][:, :7] = _poses(tree, links[-1], values, start.modules[module])
         for column, (module, joint) in enumerate(tree.variables):
