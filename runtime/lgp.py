@@ -178,9 +178,10 @@ class _Run:
             if conflict.bound != EXPECTED:
                 self.refusals.add(skeleton, conflict)
                 self.surcharge.refused(candidate.numbers, conflict.first, conflict.last)
-                search.surcharge = self.surcharge.of if self.surcharge.weight else None
             short = not self.again and conflict.bound in ("seq", EXPECTED) and conflict.last < MOST_REMEMBERED
             search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start and not short)
+        if self.surcharge.weight:
+            search.charge(self.surcharge)
 
     def _believed(self, skeleton: Skeleton, candidate: Candidate, judgement: Judgement) -> bool:
         """Whether the verifier believes a motion; then the plan is kept and handed on."""

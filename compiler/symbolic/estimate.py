@@ -9,7 +9,7 @@ then.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,6 +19,7 @@ from .domains import FlatRule, scoped_effects
 from .expressions import Test, literal_test, test_source
 from .links import Links
 from .locations import Family, families
+from .prices import Price, Prices
 from .successors import Successors, has_chains
 
 DEEPEST = 3
@@ -26,6 +27,18 @@ DEEPEST = 3
 
 Tables = tuple[tuple[float, ...], ...]
 """By the most modules that a chain has: the least cost of moves, from nowhere and from every place."""
+
+
+@dataclass(frozen=True, slots=True)
+class Located:
+    """Tables of moves of one family, for states in which some of the tests holds, or none does; for all without tests.
+    The moves end where some achiever may fire."""
+
+    family: int
+    tables: Tables
+    tests: tuple[Test, ...]
+    some: bool
+    achievers: tuple[Achiever, ...]
 
 
 @dataclass(slots=True)
@@ -37,8 +50,7 @@ class Landmark:
     parents: list[int] = field(default_factory=list)
     goal: bool = False
     weight: float = 0.0
-    tables: list[tuple[int, Tables, tuple[Test, ...], bool]] = field(default_factory=list)
-    """Family and tables of moves, for states in which some of the tests holds, or none does; for all without tests."""
+    tables: list[Located] = field(default_factory=list)
 
 
 class Estimate:
@@ -64,15 +76,24 @@ class Estimate:
             rules = {a.flat.rule.name for a in self.achievers.first(landmark.facts)}
             landmark.weight = min((self.costs[r] / max(served[r], 1) for r in rules), default=math.inf)
             self._locate(landmark)
-        counted = {rule for mark in self.landmarks for k, *_ in mark.tables for rule in self.families[k].rules}
+        counted = {rule for mark in self.landmarks for t in mark.tables for rule in self.families[t.family].rules}
         counted |= self.links.rules if self.counts_links else set()
         self.separate = not any(served[rule] for rule in counted)
+        self.prices = [Prices(family) for family in self.families]
         self.text = self.source()
+        self.value = self._compiled(self.text)
+
+    def priced(self, price: Price) -> Callable[[int], float]:
+        """The estimate once actions cost more by how strained they are."""
+        return self._compiled(self.source(price))
+
+    def _compiled(self, text: str) -> Callable[[int], float]:
         names: dict[str, Any] = {"inf": math.inf, "stages": self.links.stages, "ALL": ((0, 0.0),)}
         names |= {f"table_{i}": table for i, table in enumerate(self._tables)}
         names |= {f"holders_{i}": holders for i, holders in enumerate(self._holders)}
-        exec(compile(self.text, "<estimate>", "exec"), names)
-        self.value: Callable[[int], float] = names["value"]
+        exec(compile(text, "<estimate>", "exec"), names)
+        value: Callable[[int], float] = names["value"]
+        return value
 
     # --- landmarks -----------------------------------------------------------------------------------------------
 
@@ -171,21 +192,30 @@ class Estimate:
             always = self._tables_of(family, achievers)
             before = self._tables_of(family, early) if early and guards else always
             if before == always:
-                landmark.tables += [(k, always, (), True)] if _some(always) else []
-                continue
-            landmark.tables += [(k, before, guards, False)] if _some(before) else []
-            landmark.tables += [(k, always, guards, True)] if _some(always) else []
+                options = [Located(k, always, (), True, tuple(achievers))]
+            else:
+                early_ones = Located(k, before, guards, False, tuple(early))
+                options = [early_ones, Located(k, always, guards, True, tuple(achievers))]
+            landmark.tables += [option for option in options if _some(option.tables)]
 
-    def _tables_of(self, family: Family, achievers: list[Achiever]) -> Tables:
+    def _tables_of(self, family: Family, achievers: Sequence[Achiever]) -> Tables:
+        return self._by_modules(lambda modules: self._table(family, achievers, modules))
+
+    def _priced(self, located: Located, price: Price) -> Tables:
+        prices = self.prices[located.family]
+        return self._by_modules(lambda modules: prices.table(located.achievers, modules, price))
+
+    def _by_modules(self, table: Callable[[int], tuple[float, ...] | None]) -> Tables:
+        """Tables for ever longer chains where links are counted; none where there is no last one."""
         most = self.links.count
-        last = self._table(family, achievers, most)
+        last = table(most)
         if last is None:
             return ()
         if not self.counts_links:
             return (last,)
-        return (*(self._table(family, achievers, m) or last for m in range(1, most)), last)
+        return (*(table(m) or last for m in range(1, most)), last)
 
-    def _table(self, family: Family, achievers: list[Achiever], modules: int) -> tuple[float, ...] | None:
+    def _table(self, family: Family, achievers: Sequence[Achiever], modules: int) -> tuple[float, ...] | None:
         """The moves until some achiever may fire while no chain has more than so many modules; None when it may fire
         wherever its robot is."""
         starts = None
@@ -200,7 +230,7 @@ class Estimate:
 
     # --- code ----------------------------------------------------------------------------------------------------
 
-    def source(self) -> str:
+    def source(self, price: Price | None = None) -> str:
         """The Python text of the estimate."""
         self._tables: list[Tables] = []
         self._holders: list[dict[int, tuple[int, int]]] = []
@@ -212,7 +242,7 @@ class Estimate:
             held = " or ".join(f"({test_source(t)})" for t in landmark.tests) or "False"
             lines.append(f"    n{i} = {needed}not ({held})")
             lines.append(f"    if n{i}: total += {_number(landmark.weight)}")
-        lines += self._hop_lines(counted)
+        lines += self._hop_lines(counted, price)
         return "\n".join(["def value(s):", "    total = 0", *lines, "    return total", ""])
 
     def _counted_lines(self) -> tuple[set[int], list[str]]:
@@ -268,15 +298,15 @@ class Estimate:
                 lines.append(f"    if t is not None and s & t[0] != t[1]: total -= {_number(below[0])}")
         return lines
 
-    def _hop_lines(self, counted: set[int]) -> list[str]:
+    def _hop_lines(self, counted: set[int], price: Price | None) -> list[str]:
         """The moves that are needed, for each number of links that may be made before: the cheapest of all."""
         groups: dict[tuple[int, Tables], list[str]] = {}
         for i, landmark in enumerate(self.landmarks):
-            for k, tables, tests, some in landmark.tables:
-                if i not in counted:
-                    held = " or ".join(f"({test_source(t)})" for t in tests)
-                    when = "" if not tests else f" and ({held})" if some else f" and not ({held})"
-                    groups.setdefault((k, tables), []).append(f"n{i}{when}")
+            for at in landmark.tables if i not in counted else ():
+                held = " or ".join(f"({test_source(t)})" for t in at.tests)
+                when = "" if not at.tests else f" and ({held})" if at.some else f" and not ({held})"
+                tables = at.tables if price is None else self._priced(at, price)
+                groups.setdefault((at.family, tables), []).append(f"n{i}{when}")
         if not groups:
             return []
         stages = f"stages(s & {self.links.mask})" if self.counts_links else "ALL"

@@ -37,17 +37,26 @@ from .normal_form import parts
 
 Matrix = NDArray[np.bool_]
 Interval = tuple[Any, Any]
+UPPER = ("<=", "<")
+LOWER = (">=", ">")
+LENGTHS = ("distance", "stride")
 
 
 @dataclass(frozen=True, slots=True)
 class Edge:
     """A rule that gives a key of a family a value: `matrix[x, y]` says whether it may go from place x to place y. With
-    no `matrix` the places in `targets` are reached from anywhere."""
+    no `matrix` the places in `targets` are reached from anywhere. `env` holds the numbers of places of the variables
+    that name one, to broadcast."""
 
-    rule: str
+    flat: FlatRule
+    env: Mapping[str, Any]
     matrix: Matrix | None
     targets: NDArray[np.bool_]
     cost: float
+
+    @property
+    def rule(self) -> str:
+        return self.flat.rule.name
 
 
 class Family:
@@ -69,6 +78,7 @@ class Family:
         self._edges_of_rules: dict[tuple[int, int], list[Edge]] = {}
         self._edges_by_modules: dict[int, list[Edge]] = {}
         self._distances: dict[tuple[bytes, int], tuple[float, ...]] = {}
+        self._strains: dict[tuple[int, int], Any] = {}
         self.rules = {e.rule for e in self.edges(len(guards.problem.world.modules))}
         """The rules that move something."""
 
@@ -102,11 +112,13 @@ class Family:
                 continue
             targets = self._mask(self.guards.layout.domains.term(literal.args[1 - self.key_at], types, domains))
             source = self.place_variable(flat, types, domains, {})
+            env: dict[str, Any] = {}
             matrix = None
             if source is not None:
-                matrix = self._relation(flat, source, literal.args[1 - self.key_at], domains, bounds)
+                env = self._between(source, literal.args[1 - self.key_at])
+                matrix = self._relation(flat, source, literal.args[1 - self.key_at], env, domains, bounds)
                 matrix = matrix & targets[None, :]
-            found.append(Edge(flat.rule.name, matrix, targets, cost))
+            found.append(Edge(flat, env, matrix, targets, cost))
         return found
 
     def place_variable(
@@ -124,16 +136,21 @@ class Family:
                 return value.name
         return None
 
-    def _relation(
-        self, flat: FlatRule, source: str, target: Term, domains: Mapping[str, frozenset[str]], bounds: Bounds
-    ) -> Matrix:
-        count = len(self.places)
+    def _between(self, source: str, target: Term) -> dict[str, Any]:
+        """The variables of the place before and the one after, with the numbers of all places."""
         env: dict[str, Any] = {source: self.indices[:, None]}
+        if isinstance(target, Var) and target.name != source:
+            env[target.name] = self.indices[None, :]
+        return env
+
+    def _relation(
+        self, flat: FlatRule, source: str, target: Term, env: Mapping[str, Any],
+        domains: Mapping[str, frozenset[str]], bounds: Bounds,
+    ) -> Matrix:  # fmt: skip
+        count = len(self.places)
         possible = np.ones((count, count), dtype=bool) & self._mask(domains[source])[:, None]
         if isinstance(target, Var) and target.name == source:
             return possible & np.eye(count, dtype=bool)
-        if isinstance(target, Var):
-            env[target.name] = self.indices[None, :]
         related: Matrix = possible & bounds.possible(flat, env)
         return related
 
@@ -149,13 +166,19 @@ class Family:
         found: NDArray[np.bool_] = self._mask(domains[source]) & self.bounds(modules).possible(flat, known)
         return found
 
+    def strain(self, flat: FlatRule, env: Mapping[str, str], modules: int) -> Any:
+        """By place, the least strain of a rule that fires there with some variables bound."""
+        types = {v.name: v.type for v in flat.variables}
+        source = self.place_variable(flat, types, self.guards.layout.domains.variable_domains(flat), env)
+        known = dict(env) if source is None else {**env, source: self.indices}
+        return self.bounds(modules).strain(flat, known)
+
     def moves(self, starts: NDArray[np.bool_], modules: int) -> tuple[float, ...]:
         """The least cost of moves until some key is at one of `starts`: first from nowhere, then from every place;
         infinite without a way."""
         key = (starts.tobytes(), modules)
         if key not in self._distances:
-            distances = self._shortest(starts, modules)
-            self._distances[key] = (self._from_nowhere(distances, modules), *distances)
+            self._distances[key] = self.with_nowhere(self._shortest(starts, modules), modules)
         return self._distances[key]
 
     def _shortest(self, starts: NDArray[np.bool_], modules: int) -> list[float]:
@@ -178,13 +201,14 @@ class Family:
                 waiting = waiting | better
         return [float(b) for b in best]
 
-    def _from_nowhere(self, distances: Sequence[float], modules: int) -> float:
+    def with_nowhere(self, distances: Sequence[float], modules: int) -> tuple[float, ...]:
+        """Costs from every place, and before them the least cost from nowhere."""
         found = (
             edge.cost + min((d for d, t in zip(distances, edge.targets, strict=True) if t), default=math.inf)
             for edge in self.edges(modules)
             if edge.matrix is None
         )
-        return min(found, default=math.inf)
+        return min(found, default=math.inf), *distances
 
     def _mask(self, names: frozenset[str]) -> NDArray[np.bool_]:
         return np.array([p in names for p in self.places], dtype=bool)
@@ -208,12 +232,24 @@ class Bounds:
         """True where no comparison among the conjuncts is refuted; arrays in `env` broadcast."""
         found: Any = np.True_
         for formula in flat.conjuncts:
-            if isinstance(formula, Compare) and formula.operator in ("<", "<=", ">", ">="):
+            if isinstance(formula, Compare) and formula.operator in UPPER + LOWER:
                 low, high = self.interval(formula.left, env), self.interval(formula.right, env)
-                if formula.operator in (">", ">="):
+                if formula.operator in LOWER:
                     low, high = high, low
                 found = found & holds("<=", low[0], high[1])
         return found
+
+    def strain(self, flat: FlatRule, env: Mapping[str, Any]) -> Any:
+        """The least that the strain of an action can be: how close the lengths that its rule bounds are to their
+        limits, 1 at the limit; arrays in `env` broadcast."""
+        least: Any = np.zeros(())
+        for compare in length_bounds(flat):
+            below, above = self.interval(compare.left, env), self.interval(compare.right, env)
+            if compare.operator in LOWER:
+                below, above = above, below
+            if np.all(above[1] > 0.0):
+                least = np.maximum(least, np.maximum(below[0], 0.0) / above[1])
+        return least
 
     def interval(self, term: Term, env: Mapping[str, Any]) -> Interval:
         """Least and largest value of a term over everything that `env` leaves open."""
@@ -275,6 +311,12 @@ class Bounds:
             known = env[term.name]
             return self.guards.geometry.index[known] if isinstance(known, str) else known
         return None
+
+
+def length_bounds(flat: FlatRule) -> list[Compare]:
+    """The comparisons that bound a length of the scene."""
+    found = [f for f in flat.conjuncts if isinstance(f, Compare) and f.operator in UPPER + LOWER]
+    return [f for f in found if any(isinstance(p, Function) and p.name in LENGTHS for p in parts(f))]
 
 
 def reads_chains(flat: FlatRule) -> bool:

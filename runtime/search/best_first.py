@@ -10,7 +10,7 @@ import heapq
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...compiler.ir import Action, Problem
 from ...compiler.symbolic.costs import CostToGo
@@ -20,6 +20,9 @@ from ...compiler.symbolic.successors import Successors
 from ..budget import Budget
 from ..plan import SearchNode
 from .conflicts import EMPTY, LEAF, OFF, NoGoods
+
+if TYPE_CHECKING:
+    from .roomy import Surcharge
 
 RECORDED = 2000
 """How many nodes of the tree are kept for drawing."""
@@ -72,6 +75,8 @@ class SkeletonSearch:
         """What an action costs in a state beyond its own cost, never below 0: it leads the search, and candidates still
         tell their own cost."""
         self._values: dict[int, float] = {}
+        self._priced: Callable[[int], float] | None = None
+        self._priced_values: dict[int, float] = {}
         self.tree: list[SearchNode] = []
         self.tree_nodes = 0
         self.expanded_nodes = 0
@@ -110,6 +115,21 @@ class SkeletonSearch:
         known = self._values.get(state)
         if known is None:
             known = self._values[state] = self.estimate.value(state)
+        return known
+
+    def charge(self, surcharge: Surcharge) -> None:
+        """From now on actions cost what `surcharge` says on top; the estimate knows."""
+        self.surcharge = surcharge.of
+        self._priced = self.estimate.priced(surcharge.price)
+        self._priced_values.clear()
+
+    def expected(self, state: int) -> float:
+        """The estimate of the cost that is left, surcharges included; remembered until they change."""
+        if self._priced is None:
+            return self.value(state)
+        known = self._priced_values.get(state)
+        if known is None:
+            known = self._priced_values[state] = self._priced(state)
         return known
 
     def out_of_budget(self) -> bool:
@@ -196,7 +216,7 @@ class _Run:
         self, state: int, cost: float, guide: float, past: Past, key: Key, parent: tuple[Key, int, int] | None
     ) -> None:
         """Queue a state, unless it is known that no way leads from it to the goal."""
-        estimate = self.search.value(state)
+        estimate = self.search.expected(state)
         if estimate == math.inf:
             return
         if parent is None:

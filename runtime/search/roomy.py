@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...compiler.ir import (
     And,
@@ -17,9 +17,7 @@ from ...compiler.ir import (
     ChainEnd,
     ChainModule,
     ChainType,
-    Compare,
     Formula,
-    Function,
     Literal,
     Not,
     Object,
@@ -30,6 +28,7 @@ from ...compiler.symbolic.domains import FlatRule
 from ...compiler.symbolic.expressions import literal_test
 from ...compiler.symbolic.guards import Environment, Undefined
 from ...compiler.symbolic.layout import BIT, FIELD
+from ...compiler.symbolic.locations import LOWER, length_bounds
 from ...compiler.symbolic.normal_form import free_names, parts
 from ...compiler.symbolic.successors import Successors
 from .conflicts import EMPTY, LEAF
@@ -49,9 +48,6 @@ FADING, MOST_INHERITED = 0.7, 2.0
 EQUAL = 1e-9
 ALL = -1
 """Every bit of a state."""
-UPPER = ("<=", "<")
-LOWER = (">=", ">")
-LENGTHS = ("distance", "stride")
 
 
 class Strain:
@@ -63,9 +59,10 @@ class Strain:
         self._rules: dict[str, list[FlatRule]] = {}
         for flat in successors.domains.rules:
             self._rules.setdefault(flat.rule.name, []).append(flat)
-        self._compares = {id(flat): _bounds(flat) for flat in successors.domains.rules}
+        self._compares = {id(flat): length_bounds(flat) for flat in successors.domains.rules}
         self._fixed = {name for name, flats in self._rules.items() if all(map(self._speaks_of_arguments, flats))}
         self._known: dict[tuple[int, int], float] = {}
+        self._states = 0
         self._masks: dict[int, int] = {}
 
     def of(self, state: int, number: int) -> float:
@@ -78,17 +75,22 @@ class Strain:
         if key not in self._known:
             env = {v.name: a for v, a in zip(flats[0].rule.variables, action.args, strict=True)}
             strains = [strain for flat in flats for strain in self._strains(flat, env, state)]
+            self._states += not self.settled(number)
             self._known[key] = min(strains, default=0.0)
         return self._known[key]
 
     def cheap(self, state: int, number: int) -> float:
         """The strain of an action as far as it can be told quickly: at once where the arguments settle it, else for the
         first `most_states` pairs of state and action; 0 beyond."""
-        if self.successors.action(number).rule in self._fixed:
+        if self.settled(number):
             return self.of(0, number)
-        if (number, state & self._mask(number)) in self._known or len(self._known) < self.most_states:
+        if (number, state & self._mask(number)) in self._known or self._states < self.most_states:
             return self.of(state, number)
         return 0.0
+
+    def settled(self, number: int) -> bool:
+        """Whether the strain of an action is the same in all states."""
+        return self.successors.action(number).rule in self._fixed
 
     def along(self, numbers: Sequence[int]) -> tuple[float, ...]:
         """The strain of each action of a plan."""
@@ -195,21 +197,21 @@ class Strain:
                 return False
 
 
-def _bounds(flat: FlatRule) -> list[Compare]:
-    """The comparisons that bound a length of the scene."""
-    found = [f for f in flat.conjuncts if isinstance(f, Compare) and f.operator in UPPER + LOWER]
-    return [f for f in found if any(isinstance(p, Function) and p.name in LENGTHS for p in parts(f))]
+Kind = tuple[str, int]
+"""Actions that share a limit: those of robots of one size, whatever their rule; or those of a rule without robots."""
 
 
 class Surcharge:
     """What the search should add to the cost of strained actions. It grows with every sequence that motion refused,
-    and is measured by the strain at which actions of that rule, on robots of that size, were refused."""
+    and is measured by the strain of the most strained action of such a sequence, for all of its kind."""
 
     def __init__(self, strain: Strain) -> None:
         self.strain = strain
         self.weight = 0.0
-        self._limits: dict[tuple[str, int], float] = {}
-        self._keys: dict[int, tuple[str, int]] = {}
+        self._limits: dict[Kind, float] = {}
+        self._kinds: dict[int, Kind] = {}
+        self._kinds_of_rules: dict[str, set[Kind]] = {}
+        self._settled: dict[int, float] = {}
 
     def inherit(self, other: Surcharge) -> None:
         """Begin with what another search of the same rules has learnt, which weighs less with each search."""
@@ -221,24 +223,40 @@ class Surcharge:
         if first == last:
             return
         self.weight = max(LEAST, min(self.weight * GROWTH, MOST))
+        self._settled.clear()
+        for number in range(self.strain.successors.action_count):
+            self._kind(number)
         strains = self.strain.along(numbers[: last + 1])
-        largest: dict[tuple[str, int], float] = {}
-        for number, strain in zip(numbers[first : last + 1], strains[first:], strict=True):
-            key = self._key(number)
-            largest[key] = max(strain, largest.get(key, 0.0))
-        for key, strain in largest.items():
-            self._limits[key] = min(strain, self._limits.get(key, 1.0))
+        worst = max(range(first, last + 1), key=lambda k: strains[k])
+        kind = self._kind(numbers[worst])
+        self._limits[kind] = min(strains[worst], self._limits.get(kind, 1.0))
 
     def of(self, state: int, number: int) -> float:
         """The surcharge of an action."""
-        limit = self._limits.get(self._key(number), 1.0)
+        if self.strain.settled(number):
+            known = self._settled.get(number)
+            if known is None:
+                known = self._settled[number] = self._of(state, number)
+            return known
+        return self._of(state, number)
+
+    def _of(self, state: int, number: int) -> float:
+        limit = self._limits.get(self._kind(number), 1.0)
         return self.weight * (self.strain.cheap(state, number) / limit) ** POWER if limit > 0.0 else 0.0
 
-    def _key(self, number: int) -> tuple[str, int]:
-        if number not in self._keys:
+    def price(self, rule: str, strain: Any) -> Any:
+        """The surcharge of actions of a rule by their strain, on robots of the size that was met with the highest
+        limit; arrays broadcast."""
+        limit = max((self._limits.get(kind, 1.0) for kind in self._kinds_of_rules.get(rule, ())), default=1.0)
+        return self.weight * (strain / limit) ** POWER if limit > 0.0 else 0.0 * strain
+
+    def _kind(self, number: int) -> Kind:
+        if number not in self._kinds:
             action = self.strain.successors.action(number)
-            self._keys[number] = action.rule, sum(len(a.modules) for a in action.args if isinstance(a, Chain))
-        return self._keys[number]
+            size = sum(len(a.modules) for a in action.args if isinstance(a, Chain))
+            kind = self._kinds[number] = ("" if size else action.rule, size)
+            self._kinds_of_rules.setdefault(action.rule, set()).add(kind)
+        return self._kinds[number]
 
 
 @dataclass(frozen=True, slots=True)
