@@ -8,8 +8,8 @@ import numpy as np
 
 from ...compiler import ir
 from ...compiler.hulls import hull
-from ...compiler.motion.collision import CHECK_MARGIN, bounding_radius, module_spheres, pair
-from ..motion.movement import carrier
+from ...compiler.motion.collision import CHECK_MARGIN, body_spheres, bounding_radius, module_spheres, pair
+from ..motion.movement import carrier, followers
 from ..resampling import kept_pairs
 from ..skeleton import Array, Configuration, Phase, PhasePath
 from ..transforms import inverse, joint_frames, rotate
@@ -23,31 +23,34 @@ def deepest(
     problem: ir.Problem, before: Configuration, phase: Phase, path: PhasePath, own: Mapping[str, Array],
     everyone: bool = False,
 ) -> float:  # fmt: skip
-    """How deep, in metres, a module whose joints move (or, with `everyone`, any) gets into a body that the phase does
-    not keep it to; negative when it stays clear. Arguments are those of `nearest`."""
+    """How deep, in metres, a module whose joints move (or, with `everyone`, any), or a body that is held, gets into a
+    body that the phase does not keep it to; negative when it stays clear. Arguments are those of `nearest`."""
     found = nearest(problem, before, phase, path, own)
-    moved = {name for name, rows in path.modules.items() if everyone or np.ptp(rows[:, 7:], axis=0).any()}
-    return -min((distance for (module, _), distance in found.items() if module in moved), default=np.inf)
+    resting = {m for m, rows in path.modules.items() if not everyone and not np.ptp(rows[:, 7:], axis=0).any()}
+    return -min((distance for (name, _), distance in found.items() if name not in resting), default=np.inf)
 
 
 def nearest(
     problem: ir.Problem, before: Configuration, phase: Phase, path: PhasePath, own: Mapping[str, Array]
 ) -> dict[tuple[str, str], float]:
-    """The least distance, in metres, of every module with joints from every body that the phase does not keep it to.
+    """The least distance, in metres, of every module with joints, and of every body that is held, from every body that
+    is not, and that the phase does not keep it to.
 
     `own` gives the poses `(LOOKS, 7)` of the bodies that move on their own, evenly over the phase; `before` is the true
-    configuration in which it starts. Modules are covered by spheres.
+    configuration in which it starts. What moves is covered by spheres.
     """
     times = np.linspace(0.0, path.duration, LOOKS)
     joints = {name: spline_values(rows[:, 7:], path.duration, times) for name, rows in path.modules.items()}
     poses = carried(problem, phase.mode, joints, before, own, path)
     kept = {pair(*(carrier(problem, name) for name in names)) for names in kept_pairs(problem, phase.mode)}
+    world, held = problem.world, followers(problem, phase.mode)
+    covers = {m.name: _cover(m, poses[m.name], joints[m.name]) for m in world.modules.values() if m.type.joints}
+    covers |= {name: _body_cover(world.bodies[name], poses[name]) for name in sorted(held)}
     found = {}
-    for module in problem.world.modules.values():
-        cover = _cover(module, poses[module.name], joints[module.name])
-        for body in problem.world.bodies.values() if len(cover[0]) and module.type.joints else ():
-            if pair(module.name, body.name) not in kept:
-                found[module.name, body.name] = float(_distances(cover, body, poses[body.name]).min())
+    for name, cover in covers.items():
+        for body in world.bodies.values() if len(cover[0]) else ():
+            if body.name not in held and pair(name, body.name) not in kept:
+                found[name, body.name] = float(_distances(cover, body, poses[body.name]).min())
     return found
 
 
@@ -76,6 +79,14 @@ def _cover(module: ir.Module, poses: Array, joints: Array) -> tuple[Array, Array
         mine = [k for k, s in enumerate(spheres) if s.joint == joint]
         frame = frames[joint + 1]
         centres[mine] = frame[:, :3] + rotate(frame[None, :, 3:], np.array([spheres[k].centre for k in mine])[:, None])
+    return centres, np.array([sphere.radius for sphere in spheres])[:, None]
+
+
+def _body_cover(body: ir.Body, poses: Array) -> tuple[Array, Array]:
+    """The same for a body at poses `(T, 7)`."""
+    spheres = body_spheres(body, CHECK_MARGIN)
+    local = np.array([sphere.centre for sphere in spheres])[:, None]
+    centres = poses[None, :, :3] + rotate(poses[None, :, 3:], local)
     return centres, np.array([sphere.radius for sphere in spheres])[:, None]
 
 

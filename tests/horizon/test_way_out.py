@@ -10,7 +10,7 @@ from tamplang.compiler.pipeline import compile_text
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.horizon.aside import ROOM, way_aside
 from tamplang.runtime.horizon.braking import waiting
-from tamplang.runtime.horizon.drift import clearances, nearest
+from tamplang.runtime.horizon.drift import LOOKS, clearances, deepest, nearest
 from tamplang.runtime.horizon.failures import Failures
 from tamplang.runtime.horizon.foresight import foreseen_problem
 from tamplang.runtime.horizon.lookout import Lookout
@@ -72,7 +72,7 @@ def test_a_robot_rests_only_while_nothing_presses_upon_it(apart: float, seconds:
     path = waiting(world.reached.configuration, seconds)
     assert route.is_clear(world, phase, path) is clear
     lid = world.body_poses("lid", np.array([world.time + seconds]))
-    own = {"lid": np.tile(lid, (25, 1))}
+    own = {"lid": np.tile(lid, (LOOKS, 1))}
     deep = -nearest(world.problem, world.reached.configuration, phase, path, own)["c", "lid"]
     assert (deep <= PRESSED) is clear
 
@@ -100,3 +100,18 @@ def test_a_robot_moves_aside_to_where_it_has_room() -> None:
     done = world.carry_out(Interval(skeleton.phases[0].action, world.reached.mode, frozenset(), path, False), 21)
     assert done.joints["c"][0] == pytest.approx(problem.world.modules["c"].joints)
     assert ("c", "lid") not in clearances(problem.world, world.reached.configuration, ROOM - 5e-3)
+
+
+def test_what_a_robot_holds_is_looked_at_too() -> None:
+    world = world_with_a_lid(0.3)
+    now = world.reached.configuration
+    tip, lid = now.bodies["lid"].copy(), now.bodies["lid"]
+    tip[2] = lid[2] - 0.025 - 0.04 - 0.1  # the target, 10 cm below the lid
+    now.bodies["target"] = tip
+    mode = world.reached.mode | {("stable", "c.B", "target")}
+    phase = Phase(first_actions(world.problem)[0], mode, frozenset())
+    sunk = np.linspace(lid, lid - np.array([0.0, 0.0, 0.12, 0.0, 0.0, 0.0, 0.0]), LOOKS)
+    path = waiting(now, 1.0)
+    found = nearest(world.problem, now, phase, path, {"lid": sunk})
+    assert found["target", "lid"] == pytest.approx(-0.02, abs=1e-6) and ("c", "target") not in found
+    assert deepest(world.problem, now, phase, path, {"lid": sunk}) == pytest.approx(0.02, abs=1e-6)
