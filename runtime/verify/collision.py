@@ -40,8 +40,9 @@ def check_collisions(
     looked_at = np.array(pairs(plan, found, own), dtype=np.intp).reshape(-1, 2)
     sampler = Sampler(problem, plan, motion, kinematics, happenings)
     findings.measure("penetration_m", 0.0, "")
+    at_rest: AtRest = {}
     for phase in range(len(plan.phases)):
-        check = _PhaseCheck(sampler, phase, found, motion.moving)
+        check = _PhaseCheck(sampler, phase, found, at_rest)
         begin = float(motion.times[motion.ranges[phase][0]])
         for i, k in _near_boxes(check, looked_at):
             findings.check_time()
@@ -54,6 +55,10 @@ def check_collisions(
                 findings.measure("penetration_m", deepest.depth, message, time=deepest.time, between=names)
 
 
+AtRest = dict[tuple[int, int], tuple[tuple[bytes, ...], float]]
+"""How deep two solids overlap that rest, by their places."""
+
+
 @dataclass(frozen=True, slots=True)
 class _Depth:
     depth: float
@@ -63,18 +68,21 @@ class _Depth:
 class _PhaseCheck:
     """One phase: the placement of all solids at evenly refined times, and closer looks where they are needed."""
 
-    def __init__(self, sampler: Sampler, phase: int, found: list[Solid], moving: frozenset[str]) -> None:
+    def __init__(self, sampler: Sampler, phase: int, found: list[Solid], at_rest: AtRest) -> None:
         self._sampler = sampler
         self._phase = phase
         self.found = found
-        self.moving = moving
+        self._at_rest = at_rest
         self._ruler = Ruler()
         self._placement = sampler.at(phase, sampler.grid(phase, LOOKS))
         self.frames = [s.frames(self._placement) for s in found]
-        self._closer: dict[float, Placement] = {}
+        self.rests = [s.joint is None and len(self._placement.bodies[s.thing]) == 1 for s in found]
+        self._closer: dict[tuple[str, float], Placement] = {}
 
     def deepest(self, i: int, k: int) -> _Depth | None:
         """The deepest penetration of two solids; None when they certainly stay apart."""
+        if self.rests[i] and self.rests[k]:
+            return self._deepest_at_rest(i, k)
         a, b = self.frames[i], self.frames[k]
         bound = _lower_bound(self.found[i], a, self.found[k], b)
         steps = _relative_steps(self.found[i], a, self.found[k], b)
@@ -91,6 +99,15 @@ class _PhaseCheck:
                 closer = self._look_closer(i, k, ends, (known[s], known[s + 1]), 1)
                 result = max(result, closer, key=lambda d: d.depth)
         return result
+
+    def _deepest_at_rest(self, i: int, k: int) -> _Depth:
+        """Of two solids that rest in the phase: measured once for the same two places."""
+        a, b = self.frames[i], self.frames[k]
+        places = tuple(f[slice(0, 1)].position.tobytes() + f[slice(0, 1)].rotation.tobytes() for f in (a, b))
+        known = self._at_rest.get((i, k))
+        if known is None or known[0] != places:
+            known = self._at_rest[i, k] = (places, -self._distance(i, a, k, b, 0))
+        return _Depth(known[1], float(self._placement.times[0]))
 
     def _distances(self, i: int, k: int, suspect: Indices, steps: Array) -> dict[int, float]:
         """Distances at both ends of the suspect intervals; equal ones are measured once."""
@@ -127,10 +144,11 @@ class _PhaseCheck:
 
     def _closer_frames(self, index: int, times: tuple[float, ...]) -> Frames:
         parts = []
+        thing = self.found[index].thing
         for time in times:
-            if time not in self._closer:
-                self._closer[time] = self._sampler.at(self._phase, np.array([time]))
-            parts.append(self.found[index].frames(self._closer[time]))
+            if (thing, time) not in self._closer:
+                self._closer[thing, time] = self._sampler.at(self._phase, np.array([time]), thing)
+            parts.append(self.found[index].frames(self._closer[thing, time]))
         return Frames(
             np.vstack([p.position for p in parts]), np.concatenate([p.rotation for p in parts])
         )
@@ -142,8 +160,8 @@ class _PhaseCheck:
 def _near_boxes(check: _PhaseCheck, looked_at: Indices) -> Indices:
     """The pairs whose boxes, along the world's axes and over the whole phase, overlap `(P, 2)`."""
     lower, upper = [], []
-    for solid, frames in zip(check.found, check.frames, strict=True):
-        some = frames if solid.thing in check.moving else frames[:1]
+    for solid, frames, rests in zip(check.found, check.frames, check.rests, strict=True):
+        some = frames[:1] if rests else frames
         points = some.position[:, None, :] + np.einsum("tij,mj->tmi", some.rotation, solid.points)
         step = np.linalg.norm(np.diff(points, axis=0), axis=2).max(initial=0.0)
         lower.append(points.min(axis=(0, 1)) - solid.ball - BEND * step)

@@ -60,10 +60,11 @@ class Sampler:
         factor = max(1, -(-looks * (self._knots[phase] - 1) // count))
         return np.interp(np.arange(factor * count + 1) / factor, np.arange(count + 1), stored)
 
-    def at(self, phase: int, times: Array) -> Placement:
-        """Everything at `times` `(T,)` of a phase."""
-        modules = {name: self._module(name, phase, times) for name in self._kinematics}
-        bodies = {n: self._body(n, phase, times) for n in self._motion.poses if n not in self._kinematics}
+    def at(self, phase: int, times: Array, thing: str | None = None) -> Placement:
+        """Everything, or one thing alone, at `times` `(T,)` of a phase. What rests in it has one frame."""
+        names = list(self._motion.poses) if thing is None else [thing]
+        modules = {name: self._module(name, phase, times) for name in names if name in self._kinematics}
+        bodies = {name: self._body(name, phase, times) for name in names if name not in self._kinematics}
         return Placement(times, modules, bodies)
 
     def _body(self, name: str, phase: int, times: Array) -> Frames:
@@ -71,6 +72,10 @@ class Sampler:
             return self._happenings.placed(self._world.bodies[name], times)
         if name not in self._motion.moving:
             return self._motion.frames[name][:1]
+        first, last = self._motion.ranges[phase]
+        rows = self._motion.poses[name][first : last + 1]
+        if self._happenings.carrier[phase].get(name) is None and bool((rows == rows[0]).all()):
+            return self._motion.frames[name][slice(first, first + 1)]
         return self._follow(name, name, phase)(times)
 
     def _module(self, name: str, phase: int, times: Array) -> dict[int, Frames]:

@@ -42,7 +42,10 @@ def _repeated(names: Sequence[str]) -> list[str]:
 
 
 def _numbers(rows: Rows, width: int) -> bool:
-    return all(len(row) == width and all(abs(v) <= LARGEST for v in row) for row in rows)
+    if any(len(row) != width for row in rows):
+        return False
+    values = np.asarray(rows, dtype=float)
+    return bool((np.abs(values) <= LARGEST).all())
 
 
 # --- times -------------------------------------------------------------------------------------------------------
