@@ -65,7 +65,7 @@ def test_refused_sequences_make_strained_actions_dearer() -> None:
     assert surcharge.weight == 0.0, "one action alone is forbidden, not dearer"
     for _ in range(5):
         surcharge.refused(candidate.numbers, 0, last)
-    search.surcharge = surcharge.of
+    search.charge(surcharge)
     following = search.next()
     assert following is not None and following.cost >= candidate.cost
     assert max(strain.along(following.numbers)) < max(strain.along(candidate.numbers))

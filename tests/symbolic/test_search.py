@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 import math
 from collections.abc import Iterator
 
@@ -306,4 +307,43 @@ def test_plans_stay_whole_when_refusals_make_actions_dearer(stairs: int, crawler
         at = max(range(len(strains) - 1), key=lambda i: strains[i] + strains[i + 1])
         search.forbid_actions(candidate, at, at + 1)
         surcharge.refused(candidate.numbers, at, at + 1)
-        search.surcharge = surcharge.of
+        search.charge(surcharge)
+
+
+def test_the_estimate_knows_what_strained_actions_cost_and_never_says_too_much() -> None:
+    search = started(climb(8, 2, rise=0.2))
+    successors, surcharge = search.successors, Surcharge(Strain(search.successors))
+    states = set().union(*layers(successors, 3000))
+    candidate = search.next()
+    assert candidate is not None
+    for _ in range(4):
+        surcharge.refused(candidate.numbers, 0, len(candidate.numbers) - 1)
+    search.charge(surcharge)
+    before: dict[int, list[tuple[int, float]]] = {}
+    for s in states:
+        for t, number in successors.expand(s):
+            before.setdefault(t, []).append((s, successors.cost(number) + surcharge.of(s, number)))
+    left: dict[int, float] = {}
+    queue = [(0.0, s) for s in states if successors.is_goal(s)]
+    while queue:
+        cost, t = heapq.heappop(queue)
+        if t not in left:
+            left[t] = cost
+            for s, more in before.get(t, ()):
+                heapq.heappush(queue, (cost + more, s))
+    for s, cost in left.items():
+        assert search.expected(s) <= cost + 1e-9
+    assert search.expected(successors.initial) > search.value(successors.initial) + 0.1
+
+
+def test_a_search_with_dearer_actions_goes_straight_to_its_goal() -> None:
+    search = started(climb(60, 2, rise=0.2))
+    surcharge = Surcharge(Strain(search.successors))
+    candidate = search.next()
+    assert candidate is not None
+    surcharge.refused(candidate.numbers, 0, len(candidate.numbers) - 1)
+    search.charge(surcharge)
+    expanded = search.expanded_nodes
+    following = search.next()
+    assert following is not None
+    assert search.expanded_nodes - expanded <= 4 * len(following.actions)
