@@ -1,4 +1,4 @@
-"""Collision geometry of a problem: spheres that cover shapes, pairs that can meet, contacts of each phase.
+"""Collision geometry of a problem: spheres that cover shapes, contacts of each phase.
 
 Metres; sphere centres are in the moving frame of their joint (-1: the module frame, or a body's own frame).
 A set of spheres covers a shape *within* `margin`: no point of the shape is farther than `margin` outside the
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..extents import box_sides
 from ..hulls import hull
-from ..ir import Body, Chain, Fact, Function, Joint, ModuleType, Pose, Problem, Shape, Var, Vec3, World
+from ..ir import Body, Chain, Fact, Function, ModuleType, Pose, Problem, Shape, Var, Vec3, World
 from .covers import cover_hull
 
 if TYPE_CHECKING:
@@ -145,7 +145,8 @@ def bounding_radius(shape: Shape) -> float:
     return math.hypot(size[0], size[1] / 2)
 
 
-def _on_axis(axis: Vec3, point: Array) -> bool:
+def on_axis(axis: Vec3, point: Array) -> bool:
+    """Whether a point is on the axis through the origin."""
     return bool(np.linalg.norm(np.cross(axis, point)) <= ON_AXIS * math.hypot(*axis))
 
 
@@ -153,7 +154,7 @@ def _hoist(type_: ModuleType, joint: int, centre: Array) -> tuple[int, Array]:
     """The same point in the frame nearest to the root that carries it: a joint that turns about an axis
     through a point does not move it."""
     while joint >= 0 and type_.joints[joint].kind == "revolute":
-        if not _on_axis(type_.joints[joint].axis, centre):
+        if not on_axis(type_.joints[joint].axis, centre):
             break
         centre = (pose_matrix(type_.joints[joint].placement) @ np.append(centre, 1.0))[:3]
         joint = type_.joints[joint].parent
@@ -200,68 +201,6 @@ def body_spheres(body: Body, margin: float = PATH_MARGIN) -> tuple[Sphere, ...]:
     """Spheres that cover a body within `margin`, in its own frame."""
     exact = body.shape.kind == "sphere"
     return tuple(Sphere(-1, centre, radius, None, exact) for centre, radius in cover(body.shape, margin))
-
-
-# --- pairs that can meet --------------------------------------------------------------------------
-
-
-def _lineage(type_: ModuleType, joint: int) -> list[int]:
-    """The joints from `joint` up to the module frame."""
-    found = []
-    while joint >= 0:
-        found.append(joint)
-        joint = type_.joints[joint].parent
-    return found
-
-
-def _slide(joint: Joint) -> float:
-    """How far a joint can carry its frame from where it is placed."""
-    return max(abs(joint.lower), abs(joint.upper)) if joint.kind == "prismatic" else 0.0
-
-
-def _length_between(type_: ModuleType, a: tuple[int, Vec3], b: tuple[int, Vec3]) -> float:
-    """An upper bound of the distance of two points fixed to joint frames, along the joints between them."""
-    ends: list[Vec3] = []
-    length = 0.0
-    for (joint, point), (other, _) in ((a, b), (b, a)):
-        shared = _lineage(type_, other)
-        while joint != -1 and joint not in shared:
-            placement = type_.joints[joint].placement
-            length += math.hypot(*point) + _slide(type_.joints[joint])
-            point, joint = (placement[0], placement[1], placement[2]), type_.joints[joint].parent
-        ends.append(point)
-    return length + math.dist(ends[0], ends[1])
-
-
-def _joints_between(type_: ModuleType, a: Sphere, b: Sphere) -> int:
-    """How many joints can change the distance of two spheres: those between them, less the ones next to a
-    sphere that turn about an axis through it (for the outer sphere `_hoist` has left these out already)."""
-    own, other = _lineage(type_, a.joint), _lineage(type_, b.joint)
-    up, down = [j for j in own if j not in other], [j for j in other if j not in own]
-    if up and down:
-        return len(up) + len(down)
-    point = np.array([*(b if up else a).centre, 1.0])
-    between = (up or down)[::-1]
-    for count, index in enumerate(between):
-        joint = type_.joints[index]
-        point = np.linalg.solve(pose_matrix(joint.placement), point)
-        if joint.kind != "revolute" or not _on_axis(joint.axis, point[:3]):
-            return len(between) - count
-    return 0
-
-
-@lru_cache(maxsize=64)
-def self_pairs(type_: ModuleType, margin: float = PATH_MARGIN) -> tuple[tuple[int, int], ...]:
-    """Pairs of indices into `module_spheres(type_, margin)` that can meet: at least two joints change their
-    distance, and along the joints they are farther apart than twice the distance at which they touch."""
-    spheres = module_spheres(type_, margin)
-    return tuple(
-        (i, k)
-        for (i, a), (k, b) in itertools.combinations(enumerate(spheres), 2)
-        if _joints_between(type_, a, b) >= 2
-        and _length_between(type_, (a.joint, a.centre), (b.joint, b.centre))
-        >= 2 * (a.radius + b.radius + PATH_MARGIN)
-    )
 
 
 # --- contacts -------------------------------------------------------------------------------------
@@ -322,7 +261,8 @@ def _carried(problem: Problem, mode: frozenset[Fact]) -> set[str]:
     while more := {
         follows
         for fixed, follows in kept
-        if follows in problem.world.bodies and (fixed in found or problem.world.effector(fixed)) and follows not in found
+        if follows in problem.world.bodies and follows not in found
+        if fixed in found or problem.world.effector(fixed)
     }:
         found |= more
     return found
@@ -367,16 +307,6 @@ def taper(contact: PhaseContacts, objects: Pair, times: Array, slices: int, over
 
 
 # --- what is near ---------------------------------------------------------------------------------
-
-
-@lru_cache(maxsize=256)
-def reach(type_: ModuleType, effector: str) -> float:
-    """An upper bound of how far any point of the module can be from the origin of one effector's frame."""
-    e = type_.effector(effector)
-    start = (e.joint, (e.placement[0], e.placement[1], e.placement[2]))
-    spheres = module_spheres(type_)
-    lengths = (_length_between(type_, start, (s.joint, s.centre)) + s.radius for s in spheres)
-    return max(lengths, default=0.0) + PATH_MARGIN
 
 
 @lru_cache(maxsize=256)

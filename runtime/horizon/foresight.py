@@ -13,7 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from ...compiler import ir
-from ...compiler.motion.collision import Pair, bounding_radius, pair, reach
+from ...compiler.motion.collision import Pair, bounding_radius, pair
+from ...compiler.motion.pairs import reach
 from ...compiler.poses import joint_frames
 from ...compiler.scenes.touching import touching
 from ..motion.movement import carrier

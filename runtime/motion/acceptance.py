@@ -21,9 +21,9 @@ from ...compiler.motion.collision import (
     cover,
     module_spheres,
     pair,
-    self_pairs,
     taper,
 )
+from ...compiler.motion.pairs import self_pairs
 from ..resampling import Resampled, effector_poses, kept_pairs, resample
 from ..skeleton import Array, Configuration, PhasePath, Violation
 from ..transforms import compose, inverse, joint_frames, rotate

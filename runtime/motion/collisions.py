@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...compiler.ir import Problem
-from ...compiler.motion.collision import Pair, self_pairs
+from ...compiler.motion.collision import Pair
+from ...compiler.motion.pairs import self_pairs
 from ..skeleton import Array
 from .clearance import ClearanceGroup, Cloud, Obstacles
 from .groups import Label

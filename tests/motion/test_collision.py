@@ -19,10 +19,9 @@ from tamplang.compiler.motion.collision import (
     cover,
     module_spheres,
     pair,
-    reach,
-    self_pairs,
     taper,
 )
+from tamplang.compiler.motion.pairs import reach, self_pairs
 from tamplang.runtime.motion.phases.tree import link_frames
 
 from .fixtures import CRAWLER, climb_alone, climb_together, pick_and_place
