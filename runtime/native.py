@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+from functools import cache
 from types import ModuleType
 
 _SINGLE_THREADED = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
@@ -20,6 +21,7 @@ class MissingLibrary(Exception):
         super().__init__(f"cannot load {library}: {reason}")
 
 
+@cache
 def load_native(name: str, distribution: str) -> ModuleType:
     """Import the compiled module `name` of the Python package `distribution`. Raises MissingLibrary."""
     try:
