@@ -23,28 +23,26 @@ def _bucket(count: int) -> int:
     return size
 
 
-class _Batch:
-    """One Function mapped over `size` instances, with its own input and output memory."""
+class Batch:
+    """One Function of one output, mapped over `size` instances, with its own memory for inputs and output."""
 
     def __init__(self, function: Any, size: int) -> None:
         mapped = function.map(size) if size > 1 else function
         self.buffer, self.trigger = mapped.buffer()
-        self.inputs = [np.zeros((size, max(1, function.nnz_in(i)))) for i in range(function.n_in())]
-        self.outputs = [np.zeros((size, function.nnz_out(i))) for i in range(function.n_out())]
-        for i, array in enumerate(self.inputs):
+        inputs = [np.ones((size, max(1, function.nnz_in(i)))) for i in range(function.n_in())]
+        self.inputs = [(i, array) for i, array in enumerate(inputs) if function.nnz_in(i)]
+        self.output = np.zeros((size, function.nnz_out(0)))
+        for i, array in enumerate(inputs):
             self.buffer.set_arg(i, array.reshape(-1).data)
-            array[:] = 1.0
-        for i, array in enumerate(self.outputs):
-            self.buffer.set_res(i, array.reshape(-1).data)
+        self.buffer.set_res(0, self.output.reshape(-1).data)
 
-    def __call__(self, *arguments: Array) -> list[Array]:
+    def __call__(self, *arguments: Array) -> Array:
+        """Outputs (N, …), valid until the next call, of N <= size instances with arguments (N, …)."""
         count = len(arguments[0])
-        for array, argument in zip(self.inputs, arguments, strict=True):
-            width = argument.shape[1]
-            if width:
-                array[:count, :width] = argument
+        for i, array in self.inputs:
+            array[:count] = arguments[i]
         self.trigger()
-        return [array[:count] for array in self.outputs]
+        return self.output[:count]
 
 
 class Stage:
@@ -57,7 +55,7 @@ class Stage:
         self.rows: int = residual.numel()
         self._expressions = (variables, constants, ca.densify(residual))
         self._functions: dict[str, Any] = {}
-        self._batches: dict[tuple[str, int], _Batch] = {}
+        self._batches: dict[tuple[str, int], Batch] = {}
 
     def _function(self, what: str) -> Any:
         if what not in self._functions:
@@ -72,23 +70,25 @@ class Stage:
             self._functions[what] = made
         return self._functions[what]
 
-    def _call(self, what: str, *arguments: Array) -> list[Array]:
-        size = _bucket(len(arguments[0]))
-        batch = self._batches.get((what, size))
-        if batch is None:
-            batch = self._batches[what, size] = _Batch(self._function(what), size)
-        return batch(*arguments)
+    def batch(self, what: str, count: int) -> Batch:
+        """What finds "values", "jacobians" or "hessians" of `count` instances; other rows use it, too."""
+        size = _bucket(count)
+        found = self._batches.get((what, size))
+        if found is None:
+            found = self._batches[what, size] = Batch(self._function(what), size)
+        return found
 
     def values(self, variables: Array, constants: Array, scale: float = 1.0) -> Array:
         """Residuals (N, rows), times `scale`, of N instances: variables (N, inputs), constants (N, parameters)."""
-        values: Array = scale * self._call("values", variables, constants)[0]
+        values: Array = scale * self.batch("values", len(variables))(variables, constants)
         return values
 
     def jacobians(self, variables: Array, constants: Array, scale: float = 1.0) -> Array:
         """Dense Jacobians (N, rows, inputs), times `scale`."""
-        flat = scale * self._call("jacobians", variables, constants)[0]
+        flat = scale * self.batch("jacobians", len(variables))(variables, constants)
         return flat.reshape(-1, self.rows, self.inputs)
 
     def hessians(self, variables: Array, constants: Array, weights: Array) -> Array:
         """Hessians (N, inputs, inputs) of weights · r, for weights (N, rows)."""
-        return self._call("hessians", variables, constants, weights)[0].reshape(-1, self.inputs, self.inputs).copy()
+        found = self.batch("hessians", len(variables))(variables, constants, weights)
+        return found.reshape(-1, self.inputs, self.inputs).copy()

@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from ...compiler.ir import Fact
-from ...compiler.motion.stages import Stage
+from ...compiler.motion.stages import Batch, Stage
 from ...langs.source import Span
 from ..skeleton import Array
 from .layout import Indices
@@ -77,6 +77,7 @@ class StageGroup:
         self.places = places
         self.constants = constants
         self.labels = labels
+        self._values: Batch | None = None
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -86,7 +87,10 @@ class StageGroup:
         return self.labels[instance]
 
     def residuals(self, z: Array) -> Array:
-        return self.stage.values(z[self.places], self.constants, self.scale)
+        if self._values is None:
+            self._values = self.stage.batch("values", len(self.places))
+        values: Array = self.scale * self._values(z[self.places], self.constants)
+        return values
 
     def jacobians(self, z: Array, chosen: Chosen) -> tuple[Array, Indices]:
         places = self.places[chosen]
