@@ -78,10 +78,9 @@ class Stage:
             found = self._batches[what, size] = Batch(self._function(what), size)
         return found
 
-    def values(self, variables: Array, constants: Array, scale: float = 1.0) -> Array:
-        """Residuals (N, rows), times `scale`, of N instances: variables (N, inputs), constants (N, parameters)."""
-        values: Array = scale * self.batch("values", len(variables))(variables, constants)
-        return values
+    def values(self, variables: Array, constants: Array) -> Array:
+        """Residuals (N, rows) of N instances, from variables (N, inputs) and constants (N, parameters)."""
+        return self.batch("values", len(variables))(variables, constants).copy()
 
     def jacobians(self, variables: Array, constants: Array, scale: float = 1.0) -> Array:
         """Dense Jacobians (N, rows, inputs), times `scale`."""

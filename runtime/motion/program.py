@@ -20,12 +20,18 @@ DIVERGED = 1e9
 """Stands for a violation that is no number: JSON has none, and no comparison would tell it."""
 
 
+def _linear(group: Group) -> LinearGroup:
+    if not isinstance(group, LinearGroup):
+        raise TypeError("the costs of a motion program are linear rows")
+    return group
+
+
 class Program:
     """Minimise Σ ½‖cost‖² subject to equalities and inequalities, over x = z[len(constants):].
 
     Residuals come as three flat vectors: costs, equalities, inequalities (r <= 0), each group after the other. Costs
     are linear groups, so that their part of the system is made once. The groups must stay as they are while systems are
-    asked for.
+    asked for. Raises TypeError for other costs.
     """
 
     def __init__(self, constants: Array, unknowns: int, groups: Sequence[Group]) -> None:
@@ -34,11 +40,10 @@ class Program:
         self.groups: dict[str, list[Group]] = {
             kind: [g for g in groups if g.kind == kind and g.shape[0]] for kind in KINDS[1:]
         }
-        costs = merged([g for g in groups if isinstance(g, LinearGroup) and g.kind == "cost"])
-        self.groups["cost"] = [*costs]
+        self._linear = merged([_linear(group) for group in groups if group.kind == "cost"])
+        self.groups["cost"] = [*self._linear]
         self.width = 1 + max((self._reach(g) for gs in self.groups.values() for g in gs), default=0)
         self._shape = (unknowns, self.width)
-        self._linear = costs
         self._scatters: dict[int, Scatter] = {}
 
     @cached_property

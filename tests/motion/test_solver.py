@@ -51,6 +51,28 @@ def test_nonlinear_equality() -> None:
         assert outcome.x == pytest.approx(wish / np.linalg.norm(wish), abs=1e-4)
 
 
+def test_costs_are_linear() -> None:
+    norm = NormGroup(np.arange(4).reshape(1, 4))
+    norm.kind = "cost"
+    with pytest.raises(TypeError, match="linear"):
+        Program(np.zeros(0), 4, [norm])
+
+
+def test_costs_of_different_widths_add_up() -> None:
+    """The gradient and band at x of two costs in one program are the sums of those in two."""
+    one = linear("cost", [[2.0], [3.0]], [1.0, -1.0], [[1], [3]])
+    other = linear("cost", [[1.0, -2.0, 1.0]], [0.5], [[1, 2, 3]])
+    x, none = np.array([0.3, -0.2, 0.9]), (np.zeros(0), np.zeros(0))
+    systems = []
+    for costs in ([one, other], [one], [other]):
+        program = Program(np.array([7.0]), 3, costs)
+        gradient, band = program.normal(x, program.residuals(x), none, 1.0)
+        systems.append((gradient, np.pad(band, ((0, 0), (0, 3 - program.width)))))
+    (gradient, band), *parts = systems
+    assert gradient == pytest.approx(sum(g for g, _ in parts))
+    assert band == pytest.approx(sum(b for _, b in parts))
+
+
 class NoNumber(LinearGroup):
     """Rows that are no number where x0 is above 0.1, as the logarithm of something negative."""
 
