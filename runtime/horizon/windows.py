@@ -34,8 +34,8 @@ FEW_PARTS = 3
 NODES, MORE_NODES = 300, 30000
 """Nodes that a search for the cheapest plan may expand, and then a hurried one."""
 WEIGHT = 1.0
-"""The surcharge that an action at the limit of its conditions has before any was refused: first windows then need
-fewer candidates, and runs promise no cheapest plan anyway."""
+"""The surcharge that an action at the limit of its conditions has at least, also before any was refused: windows then
+need fewer candidates, and runs promise no cheapest plan anyway."""
 STRAINED = 200
 """Pairs of state and action for which a search learns a strain that depends on the state: windows are many."""
 WIDTH = 40
@@ -216,12 +216,11 @@ class _Planner:
             search = SkeletonSearch(problem, successors, self.options.search, self.budget, NODES)
         strain = Strain(successors, STRAINED)
         surcharge = Surcharge(strain)
-        if self.memory.surcharge is None:
-            surcharge.weight = WEIGHT
-        else:
+        if self.memory.surcharge is not None:
             surcharge.inherit(self.memory.surcharge)
+        surcharge.weight = max(surcharge.weight, WEIGHT)
         self.memory.surcharge = surcharge
-        search.surcharge = surcharge.of
+        search.charge(surcharge)
         for actions in self.forbidden:
             forbid(search, actions)
         self.again = False
@@ -281,6 +280,7 @@ class _Planner:
                 surcharge.refused(candidate.numbers, conflict.first, conflict.last)
             short = not self.again and conflict.bound in ("seq", EXPECTED) and conflict.last < MOST_REMEMBERED
             search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start and not short)
+        search.charge(surcharge)
         return None
 
     def _coming(self) -> tuple[tuple[str, str], ...]:

@@ -217,6 +217,7 @@ class Surcharge:
         """Begin with what another search of the same rules has learnt, which weighs less with each search."""
         self.weight = min(FADING * other.weight, MOST_INHERITED)
         self._limits = {key: 1.0 - FADING * (1.0 - limit) for key, limit in other._limits.items()}
+        self._kinds_of_rules = {rule: set(kinds) for rule, kinds in other._kinds_of_rules.items()}
 
     def refused(self, numbers: Sequence[int], first: int, last: int) -> None:
         """Actions `first` … `last` of a plan were refused one after the other."""
