@@ -10,9 +10,6 @@ from ..skeleton import Array
 from .sensing import Sensing
 from .world import World
 
-NEAR = 5e-3
-"""Metres by which a body may be off that a phase only passes: part of the margin that its motion keeps."""
-
 
 @dataclass(frozen=True, slots=True)
 class Expectation:
@@ -46,13 +43,13 @@ class Lookout:
         positions = {body: self.sensing.foreseen(body, pose, now)[0, :3] for body, pose in poses.items()}
         self.expectation = Expectation(time, positions, {body: self.sensing.velocity(body) for body in poses})
 
-    def surprise(self, named: frozenset[str], passed: frozenset[str], time: float) -> str | None:
-        """Why a window has become invalid: a body that it touches, or one that it passes, is not where it should be at
-        the last look."""
+    def strayed(self, bodies: frozenset[str], time: float) -> dict[str, float]:
+        """Those of `bodies` that are not where they should be at the last look, and by how many metres."""
         if self.expectation is None:
-            return None
-        for body in sorted((named | passed) & self.expectation.positions.keys()):
+            return {}
+        found = {}
+        for body in sorted(bodies & self.expectation.positions.keys()):
             off = float(np.linalg.norm(self.sensing.last(body) - self.expectation.at(body, time)))
-            if off > self.sensing.tolerance + (0.0 if body in named else NEAR):
-                return f"{body} is {1000 * off:.1f} mm from where it was expected"
-        return None
+            if off > self.sensing.tolerance:
+                found[body] = off
+        return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -13,7 +13,7 @@ from ..lgp import SolveOptions, motion_settings
 from ..resampling import kept_pairs
 from ..skeleton import Array, Phase, PhasePath
 from .aside import way_aside
-from .braking import waiting
+from .braking import at_times, waiting
 from .drift import LOOKS, clearances, deepest, nearest
 from .failures import Failures
 from .foresight import displaced, foreseen_problem
@@ -36,6 +36,8 @@ DEEP = 8e-4
 """Metres that a phase may be in something, as when it leaves what rises."""
 PRESSED = 2e-4
 """The same for a robot at rest, which what changes its way may press further before it is noticed."""
+THREAT = 3e-3
+"""Metres from a motion within which what has changed its way breaks it off: it takes time to brake."""
 MORE = 5e-5
 """Metres that are no more."""
 AROUND = 0.05
@@ -159,9 +161,19 @@ class Route:
         """The bodies on courses that a motion comes near, as they seem to move."""
         times = world.time + np.linspace(0.0, path.duration, LOOKS)
         poses = self.lookout.look(world)
-        own = {body: self.lookout.sensing.foreseen(body, pose, times) for body, pose in poses.items()}
+        own = self._own(poses, times)
         found = nearest(self.problem, world.reached.configuration, phase, path, own)
         return frozenset(body for (_, body), distance in found.items() if distance < AROUND and body in own)
+
+    def threatens(self, world: World, phase: Phase, path: PhasePath, since: float, bodies: Iterable[str]) -> bool:
+        """Whether one of `bodies`, as they seem to move now, comes near what is left of a motion after `since` seconds;
+        the motion began in the state that the world is in."""
+        rest = at_times(path, np.linspace(since, path.duration, LOOKS), path.duration - since)
+        known, self.lookout.sensing.known = self.lookout.sensing.known, np.inf
+        own = self._own(world.at(world.time + since), world.time + since + np.linspace(0.0, rest.duration, LOOKS))
+        self.lookout.sensing.known = known
+        found = nearest(self.problem, world.reached.configuration, phase, rest, own)
+        return any(distance < THREAT for (_, body), distance in found.items() if body in bodies)
 
     def near(self, world: World) -> frozenset[str]:
         """The bodies on courses that a robot at rest has to look out for."""
@@ -173,9 +185,13 @@ class Route:
     ) -> float:
         """How deep a phase gets into something, metres, while bodies move on as they seem to."""
         times = world.time + np.linspace(0.0, path.duration, LOOKS)
-        own = {body: self.lookout.sensing.foreseen(body, pose, times) for body, pose in poses.items()}
+        own = self._own(poses, times)
         whole = self.failures.whole(path, world.reached.configuration)
         return deepest(self.problem, world.reached.configuration, phase, whole, own, everyone)
+
+    def _own(self, poses: Mapping[str, Array], times: Array) -> dict[str, Array]:
+        """The poses `(T, 7)` of bodies at some times, as they seem to move; `poses` tell how they are turned."""
+        return {body: self.lookout.sensing.foreseen(body, pose, times) for body, pose in poses.items()}
 
     def _known(self, problem: ir.Problem, wider: float) -> Window | None:
         return self.planner.known_way(problem, self.way, self.horizon, self._moving(), wider, self.budget)

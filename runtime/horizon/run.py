@@ -268,7 +268,7 @@ class Run:
         begin, failure = self.world.time, self._failures.next_of(phase, self.world.time)
         self._asked = begin
         self._lookout.look(self.world)
-        found = self._lookout.surprise(named, near, begin)
+        found = self._surprise(phase, path, named, near, 0.0)
         if found is not None and completed:
             return found
         for look in np.arange(1, int(np.ceil(path.duration / PERIOD))) * PERIOD:
@@ -276,7 +276,7 @@ class Run:
             if failure is not None and failure.time <= now:
                 break
             self._lookout.look(self.world, now)
-            found = self._lookout.surprise(named, near, now)
+            found = self._surprise(phase, path, named, near, float(look))
             if found is not None:
                 self._asked = now
                 slowed = braked(self.problem.world, path, float(look))
@@ -292,6 +292,19 @@ class Run:
             return f"{failure.module} is {failure.kind}"
         self._perform(phase, path, completed=completed)
         return None
+
+    def _surprise(
+        self, phase: Phase, path: PhasePath, named: frozenset[str], near: frozenset[str], since: float
+    ) -> str | None:
+        """Why a motion has to be broken off after `since` seconds: a body that it touches is not where it should be, or
+        one that it passes comes too near."""
+        strayed = self._lookout.strayed(named | near, self.world.time + since)
+        touched = [body for body in strayed if body in named]
+        passed = strayed.keys() - named
+        if not touched and not (passed and self._route.threatens(self.world, phase, path, since, passed)):
+            return None
+        body = touched[0] if touched else max(passed, key=lambda name: strayed[name])
+        return f"{body} is {1000 * strayed[body]:.1f} mm from where it was expected"
 
     def _perform(self, phase: Phase, path: PhasePath, *, completed: bool) -> None:
         added = phase.added if completed else frozenset[ir.Fact]()

@@ -38,8 +38,9 @@ class Interval:
 @dataclass(frozen=True, slots=True)
 class Executed:
     """An interval as it took place: `times` `(T,)` since the start of the run; `poses` `(T, 7)` of modules and of the
-    bodies that moved, `joints` `(T, n)`; `before` is the state in which it began. The path of `interval` is the one
-    that was `commanded` `(T, n)`, and ends where the drives came to; `driven` `(T, n)` is where they were meanwhile."""
+    bodies that moved, `joints` `(T, n)`; `before` is the state in which it began. Joints were `commanded` to be at
+    `(T, n)` and came to `driven` `(T, n)`. The path of `interval` ends where they were when it was broken off; at a
+    switch, what touches is felt, and what the drives have missed is put right."""
 
     interval: Interval
     before: Reached
@@ -87,7 +88,7 @@ class World:
         inner = np.linspace(0.0, interval.path.duration, samples)
         times = self.time + inner
         errors = self._errors(interval.path, inner)
-        path = missing(interval.path, errors)
+        path = missing(interval.path, errors, settled=interval.completed)
         commanded, joints = sampled(interval.path, inner), sampled(path, inner)
         driven = {name: values + errors[name] for name, values in commanded.items()}
         own = {body: self.body_poses(body, times) for body in sorted(self.on_course)}
@@ -114,12 +115,15 @@ class World:
         return found
 
 
-def missing(path: PhasePath, errors: Mapping[str, Array]) -> PhasePath:
-    """A motion that ends where `errors` `(T, n)` lead it, and goes there from the first of them without haste."""
+def missing(path: PhasePath, errors: Mapping[str, Array], *, settled: bool) -> PhasePath:
+    """A motion that ends where `errors` `(T, n)` lead it, or that `settled` where it should, and goes there from the
+    first of them without haste."""
     modules = {}
     for name, rows in path.modules.items():
         share = np.linspace(0.0, 1.0, len(rows))[:, None]
         first, last = errors[name][0], errors[name][-1]
+        if settled and np.ptp(rows[:, 7:], axis=0).any():
+            last = np.zeros_like(last)
         values = rows[:, 7:] + first + (3.0 * share**2 - 2.0 * share**3) * (last - first)
         modules[name] = np.hstack([rows[:, :7], values])
     return PhasePath(modules, path.bodies, path.duration)

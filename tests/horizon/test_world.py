@@ -169,5 +169,7 @@ def test_the_next_motion_starts_where_the_drives_came_to(problem: ir.Problem) ->
     second = world.carry_out(Interval(action, mode, frozenset(), back, False), 101)
     assert second.joints["c"][0] == pytest.approx(came_to, abs=1e-12)
     assert np.abs(second.driven["c"] - second.commanded["c"]).max() < 5e-3
+    done = world.carry_out(Interval(action, mode, frozenset(), path, True), 101)
+    assert done.joints["c"][-1] == pytest.approx(path.modules["c"][-1, 7:]) != pytest.approx(done.driven["c"][-1])
     rest = world.carry_out(Interval(action, mode, frozenset(), waiting(world.reached.configuration, 1.0), False), 21)
     assert np.ptp(rest.joints["c"], axis=0).max() == 0.0
