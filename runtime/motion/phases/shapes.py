@@ -67,13 +67,17 @@ class Shapes:
     def _note_plain(self) -> None:
         self.turned = bool(np.any(np.abs(self.turn - np.eye(3)[:, :, None, None]) > NEARLY_PLAIN))
         self.any_round = bool(self.round.any())
+        half = self.half.copy()
+        half[:, 1] = np.where(self.round, half[:, 0], half[:, 1])
+        self.extent = np.einsum("oijbt,ojbt->oib", np.abs(self.turn), half) + self.rounding[:, None, :, 0]
+        """Half the sides `(count, 3, phases)` of the box around each shape along the world's axes."""
 
     def take(self, index: NDArray[np.intp]) -> Shapes:
         """The shapes of some of the phases."""
         result = object.__new__(Shapes)
         result.centre, result.half = self.centre[:, :, index], self.half[:, :, index]
         result.rounding, result.turn = self.rounding[:, index], self.turn[:, :, :, index]
-        result.round = self.round[:, index]
+        result.round, result.extent = self.round[:, index], self.extent[:, :, index]
         result.turned, result.any_round = self.turned, self.any_round
         return result
 
@@ -91,9 +95,7 @@ class Shapes:
     def boxed(self, lowest: Array, highest: Array, wanted: Array) -> NDArray[np.bool_]:
         """Whether points between `lowest` and `highest` `(points, 3, phases)` can be nearer than `wanted`
         `(points, 1, phases or 1)` to a shape, by the box around it in the world's axes: `(points, count, phases)`."""
-        half = self.half.copy()
-        half[:, 1] = np.where(self.round, half[:, 0], half[:, 1])
-        extent = np.einsum("oijbt,ojbt->oib", np.abs(self.turn), half) + self.rounding[:, None, :, 0]
+        extent = self.extent
         near = np.ones((len(lowest), *self.rounding.shape[:2]), bool)
         for i in (2, 0, 1):
             top, bottom = self.centre[:, i, :, 0] + extent[:, i], self.centre[:, i, :, 0] - extent[:, i]

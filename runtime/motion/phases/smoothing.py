@@ -18,8 +18,8 @@ ACCELERATION_WEIGHT = 0.1
 HOMING_WEIGHT = 0.2
 NO_PENALTY = 1e-3
 """A penalty that counts as none: a phase that has more goes on until the weight is at its greatest."""
-MOST_DISTANCES = 1_000_000
-"""Phases are improved in lots with about so many distances between spheres, which bounds the memory."""
+MOST_SPHERES = 60_000
+"""Phases are improved in lots with about so many spheres at a time, which bounds the memory and fits the caches."""
 PATIENCE = 15
 STUCK = 0.03
 """A phase is given up when spheres overlap by more, metres, after so many iterations: things have passed each other."""
@@ -121,7 +121,7 @@ class _State:
 def smooth_paths(batch: Batch, inner: Array, schedule: Schedule, budget: Budget) -> tuple[Array, int]:
     """Improve inner slices `(phases, slices - 1, joints)`; returns them and the iterations of the longest phase.
     Every phase has its own damping and stops on its own, whatever the others do."""
-    size = max(1, MOST_DISTANCES // max(1, len(batch.coarse.pairs) * batch.looks.shares.shape[1]))
+    size = max(1, MOST_SPHERES // max(1, len(batch.coarse.radius) * batch.looks.shares.shape[1]))
     found = [
         _smooth(batch.take(index), inner[index], schedule, budget)
         for index in (np.arange(k, min(k + size, len(batch))) for k in range(0, len(batch), size))
