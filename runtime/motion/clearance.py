@@ -26,18 +26,34 @@ NEAR = 0.3
 
 
 class _Block:
-    """All slots of one kind: their places (N, n) and the numbers (N, S) of their spheres."""
+    """All slots of one kind, and the numbers of their spheres."""
 
     def __init__(self, stage: Stage, spheres: tuple[Sphere, ...]) -> None:
         self.stage = stage
         self.spheres = spheres
-        self.places: list[Indices] = []
-        self.numbers: list[Indices] = []
+        self.slots: list[Indices] = []
+        self._numbers: list[Indices] = []
+        self._tables = (np.zeros((0, stage.inputs), dtype=np.int64), np.zeros(0, dtype=np.int64))
+
+    def add(self, slot: Indices, numbers: Indices) -> None:
+        """Take in a slot and the numbers of its spheres."""
+        self.slots.append(slot)
+        self._numbers.append(numbers)
+
+    def tables(self) -> tuple[Indices, Indices]:
+        """The places (N, n) of all slots, and the numbers (N · S,) of their spheres."""
+        if len(self._tables[0]) < len(self.slots):
+            self._tables = (np.array(self.slots), np.concatenate(self._numbers))
+        return self._tables
+
+    @property
+    def places(self) -> Indices:
+        return self.tables()[0]
 
     def centres(self, z: Array) -> tuple[Indices, Array]:
-        places = np.array(self.places)
+        places, numbers = self.tables()
         values = self.stage.values(z[places], np.zeros((len(places), 0)))
-        return np.array(self.numbers).reshape(-1), values.reshape(-1, 3)
+        return numbers, values.reshape(-1, 3)
 
 
 class Cloud:
@@ -76,9 +92,8 @@ class Cloud:
             block = self._block(name)
             count = len(block.spheres)
             number = list(self._blocks.values()).index(block)
-            self._where += [(number, len(block.places), i) for i in range(count)]
-            block.places.append(self.layout.slot(slice_, name))
-            block.numbers.append(np.arange(self.count, self.count + count))
+            self._where += [(number, len(block.slots), i) for i in range(count)]
+            block.add(self.layout.slot(slice_, name), np.arange(self.count, self.count + count))
             self._radii += [s.radius for s in block.spheres]
             self._first[offset] = (self.count, count)
             self.count += count
@@ -100,7 +115,7 @@ class Cloud:
         if self._last is None or self._last[0] is not z:
             centres = np.zeros((self.count, 3))
             for block in self._blocks.values():
-                if block.places:
+                if block.slots:
                     numbers, values = block.centres(z)
                     centres[numbers] = values
             self._last = (z, centres)
@@ -114,7 +129,7 @@ class Cloud:
         for i, block in enumerate(self._blocks.values()):
             mine = np.flatnonzero(where[:, 0] == i)
             if len(mine):
-                result[mine, : block.stage.inputs] = np.array(block.places)[where[mine, 1]]
+                result[mine, : block.stage.inputs] = block.places[where[mine, 1]]
         return result
 
     def derivatives(self, z: Array, numbers: Indices) -> Array:
@@ -124,8 +139,10 @@ class Cloud:
         for i, block in enumerate(self._blocks.values()):
             mine = np.flatnonzero(where[:, 0] == i)
             if len(mine):
-                instances, inverse = np.unique(where[mine, 1], return_inverse=True)
-                places = np.array(block.places)[instances]
+                used = np.zeros(len(block.slots), dtype=np.bool_)
+                used[where[mine, 1]] = True
+                inverse = (np.cumsum(used) - 1)[where[mine, 1]]
+                places = block.places[used]
                 jacobian = block.stage.jacobians(z[places], np.zeros((len(places), 0)))
                 local = jacobian.reshape(len(places), -1, 3, block.stage.inputs)
                 result[mine, :, : block.stage.inputs] = local[inverse, where[mine, 2]]
@@ -140,7 +157,7 @@ class Cloud:
         for i, block in enumerate(self._blocks.values()):
             mine = np.flatnonzero(where[:, 0] == i)
             if len(mine):
-                places = np.array(block.places)
+                places = block.places
                 weights = np.zeros((len(places), len(block.spheres), 3))
                 np.add.at(weights, (where[mine, 1], where[mine, 2]), pulls[mine])
                 flat = weights.reshape(len(places), -1)
