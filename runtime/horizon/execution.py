@@ -38,7 +38,7 @@ def execute(
     bound = "path" if problem.options.bound == "seq" else None
     options = options_of(problem, bound=bound, time=seconds, otherwise=SECONDS)
     delay = LATENCY if latency is None else latency
-    chosen = horizon if isinstance(horizon, int) else HORIZON
+    chosen = HORIZON if horizon is None else None if horizon == "auto" else int(horizon)
     first = None if plan is None else window_of(problem, plan)
     outcome = Run(problem, RunOptions(options, chosen, noise, seed, delay), tell, first).run()
     off = deviations(outcome.plan, problem, outcome.commanded, outcome.driven)

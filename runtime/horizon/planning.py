@@ -19,7 +19,7 @@ from ..verify.formulas import ReplayError
 from ..verify.replay import Interpreter
 from .foresight import concerned
 from .state import start
-from .windows import PLANNED, plan_window, remember
+from .windows import LOOKAHEAD, PLANNED, plan_window, remember
 
 SHORTER = ((2, -0.005), (2, -0.01))
 """After a first try while things move: so many actions, as what comes later may be in reach by then, and so
@@ -60,14 +60,15 @@ class Planner:
         budget: Budget,
     ) -> Window | None:  # fmt: skip
         """A window on a way that is known, without a search; None when it is not possible so. Raises OutOfTime."""
-        skeleton = self.skeleton(problem, actions[:horizon])
+        skeleton = self.skeleton(problem, actions[: horizon + LOOKAHEAD])
         if skeleton is None:
             return None
-        moving = concerned(skeleton, moving)
+        moving = concerned(beginning(skeleton, horizon), moving)
         motions = 1 if moving else horizon
         shorter = [(min(horizon, count), margin) for count, margin in SHORTER]
         shorter += [(1, SHORTER[-1][1])] if self.failures else []
-        tries = [(horizon, 0.0), *(shorter if moving else [(horizon, SHORTER[0][1])])]
+        seen = horizon if moving else horizon + LOOKAHEAD
+        tries = [(seen, 0.0), *(shorter if moving else [(horizon, SHORTER[0][1])])]
         for attempt, (count, margin) in enumerate(tries):
             settings = motion_settings(problem, self.options).wider(wider + margin)
             seed = self.options.seed + FRESH * self.failures + attempt

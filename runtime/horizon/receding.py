@@ -24,12 +24,11 @@ from ..lgp import Outcome, Progress, SolveOptions
 from ..plan import Plan, StatisticsRecord, WindowRecord
 from ..skeleton import PhasePath, Skeleton
 from ..verify import verify
+from .length import horizon_of
 from .state import Reached, start
 from .tree import grown
 from .windows import DONE, INFEASIBLE, LOOKAHEAD, PLANNED, Memory, Window, plan_window, remember
 
-FIRST, LEAST, MOST = 4, 2, 16
-"""The adaptive horizon at first, at least, at most."""
 HARD = 2
 """So many refused candidates in one window make the adaptive horizon grow."""
 BACKTRACKS = 24
@@ -85,8 +84,7 @@ class _Run:
         lookahead: int, backtracks: int,
     ) -> None:  # fmt: skip
         self.problem, self.options = problem, options
-        self.horizon = FIRST if horizon is None else horizon
-        self.adapts = horizon is None
+        self.horizon = horizon_of(horizon)
         self.report, self.found = progress, found
         self.lookahead, self.backtracks = lookahead, backtracks
         self.budget = Budget(options.time)
@@ -127,7 +125,7 @@ class _Run:
         level = self.levels[-1]
         for lookahead in dict.fromkeys((self.lookahead, 0)):
             window = plan_window(
-                self.problem, level.reached, self.options, self.horizon, self.budget, self.memory,
+                self.problem, level.reached, self.options, self.horizon.length, self.budget, self.memory,
                 seed=self.options.seed + SEEDS * level.failures, forbidden=tuple(level.forbidden),
                 lookahead=lookahead, before=self.kept[-1].window if self.kept and not level.failures else None,
             )  # fmt: skip
@@ -139,7 +137,7 @@ class _Run:
         return window
 
     def _keep(self, window: Window) -> None:
-        self._adapt(window.refused > HARD)
+        self.horizon.adapt(window.refused > HARD)
         if self._seen(window.reached) >= VISITS:
             self.levels[-1].forbidden.append(_beginning(window))
             self.reason = "loop"
@@ -155,18 +153,13 @@ class _Run:
     def _seen(self, reached: Reached) -> int:
         return sum(level.reached.facts == reached.facts for level in self.levels)
 
-    def _adapt(self, hard: bool) -> None:
-        """Look farther ahead where motion is refused, less far where it is easy."""
-        if self.adapts:
-            self.horizon = min(MOST, 2 * self.horizon) if hard else max(LEAST, self.horizon - 1)
-
     # --- dead ends -----------------------------------------------------------------------------------------------
 
     def _backtrack(self) -> bool:
         """Undo windows so that one can be planned otherwise: one at first, more when the same depth stays a dead end.
         The window gets other motions, and other actions in turn. Where nothing is left at the start, everything is
         allowed again, with other motions. False when nothing is left to try or too many were undone."""
-        self._adapt(True)
+        self.horizon.adapt(True)
         self.reason = "dead end"
         if self.undone >= self.backtracks:
             return False

@@ -29,6 +29,7 @@ from ..verify.replay import Interpreter
 from .braking import braked, first_part, reversed_path, stopped, waiting
 from .drives import EXACT, Noise
 from .failures import Failures
+from .length import horizon_of
 from .lookout import Lookout
 from .planning import Window
 from .record import Step, plan_of_run
@@ -52,10 +53,11 @@ MOST_WAITS = 40
 
 @dataclass(frozen=True, slots=True)
 class RunOptions:
-    """`horizon` actions get their motion in one window, whose planning takes `latency` simulated seconds."""
+    """`horizon` actions get their motion in one window (None: as many as seem wise), whose planning takes `latency`
+    simulated seconds."""
 
     solve: SolveOptions
-    horizon: int = HORIZON
+    horizon: int | None = HORIZON
     noise: Noise = EXACT
     seed: int = 0
     latency: float = LATENCY
@@ -103,7 +105,8 @@ class Run:
         sensing = Sensing(options.noise.position, np.random.default_rng([options.seed, 1]))
         self._failures = Failures(problem)
         self._lookout = Lookout(sensing)
-        self._route = Route(problem, options.solve, options.horizon, self._failures, self._lookout, self.budget)
+        self._horizon = horizon_of(options.horizon)
+        self._route = Route(problem, options.solve, self._horizon.length, self._failures, self._lookout, self.budget)
         self._places: dict[ir.Fact, Span | None] = {}
         self._trail: list[PhasePath] = []
         self._left: float | None = None
@@ -179,10 +182,13 @@ class Run:
         unmet = self._unmet()
         self._say(f"planning: {reason}")
         window, self._first = self._first, None
+        known = bool(self._route.way)
         if window is not None:
             self._route.take(self.world, window)
         else:
             window = self._route.on_the_way(self.world, self._left)
+            if known:
+                self._adapt(window is None)
         if window is None and not (self._trail and self._route.planner.failures):
             window = self._route.another_way(self.world)
         seconds = time.process_time() - began
@@ -192,6 +198,11 @@ class Run:
             WindowRecord(self.world.time, len(self.steps), reason, seconds, actions, motions, unmet)
         )
         return window
+
+    def _adapt(self, hard: bool) -> None:
+        """Tell the horizon whether the known way was refused."""
+        self._horizon.adapt(hard)
+        self._route.horizon = self._horizon.length
 
     def _gave_way(self) -> bool:
         """Where nothing leads on: out of the way, if that can be."""
