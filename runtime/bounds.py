@@ -39,7 +39,7 @@ VERIFYING = 5.0
 ONCE, QUICK = 1, 3
 """Starts of a span of a whole skeleton at first, and before it is refused for the first time."""
 SPAN = 4
-"""How far from the phases that P_seq blames a conflict of a long skeleton is looked for."""
+"""How far from the phases that P_seq blames a conflict is looked for."""
 
 
 class Bounds:
@@ -65,6 +65,7 @@ class Bounds:
         self.clock = Clock()
         self._counts: dict[str, list[int]] = {"seq": [0, 0], "seq-path": [0, 0], "path": [0, 0]}
         self._windows: dict[tuple[object, ...], BoundResult] = {}
+        self._feasible: set[tuple[object, ...]] = set()
         self.experience = Experience(problem)
         self.tries: int | None = QUICK
 
@@ -74,6 +75,7 @@ class Bounds:
         self.problem, self.seed, self.budget = problem, seed, budget
         self.tries = QUICK
         self._windows.clear()
+        self._feasible.clear()
         self.experience.leave_start()
 
     def judge(self, skeleton: Skeleton, strains: Sequence[float], motions: int | None = None) -> Judgement:
@@ -181,6 +183,8 @@ class Bounds:
                 conflicts.append(Conflict("seq", k, k, k == 0, tuple(result.violations)))
             elif k:
                 self.experience.accept(phase, strains[k])
+            else:
+                self._feasible.add(self._beginning_key(skeleton, 1))
         return sorted(conflicts, key=lambda conflict: conflict.first)
 
     def _needs_no_solve(self, skeleton: Skeleton, strains: Sequence[float], k: int) -> bool:
@@ -206,23 +210,39 @@ class Bounds:
         return self.experience.lifted(phases) if first else tuple(phase.action for phase in phases)
 
     def _whole(self, skeleton: Skeleton) -> tuple[BoundResult, int]:
-        """P_seq of a skeleton, and how many of its phases were tried. One start of all tells which phase fails; where
-        the beginning up to that is refused from every start, the rest need not be tried. The windows of a long one
-        tell that by themselves."""
-        if len(skeleton) > LONGEST:
-            return self._sequence(skeleton, self.seed, None, tries=self.tries), len(skeleton)
-        first = self._sequence(skeleton, self.seed, None, tries=ONCE)
-        end = first.violations[0].phase + 1 if first.violations else len(skeleton)
-        if first.feasible or self.tries == ONCE:
-            return first, len(skeleton)
-        if end < len(skeleton):
-            self._expect_whole(skeleton, self.tries)
-            if end > 1:
-                self._expect_whole(beginning(skeleton, end - 1), self.tries)
-            part = self._sequence(beginning(skeleton, end), self.seed, None, tries=self.tries)
-            if not part.feasible:
-                return part, end
-        return self._sequence(skeleton, self.seed, None, tries=self.tries), len(skeleton)
+        """P_seq of a skeleton; where it is refused, of the shortest beginning that is, and how long that is. It takes
+        long to refuse, the more so what is long: from the phase on that fails after one start of all, beginnings grow
+        until one is refused. The windows of a long skeleton tell it by themselves, exactly once they came far."""
+        known, end = self._known(skeleton), len(skeleton)
+        certain = end > LONGEST
+        refused = self._sequence(skeleton, self.seed, None, tries=self.tries if certain else ONCE)
+        if certain and refused.violations:
+            worst = refused.violations[0].phase
+            far = worst + SPAN > LONGEST
+            known, end = (worst, worst + 1) if far else (max(0, worst - SPAN), min(end, worst + SPAN))
+        while not refused.feasible and (end - known > 1 or not certain):
+            blamed = refused.violations[0].phase if refused.violations else end - 1
+            asked = max(known + 1, min(blamed, end - 1))
+            if not certain and known >= min(blamed + SPAN, end - 1):
+                asked = end
+            self._expect_beginnings(skeleton, asked, end)
+            result = self._sequence(beginning(skeleton, asked), self.seed, None, tries=self.tries)
+            if not result.feasible:
+                refused, end, certain = result, asked, True
+            elif asked == len(skeleton):
+                return result, asked
+            else:
+                known = asked
+                self._feasible |= {self._beginning_key(skeleton, k) for k in range(1, known + 1)}
+        return refused, end
+
+    def _known(self, skeleton: Skeleton) -> int:
+        """How long a proper beginning is known to be feasible."""
+        shorter = range(len(skeleton) - 1, 0, -1)
+        return next((k for k in shorter if self._beginning_key(skeleton, k) in self._feasible), 0)
+
+    def _beginning_key(self, skeleton: Skeleton, length: int) -> tuple[object, ...]:
+        return self.settings, skeleton.coming, tuple(phase.action for phase in skeleton.phases[:length])
 
     def _sequence(
         self, skeleton: Skeleton, seed: int, warm: Sequence[Configuration] | None, tries: int | None
@@ -237,23 +257,8 @@ class Bounds:
         return result
 
     def _shrink(self, skeleton: Skeleton, refused: BoundResult, end: int) -> Conflict:
-        """A minimal contiguous conflict behind a refused P_seq of the first `end` phases, by deletion: from the end,
-        first one phase, then by halving; then from the front as long as what is left is refused wherever it starts.
-        Windows that came far have found the end."""
-        known, violations = 0, refused.violations
-        if end > LONGEST:
-            worst = max((v.phase for v in violations), default=end - 1)
-            far = worst + SPAN > LONGEST
-            known, end = (worst, worst + 1) if far else (max(0, worst - SPAN), min(end, worst + SPAN))
-        middle = end - 1
-        while end - known > 1:
-            self._expect_prefixes(skeleton, known, middle, end)
-            result = self._sequence(beginning(skeleton, middle), self.seed, None, tries=self.tries)
-            if result.feasible:
-                known = middle
-            else:
-                end, violations = middle, result.violations
-            middle = (known + end) // 2
+        """A minimal contiguous conflict behind a refused P_seq of the first `end` phases: the fewest at their end that
+        are refused wherever they start; all from the start where there are none."""
         for first in range(end - 1, max(0, end - LONGEST_WINDOW - 1), -1):
             if not judged_alone(skeleton, first):
                 continue
@@ -261,7 +266,7 @@ class Bounds:
             window = self._window(skeleton, first, end - 1)
             if not window.feasible:
                 return Conflict("seq", first, end - 1, False, tuple(window.violations))
-        return Conflict("seq", 0, end - 1, True, tuple(violations))
+        return Conflict("seq", 0, end - 1, True, tuple(refused.violations))
 
     # --- what is probably asked next ------------------------------------------------------------------------------
 
@@ -283,16 +288,11 @@ class Bounds:
     def _expect_whole(self, skeleton: Skeleton, tries: int | None) -> bool:
         return self.ahead.expect(skeleton, Whole(self.settings, self.seed, tries), self.budget)
 
-    def _expect_prefixes(self, skeleton: Skeleton, known: int, asked: int, end: int) -> None:
-        """Beginnings that halving asks about after the `asked` one, whatever that gives; the nearest go first."""
-        spans = [(known, asked), (asked, end)]
-        for low, high in spans if self.ahead.helps else ():
-            middle = (low + high) // 2
-            if high - low <= 1:
-                continue
-            if not self._expect_whole(beginning(skeleton, middle), self.tries):
+    def _expect_beginnings(self, skeleton: Skeleton, asked: int, end: int) -> None:
+        """The longer beginnings, which are asked about when the one that is `asked` now is feasible."""
+        for length in range(asked + 1, end + 1) if self.ahead.helps else ():
+            if not self._expect_whole(beginning(skeleton, length), self.tries):
                 return
-            spans += [(low, middle), (middle, high)]
 
     def _expect_windows(self, skeleton: Skeleton, first: int, last: int) -> None:
         """The next longer windows that end with the same phase."""

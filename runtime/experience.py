@@ -1,9 +1,10 @@
 """What verdicts on some windows of actions say about similar ones.
 
 Two windows are similar when they differ only in names: of modules of one type, of ends of a reversible module, of
-bodies of one shape. A window that strains the numeric conditions of its rules at least as much as a similar one that
-motion refused is expected to be refused too; one action that strains them no more than one that succeeded is expected
-to succeed. Expectations steer the search; no verdict rests on them, and `forget` drops them.
+bodies of one shape; where they open the plan, of bodies only, as every module starts in a place of its own. A window
+that strains the numeric conditions of its rules at least as much as a similar one that motion refused is expected to be
+refused too; one action that strains them no more than one that succeeded is expected to succeed. Expectations steer the
+search; no verdict rests on them, and `forget` drops them.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ class Experience:
     def refuse(self, phases: Sequence[Phase], strains: Sequence[float], from_start: bool) -> None:
         """Remember that these actions were refused one after the other."""
         self._lengths.add(len(phases))
-        self._refused.setdefault((self._kind(phases), from_start), []).append(tuple(strains))
+        self._refused.setdefault((self._kind(phases, from_start), from_start), []).append(tuple(strains))
 
     def accept(self, phase: Phase, strain: float) -> None:
         """Remember that an action alone was accepted from an unknown start."""
@@ -55,8 +56,8 @@ class Experience:
                 last = first + length - 1
                 if any(f >= first and e <= last for f, e, _ in found):
                     continue
-                kind = self._kind(phases[first : last + 1])
                 for from_start in (False, True) if first == 0 else (False,):
+                    kind = self._kind(phases[first : last + 1], from_start)
                     known = self._refused.get((kind, from_start), ())
                     if any(_at_least(strains[first : last + 1], refused) for refused in known):
                         found.append((first, last, from_start))
@@ -72,18 +73,19 @@ class Experience:
         self._refused.clear()
         self._lengths.clear()
 
-    def _kind(self, phases: Sequence[Phase]) -> Kind:
-        """As `lifted`, with bodies replaced by their shapes; the same body twice is told from two bodies."""
-        return self._signature(phases, bodies=True)
+    def _kind(self, phases: Sequence[Phase], from_start: bool = False) -> Kind:
+        """As `lifted`, with bodies replaced by their shapes; the same body twice is told from two bodies. From the
+        start modules keep their names."""
+        return self._signature(phases, bodies=True, modules=not from_start)
 
-    def _signature(self, phases: Sequence[Phase], bodies: bool) -> Kind:
+    def _signature(self, phases: Sequence[Phase], bodies: bool, modules: bool = True) -> Kind:
         names = Names()
         numbers: dict[str, int] = {}
 
         def token(arg: object) -> object:
             body = self.problem.world.bodies.get(arg) if bodies and isinstance(arg, str) else None
             if body is None or not isinstance(arg, str):
-                return self._lifting.token(arg, names)
+                return self._lifting.token(arg, names) if modules else arg
             return body.shape.kind, body.shape.size, numbers.setdefault(arg, len(numbers))
 
         actions = tuple((p.action.rule, *map(token, p.action.args)) for p in phases)

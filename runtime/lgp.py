@@ -33,8 +33,6 @@ SEARCHES = ("astar", "wastar", "bfs", "guide")
 SOLVERS = ("algn", "ipopt")
 SECONDS = 60.0
 """Budget where nothing else is said."""
-MOST_REMEMBERED = 4
-"""Refused beginnings of a plan with up to so many actions are forbidden wherever their robots stand alike."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,8 +176,8 @@ class _Run:
             if conflict.bound != EXPECTED:
                 self.refusals.add(skeleton, conflict)
                 self.surcharge.refused(candidate.numbers, conflict.first, conflict.last)
-            short = not self.again and conflict.bound in ("seq", EXPECTED) and conflict.last < MOST_REMEMBERED
-            search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start and not short)
+            for_good = conflict.bound not in ("seq", EXPECTED)
+            search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start, for_good)
         if self.surcharge.weight:
             search.charge(self.surcharge)
 

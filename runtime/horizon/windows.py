@@ -17,7 +17,7 @@ from ...compiler.symbolic.successors import Successors
 from ..bounds import EXPECTED, Bounds
 from ..budget import Budget
 from ..judgement import Judgement
-from ..lgp import MOST_REMEMBERED, SolveOptions, motion_settings
+from ..lgp import SolveOptions, motion_settings
 from ..plan import SearchNode
 from ..refusals import Refusals
 from ..search.best_first import Candidate, SkeletonSearch
@@ -36,6 +36,8 @@ NODES, MORE_NODES = 300, 30000
 WEIGHT = 1.0
 """The surcharge that an action at the limit of its conditions has at least, also before any was refused: windows then
 need fewer candidates, and runs promise no cheapest plan anyway."""
+MOST_REMEMBERED = 4
+"""Refused beginnings of a window with up to so many actions are forbidden wherever their robots stand alike."""
 STRAINED = 200
 """Pairs of state and action for which a search learns a strain that depends on the state: windows are many."""
 WIDTH = 40

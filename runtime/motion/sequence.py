@@ -62,8 +62,8 @@ def solve_sequence(
         result = solve_windows(skeleton, settings, random, budget, origin, tries, patient=True)
     else:
         result = span.search(warm, tries or min(TRIES, 4 + last))
-        if not result.feasible and span.reached and len(skeleton) > WINDOW and warm is None:
-            result = solve_windows(skeleton, settings, random, budget, origin, tries or FEW)
+        if not result.feasible and span.reached and len(skeleton) > WINDOW and warm is None and tries is None:
+            result = solve_windows(skeleton, settings, random, budget, origin, FEW)
     if result.feasible and len(skeleton) > LONGEST and warm is None and not places(skeleton):
         whole = span.search(result.configurations[1:], 1)
         result = whole if whole.feasible else result

@@ -91,11 +91,14 @@ class SkeletonSearch:
         """Do not propose exactly this plan again, nor any that begins with it."""
         self.no_goods.forbid_prefix(candidate.numbers)
 
-    def forbid_actions(self, candidate: Candidate, first: int, last: int, from_start: bool = False) -> None:
+    def forbid_actions(
+        self, candidate: Candidate, first: int, last: int, from_start: bool = False, for_good: bool = True
+    ) -> None:
         """Do not propose actions `first` … `last` of a candidate one after the other again, from where their robots
-        are; with `from_start` only when they open the plan, after the actions before them."""
+        are; with `from_start` only when they open the plan, after the actions before them, and unless `for_good` until
+        refusals get a second try."""
         if from_start:
-            self.no_goods.forbid_prefix(candidate.numbers[: last + 1])
+            self.no_goods.forbid_prefix(candidate.numbers[: last + 1], for_good)
         else:
             before = self._state_before(candidate, first)
             self.no_goods.forbid_sequence(candidate.numbers[first : last + 1], before)

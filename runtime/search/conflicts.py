@@ -41,6 +41,7 @@ class NoGoods:
         self._contexts: dict[tuple[int, int], Context] = {}
         self._linked: dict[int, dict[str, set[str]]] = {}
         self._tree: list[dict[int, int]] = [{}]
+        self._prefixes: list[tuple[tuple[int, ...], bool]] = []
         self._histories: list[History] = [()]
         self._history_numbers: dict[History, int] = {(): EMPTY}
         self._predicates = tuple(dict.fromkeys(p for p, _ in successors.layout.fields))
@@ -71,8 +72,12 @@ class NoGoods:
         self._single.clear()
         self._heads.clear()
 
-    def forbid_prefix(self, numbers: Sequence[int]) -> None:
-        """Forbid exactly these actions from the start."""
+    def forbid_prefix(self, numbers: Sequence[int], for_good: bool = True) -> None:
+        """Forbid exactly these actions from the start; unless `for_good`, until refusals get a second try."""
+        self._prefixes.append((tuple(numbers), for_good))
+        self._grow(numbers)
+
+    def _grow(self, numbers: Sequence[int]) -> None:
         node = 0
         for number in numbers[:-1]:
             following = self._tree[node].get(number)
@@ -86,8 +91,13 @@ class NoGoods:
             self._tree[node][numbers[-1]] = LEAF
 
     def readmit(self) -> bool:
-        """Forget the sequences, for a second try; exact prefixes stay. False when there were none."""
-        known = bool(self._conflicts)
+        """Forget the sequences, and the prefixes that are not forbidden for good, for a second try. False when there
+        were none."""
+        lasting = [prefix for prefix in self._prefixes if prefix[1]]
+        known = bool(self._conflicts) or len(lasting) < len(self._prefixes)
+        self._prefixes, self._tree = lasting, [{}]
+        for numbers, _ in lasting:
+            self._grow(numbers)
         self._conflicts.clear()
         self._beginnings.clear()
         self._single.clear()
