@@ -15,8 +15,10 @@ from ..skeleton import Array, Configuration, Phase, PhasePath
 from ..transforms import inverse, joint_frames, rotate
 from .world import carried, spline_values
 
-LOOKS = 25
+LOOKS = 101
 """Instants of a phase that are looked at."""
+FAR = 0.2
+"""Metres beyond which distances are of no interest."""
 
 
 def deepest(
@@ -34,7 +36,7 @@ def nearest(
     problem: ir.Problem, before: Configuration, phase: Phase, path: PhasePath, own: Mapping[str, Array]
 ) -> dict[tuple[str, str], float]:
     """The least distance, in metres, of every module with joints, and of every body that is held, from every body that
-    is not, and that the phase does not keep it to.
+    is not, that the phase does not keep it to, and that is not far.
 
     `own` gives the poses `(LOOKS, 7)` of the bodies that move on their own, evenly over the phase; `before` is the true
     configuration in which it starts. What moves is covered by spheres.
@@ -49,7 +51,10 @@ def nearest(
     found = {}
     for name, cover in covers.items():
         for body in world.bodies.values() if len(cover[0]) else ():
-            if body.name not in held and pair(name, body.name) not in kept:
+            if body.name in held or pair(name, body.name) in kept:
+                continue
+            apart = np.linalg.norm(cover[0] - poses[body.name][None, :, :3], axis=2) - cover[1]
+            if apart.min() < bounding_radius(body.shape) + FAR:
                 found[name, body.name] = float(_distances(cover, body, poses[body.name]).min())
     return found
 

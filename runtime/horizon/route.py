@@ -169,9 +169,8 @@ class Route:
         """Whether one of `bodies`, as they seem to move now, comes near what is left of a motion after `since` seconds;
         the motion began in the state that the world is in."""
         rest = at_times(path, np.linspace(since, path.duration, LOOKS), path.duration - since)
-        known, self.lookout.sensing.known = self.lookout.sensing.known, np.inf
-        own = self._own(world.at(world.time + since), world.time + since + np.linspace(0.0, rest.duration, LOOKS))
-        self.lookout.sensing.known = known
+        times = world.time + since + np.linspace(0.0, rest.duration, LOOKS)
+        own = self._own(world.at(world.time + since), times, newest=True)
         found = nearest(self.problem, world.reached.configuration, phase, rest, own)
         return any(distance < THREAT for (_, body), distance in found.items() if body in bodies)
 
@@ -185,13 +184,14 @@ class Route:
     ) -> float:
         """How deep a phase gets into something, metres, while bodies move on as they seem to."""
         times = world.time + np.linspace(0.0, path.duration, LOOKS)
-        own = self._own(poses, times)
+        own = self._own(poses, times, newest=everyone)
         whole = self.failures.whole(path, world.reached.configuration)
         return deepest(self.problem, world.reached.configuration, phase, whole, own, everyone)
 
-    def _own(self, poses: Mapping[str, Array], times: Array) -> dict[str, Array]:
+    def _own(self, poses: Mapping[str, Array], times: Array, *, newest: bool = False) -> dict[str, Array]:
         """The poses `(T, 7)` of bodies at some times, as they seem to move; `poses` tell how they are turned."""
-        return {body: self.lookout.sensing.foreseen(body, pose, times) for body, pose in poses.items()}
+        foreseen = self.lookout.sensing.foreseen
+        return {body: foreseen(body, pose, times, newest=newest) for body, pose in poses.items()}
 
     def _known(self, problem: ir.Problem, wider: float) -> Window | None:
         return self.planner.known_way(problem, self.way, self.horizon, self._moving(), wider, self.budget)

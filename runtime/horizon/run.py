@@ -275,21 +275,26 @@ class Run:
     def _watched(
         self, phase: Phase, path: PhasePath, named: frozenset[str], near: frozenset[str], *, completed: bool
     ) -> str | None:
-        """Carry out a motion while looking at the bodies that it touches and passes; when it is broken off, why."""
+        """Carry out a motion while looking at the bodies that it touches and passes; when it is broken off, why. What
+        is found before it begins breaks it off at once only where the robot may hold its stance; else the robot goes
+        on until the next window can be there."""
         begin, failure = self.world.time, self._failures.next_of(phase, self.world.time)
         self._asked = begin
         self._lookout.look(self.world)
-        found = self._surprise(phase, path, named, near, 0.0)
-        if found is not None and completed:
-            return found
+        early = self._surprise(phase, path, named, near, 0.0) if completed else None
+        if early is not None and self._may_hold(phase):
+            return early
         for look in np.arange(1, int(np.ceil(path.duration / PERIOD))) * PERIOD:
             now = begin + float(look)
             if failure is not None and failure.time <= now:
                 break
             self._lookout.look(self.world, now)
-            found = self._surprise(phase, path, named, near, float(look))
+            if early is not None:
+                found = early if look > self.options.latency - INSTANT else None
+            else:
+                found = self._surprise(phase, path, named, near, float(look))
+                self._asked = begin if found is None else now
             if found is not None:
-                self._asked = now
                 slowed = braked(self.problem.world, path, float(look))
                 self._perform(phase, slowed, completed=completed and slowed is path)
                 if completed and slowed is not path:
@@ -303,6 +308,11 @@ class Run:
             return f"{failure.module} is {failure.kind}"
         self._perform(phase, path, completed=completed)
         return None
+
+    def _may_hold(self, phase: Phase) -> bool:
+        """Whether nothing would press upon the robot while the next window is planned."""
+        rest = waiting(self.world.reached.configuration, max(self.options.latency, PERIOD))
+        return self._route.is_clear(self.world, phase, rest)
 
     def _surprise(
         self, phase: Phase, path: PhasePath, named: frozenset[str], near: frozenset[str], since: float

@@ -97,14 +97,15 @@ class Sensing:
 
     def velocity(self, body: str) -> Array:
         """The estimated velocity `(3,)` in m/s; what is not told apart from noise is zero."""
-        return self._way(body).velocity if body in self._seen else np.zeros(3)
+        return self._way(body, self.known).velocity if body in self._seen else np.zeros(3)
 
-    def foreseen(self, body: str, pose: Array, times: Array) -> Array:
-        """The poses `(T, 7)` of a body at some times; `pose` tells its orientation."""
-        return np.column_stack([self._way(body).at(times), np.tile(pose[3:], (len(times), 1))])
+    def foreseen(self, body: str, pose: Array, times: Array, *, newest: bool = False) -> Array:
+        """The poses `(T, 7)` of a body at some times; `pose` tells its orientation. With `newest`, all looks count."""
+        way = self._way(body, np.inf if newest else self.known)
+        return np.column_stack([way.at(times), np.tile(pose[3:], (len(times), 1))])
 
-    def _way(self, body: str) -> Line:
-        line = self._seen[body].line(self.known)
+    def _way(self, body: str, known: float) -> Line:
+        line = self._seen[body].line(known)
         span = line.end - line.begin
         sure = span > 0.0 and float(np.linalg.norm(line.velocity)) > max(1e-5, SURE * self.sigma / span)
         return line if sure else replace(line, velocity=np.zeros(3))
