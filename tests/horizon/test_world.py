@@ -131,6 +131,18 @@ def test_velocities_are_read_off_the_last_looks() -> None:
     assert sensing.velocity("b") == pytest.approx(np.zeros(3), abs=1e-9)
 
 
+def test_planning_knows_only_what_was_seen_before_it_began() -> None:
+    sensing = Sensing(0.0, np.random.default_rng(0))
+    pose = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    for k in range(11):  # to and fro: it turns at 0.5 s
+        at = pose + np.array([0.02 * min(0.1 * k, 1.0 - 0.1 * k), 0, 0, 0, 0, 0, 0])
+        sensing.look(0.1 * k, {"b": at})
+    assert sensing.foreseen("b", pose, np.array([1.0, 2.0]))[:, 0] == pytest.approx([0.0, -0.02])
+    sensing.known = 0.4
+    assert sensing.foreseen("b", pose, np.array([1.0, 2.0]))[:, 0] == pytest.approx([0.02, 0.04])
+    assert sensing.foreseen("b", pose, np.array([2.0]), newest=True)[:, 0] == pytest.approx([-0.02])
+
+
 def test_noise_is_seeded() -> None:
     def read(seed: int) -> float:
         pose = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
