@@ -242,7 +242,8 @@ class Run:
         last = self._trail.pop()
         share = BACK if last.duration > SHORT else 1.0
         path = reversed_path(self.problem.world, last, share)
-        if self._route.is_clear(self.world, phase, path):
+        stuck = any(np.ptp(last.modules[name][:, 7:], axis=0).any() for name in self._failures.locked)
+        if not stuck and self._route.is_clear(self.world, phase, path):
             self._trail += [first_part(last, 1.0 - share)] if share < 1.0 else []
             return path
         self._trail = []
