@@ -30,6 +30,7 @@ class Achievers:
         self.layout = successors.layout
         self.predicates = successors.problem.predicates
         self._known: dict[Fact, list[Achiever]] = {}
+        self._conditions_of: dict[int, list[Literal]] = {}
         self._listed: dict[tuple[object, ...], list[Fact]] = {}
         self._adding: dict[str, list[tuple[FlatRule, Literal, dict[str, Type]]]] = {}
         for flat in self.layout.domains.rules:
@@ -85,19 +86,24 @@ class Achievers:
     def fluent(self, literal: Literal) -> bool:
         return self.layout.kinds[literal.predicate] != STATIC
 
-    def _conditions(self, achiever: Achiever) -> Iterator[Literal]:
-        return (f for f in achiever.flat.conjuncts if isinstance(f, Literal) and self.fluent(f))
+    def _conditions(self, achiever: Achiever) -> list[Literal]:
+        key = id(achiever.flat)
+        if key not in self._conditions_of:
+            found = [f for f in achiever.flat.conjuncts if isinstance(f, Literal) and self.fluent(f)]
+            self._conditions_of[key] = found
+        return self._conditions_of[key]
 
     def _needs(self, achiever: Achiever, facts: frozenset[Fact]) -> bool:
         """Whether some condition can only be met by one of the facts."""
         predicates = {fact[0] for fact in facts}
-        found = (f for f in self._conditions(achiever) if f.predicate in predicates)
+        found = [f for f in self._conditions(achiever) if f.predicate in predicates]
         return any(facts.issuperset(self.instances(f, achiever)) for f in found)
 
     def _adds(self, achiever: Achiever, facts: frozenset[Fact]) -> bool:
         """Whether it adds one of the facts whatever its variables are."""
+        predicates = {fact[0] for fact in facts}
         plain = (e.literal for e in achiever.flat.rule.effects if isinstance(e, Effect) and not e.negated)
-        found = (e for e in plain if not e.motion and any(e.predicate == fact[0] for fact in facts))
+        found = [e for e in plain if e.predicate in predicates and not e.motion]
         return any(facts.issuperset(self.instances(e, achiever)) for e in found)
 
     def _orders(self, facts: Sequence[Fact]) -> frozenset[Fact]:

@@ -104,6 +104,9 @@ class Blocks:
         self.layout: Layout = guards.layout
         self.action_id = action_id
         self._made: dict[Any, Block | None] = {}
+        self._keys: dict[str, list[str]] = {}
+        for predicate, key in self.layout.fields:
+            self._keys.setdefault(predicate, []).append(key)
 
     def of(self, flat: FlatRule, word: Word) -> list[Block]:
         """The blocks of one rule whose conditions on the flags hold."""
@@ -309,7 +312,7 @@ class Blocks:
         found = []
         known = {(place.predicate, place.key): env[name] for name, place in block.keys}
         for condition, literal, negated in block.changes:
-            settled = self.guards.reduce(condition, env, None)
+            settled = condition if condition == TRUE else self.guards.reduce(condition, env, None)
             args = tuple(self.guards.resolve(a, env) for a in literal.args)
             item = Literal(literal.predicate, args)
             if settled == Or(()):
@@ -323,16 +326,18 @@ class Blocks:
     def _field_deletions(self, condition: Formula, literal: Literal, known: dict[tuple[str, str], Any]) -> list[Change]:
         key_at = self.guards.problem.predicates[literal.predicate].functional_in or 0
         found: list[Change] = []
-        for (predicate, key), place in self.layout.fields.items():
-            key_arg, value = literal.args[key_at], literal.args[1 - key_at]
-            if predicate != literal.predicate or (isinstance(key_arg, Object) and key_arg.name != key):
+        key_arg, value = literal.args[key_at], literal.args[1 - key_at]
+        keys = self._keys.get(literal.predicate, ()) if not isinstance(key_arg, Object) else (key_arg.name,)
+        for key in keys:
+            place = self.layout.fields.get((literal.predicate, key))
+            if place is None:
                 continue
             whole = self._pair(literal.predicate, key_at, Object(key), Any_())
             if isinstance(value, Any_):
                 found.append((condition, whole, True))
             elif isinstance(value, Object) and value.name in place.numbers:
                 held = self._pair(literal.predicate, key_at, Object(key), value)
-                sure = known.get((predicate, key)) == value.name
+                sure = known.get((literal.predicate, key)) == value.name
                 found.append((condition if sure else conjunction((condition, held)), whole, True))
         return found
 

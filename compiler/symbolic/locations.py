@@ -33,7 +33,7 @@ from .algebra import holds
 from .domains import FlatRule, scoped_effects
 from .guards import Guards
 from .layout import FIELD, Field
-from .normal_form import parts
+from .normal_form import free_names, parts
 
 Matrix = NDArray[np.bool_]
 Interval = tuple[Any, Any]
@@ -78,7 +78,7 @@ class Family:
         self._edges_of_rules: dict[tuple[int, int], list[Edge]] = {}
         self._edges_by_modules: dict[int, list[Edge]] = {}
         self._distances: dict[tuple[bytes, int], tuple[float, ...]] = {}
-        self._strains: dict[tuple[int, int], Any] = {}
+        self._sources: dict[tuple[object, ...], tuple[str | None, NDArray[np.bool_]]] = {}
         self.rules = {e.rule for e in self.edges(len(guards.problem.world.modules))}
         """The rules that move something."""
 
@@ -157,19 +157,26 @@ class Family:
     def starts(self, flat: FlatRule, env: Mapping[str, str], modules: int) -> NDArray[np.bool_] | None:
         """The places at which a rule with some variables bound may fire while no chain has more than so many modules;
         None when it names no place."""
-        types = {v.name: v.type for v in flat.variables}
-        domains = self.guards.layout.domains.variable_domains(flat)
-        source = self.place_variable(flat, types, domains, env)
+        source, allowed = self._source(flat, env)
         if source is None:
             return None
-        known = {**env, source: self.indices}
-        found: NDArray[np.bool_] = self._mask(domains[source]) & self.bounds(modules).possible(flat, known)
+        found: NDArray[np.bool_] = allowed & self.bounds(modules).possible(flat, {**env, source: self.indices})
         return found
+
+    def _source(self, flat: FlatRule, env: Mapping[str, str]) -> tuple[str | None, NDArray[np.bool_]]:
+        """The variable that names a place, and which places it may name."""
+        small = self.guards.layout.small
+        key = (id(flat), *((name, value in small) for name, value in env.items()))
+        if key not in self._sources:
+            types = {v.name: v.type for v in flat.variables}
+            domains = self.guards.layout.domains.variable_domains(flat)
+            source = self.place_variable(flat, types, domains, env)
+            self._sources[key] = source, self._mask(frozenset() if source is None else domains[source])
+        return self._sources[key]
 
     def strain(self, flat: FlatRule, env: Mapping[str, str], modules: int) -> Any:
         """By place, the least strain of a rule that fires there with some variables bound."""
-        types = {v.name: v.type for v in flat.variables}
-        source = self.place_variable(flat, types, self.guards.layout.domains.variable_domains(flat), env)
+        source, _ = self._source(flat, env)
         known = dict(env) if source is None else {**env, source: self.indices}
         return self.bounds(modules).strain(flat, known)
 
@@ -227,17 +234,36 @@ class Bounds:
         ends = [geometry.index[name] for name in guards.problem.of_type("effector")]
         radii = [float(geometry.radius(i)) for i in ends] or [0.0]
         self.radii = (min(radii), max(radii))
+        self._compares: dict[int, list[tuple[int, Compare, tuple[str, ...]]]] = {}
+        self._numbers: dict[Compare, int] = {}
+        self._known: dict[tuple[int, tuple[tuple[str, object], ...]], Any] = {}
 
     def possible(self, flat: FlatRule, env: Mapping[str, Any]) -> Any:
-        """True where no comparison among the conjuncts is refuted; arrays in `env` broadcast."""
+        """True where no comparison among the conjuncts is refuted; arrays in `env` broadcast. Arrays of one shape hold
+        the same numbers in every call."""
         found: Any = np.True_
-        for formula in flat.conjuncts:
-            if isinstance(formula, Compare) and formula.operator in UPPER + LOWER:
-                low, high = self.interval(formula.left, env), self.interval(formula.right, env)
-                if formula.operator in LOWER:
-                    low, high = high, low
-                found = found & holds("<=", low[0], high[1])
+        for number, formula, names in self._comparisons(flat):
+            given = tuple((n, v if isinstance(v, str) else v.shape) for n in names if (v := env.get(n)) is not None)
+            if (number, given) not in self._known:
+                self._known[number, given] = self._may_hold(formula, env)
+            found = found & self._known[number, given]
         return found
+
+    def _comparisons(self, flat: FlatRule) -> list[tuple[int, Compare, tuple[str, ...]]]:
+        """The comparisons of sizes among the conjuncts of a rule, with the same number where they are the same, and
+        with their variables."""
+        if id(flat) not in self._compares:
+            found = [f for f in flat.conjuncts if isinstance(f, Compare) and f.operator in UPPER + LOWER]
+            numbers = [self._numbers.setdefault(f, len(self._numbers)) for f in found]
+            names = [tuple(sorted(free_names(f))) for f in found]
+            self._compares[id(flat)] = list(zip(numbers, found, names, strict=True))
+        return self._compares[id(flat)]
+
+    def _may_hold(self, formula: Compare, env: Mapping[str, Any]) -> Any:
+        low, high = self.interval(formula.left, env), self.interval(formula.right, env)
+        if formula.operator in LOWER:
+            low, high = high, low
+        return holds("<=", low[0], high[1])
 
     def strain(self, flat: FlatRule, env: Mapping[str, Any]) -> Any:
         """The least that the strain of an action can be: how close the lengths that its rule bounds are to their

@@ -10,6 +10,7 @@ import heapq
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from ...compiler.ir import Action, Problem
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 RECORDED = 2000
 """How many nodes of the tree are kept for drawing."""
 LOOK_AT_CLOCK = 128
+LONG = 512
+"""From so many nodes on it pays to go through renamed states only: fewer successor functions, but a plan to rename."""
 HURRIED = 1.5
 """Weight of the estimate once half the budget is spent, and of method wastar."""
 EQUAL = 1e-9
@@ -35,6 +38,8 @@ Past = tuple[int, int, int | None]
 """What no-goods and guide remember of the way here: number of the history, place in the tree of prefixes, previous
 action."""
 NOTHING: Past = (EMPTY, OFF, None)
+Parent = tuple[Any, int, int, int]
+"""The key before, the action that led on from a state that has it, that state, and where it led."""
 Key = Any
 """A state, up to renaming of modules; with what is remembered, where something is."""
 
@@ -126,10 +131,14 @@ class SkeletonSearch:
         self._priced = self.estimate.priced(surcharge.price)
         self._priced_values.clear()
 
-    def expected(self, state: int) -> float:
-        """The estimate of the cost that is left, surcharges included; remembered until they change."""
-        if self._priced is None:
-            return self.value(state)
+    @property
+    def expect(self) -> Callable[[int], float]:
+        """The estimate of the cost that is left, surcharges included."""
+        return self.value if self._priced is None else self._expected
+
+    def _expected(self, state: int) -> float:
+        """As `value`, with surcharges; remembered until they change."""
+        assert self._priced is not None
         known = self._priced_values.get(state)
         if known is None:
             known = self._priced_values[state] = self._priced(state)
@@ -151,31 +160,30 @@ class _Run:
         self.search = search
         self.weight = weight
         self.guided = search.method == "guide"
+        self.expect = search.expect
         self.queue: list[tuple[float, float, float, int, Key, int, float, Past]] = []
         self.cheapest: dict[Key, float] = {}
-        self.parents: dict[Key, tuple[Key, int, int]] = {}
-        """For each key the key before, and the action that led on from a state that has it."""
+        self.parents: dict[Key, Parent] = {}
         self.records: dict[Key, int] = {}
         self.age = 0
         self.cut = False
         self.order = 1 if search.method == "bfs" else -1
         no_goods = search.no_goods
         self.remembers = no_goods.watches or no_goods.root >= 0 or (self.guided and search.guide.reads_previous)
-        self.representative = search.renaming is not None and not self.remembers
+        self.representative = False
         """Whether the search goes through renamed states; the plan gets its names at the end."""
 
     def run(self) -> Candidate | None:
         search = self.search
-        start = search.successors.initial
-        if self.representative:
-            start = self._key(start, NOTHING)
-        self._push(start, 0.0, search.guide.start, (EMPTY, search.no_goods.root, None), None, None)
+        self._push(search.successors.initial, 0.0, search.guide.start, (EMPTY, search.no_goods.root, None), None, None)
         search.tree_nodes += 1
         pops, limit = 0, math.inf if search.node_limit is None else search.node_limit
         while self.queue:
             if (pops % LOOK_AT_CLOCK == 0 or search.expanded_nodes >= limit) and self._interrupted():
                 return None
             pops += 1
+            if pops == LONG and search.renaming is not None and not self.remembers:
+                self.representative = True
             _, estimate, guide, _, key, state, cost, past = heapq.heappop(self.queue)
             if cost > self.cheapest[key]:
                 continue
@@ -213,13 +221,13 @@ class _Run:
             if self.guided and value == math.inf:
                 continue
             kept = child_key if self.representative else following
-            self._push(kept, child_cost, value, then, child_key, (key, action, state))
+            self._push(kept, child_cost, value, then, child_key, (key, action, state, following))
 
     def _push(
-        self, state: int, cost: float, guide: float, past: Past, key: Key, parent: tuple[Key, int, int] | None
+        self, state: int, cost: float, guide: float, past: Past, key: Key, parent: Parent | None
     ) -> None:
         """Queue a state, unless it is known that no way leads from it to the goal."""
-        estimate = self.search.expected(state)
+        estimate = self.expect(state)
         if estimate == math.inf:
             return
         if parent is None:
@@ -265,10 +273,10 @@ class _Run:
 
     def _candidate(self, key: Key, cost: float) -> Candidate:
         search = self.search
-        path: list[tuple[int, int]] = []
+        path: list[tuple[int, int, int]] = []
         while key in self.parents:
-            key, number, state = self.parents[key]
-            path.append((state, number))
+            key, number, state, following = self.parents[key]
+            path.append((state, number, following))
         numbers = self._numbers(path[::-1])
         actions = tuple(search.successors.action(n) for n in numbers)
         bound = self._lower_bound(cost)
@@ -278,21 +286,23 @@ class _Run:
         search.status = "found"
         return Candidate(tuple(numbers), actions, cost, bound >= cost - EQUAL and not self.cut, bound)
 
-    def _numbers(self, path: list[tuple[int, int]]) -> list[int]:
+    def _numbers(self, path: list[tuple[int, int, int]]) -> list[int]:
         """The actions of a path from the start itself. Where a state on the path only stands for the one that is
         reached, what follows gets the names that modules have there."""
         successors, renaming = self.search.successors, self.search.renaming
+        if all(state == before[2] for before, (state, _, _) in pairwise(path)):
+            return [number for _, number, _ in path]
         state = met = successors.initial
         names: dict[str, str] = {}
         numbers = []
-        for kept, chosen in path:
+        for kept, chosen, led in path:
             if kept != met and renaming is not None:
                 back = {new: names.get(old, old) for old, new in renaming.names(met).items()}
                 alike = kept != renaming.canonical(met)
                 names = {old: back.get(new, new) for old, new in renaming.names(kept).items()} if alike else back
             action = renamed_action(successors.action(chosen), names)
             state, number = next((t, a) for t, a in successors.expand(state) if successors.action(a) == action)
-            met = next(t for t, a in successors.expand(kept) if a == chosen)
+            met = led
             numbers.append(number)
         return numbers
 

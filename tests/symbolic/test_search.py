@@ -332,8 +332,8 @@ def test_the_estimate_knows_what_strained_actions_cost_and_never_says_too_much()
             for s, more in before.get(t, ()):
                 heapq.heappush(queue, (cost + more, s))
     for s, cost in left.items():
-        assert search.expected(s) <= cost + 1e-9
-    assert search.expected(successors.initial) > search.value(successors.initial) + 0.1
+        assert search.expect(s) <= cost + 1e-9
+    assert search.expect(successors.initial) > search.value(successors.initial) + 0.1
 
 
 def test_a_search_with_dearer_actions_goes_straight_to_its_goal() -> None:
