@@ -13,7 +13,7 @@ from .assemble import assemble
 from .budget import Budget, Clock, OutOfTime
 from .experience import Experience
 from .judgement import Conflict, Judgement, blame
-from .motion.mending import MENDS, Draw, Mend, mended, resampled, unmoved
+from .motion.mending import MENDS, QUICK_MENDS, Draw, Mend, mended, resampled, unmoved
 from .motion.path import solve_path
 from .motion.sequence import LONGEST, NOISE, judged_alone, solve_sequence
 from .motion.settings import MotionSettings
@@ -318,7 +318,8 @@ class Bounds:
             sequence = again
             if path is None:
                 self._expect_attempt(skeleton, sequence, result, draw)
-                path = self._sequence_path(skeleton, sequence, draw != MENDS[0], result if draw in MENDS else None)
+                known = result if draw in MENDS else None
+                path = self._sequence_path(skeleton, sequence, draw not in QUICK_MENDS, known)
             result = path
             blamed.append({v.phase for v in result.violations})
         if result.feasible:

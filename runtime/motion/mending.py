@@ -28,7 +28,9 @@ class Mend:
 Draw = Mend | int
 """How switches are drawn anew: around failed phases, or all of them for the so-many-th time."""
 
-MENDS = (Mend(1), Mend(2), Mend(1, 1), Mend(2, 2))
+QUICK_MENDS = (Mend(1), Mend(2), Mend(3))
+"""Those after which phases that are still hard fail soon."""
+MENDS = (*QUICK_MENDS, Mend(1, 1), Mend(2, 2))
 
 
 def unmoved(configurations: Sequence[Configuration], failed: Sequence[int]) -> list[Configuration]:
@@ -54,11 +56,12 @@ def resampled(configurations: Sequence[Configuration], failed: Sequence[int], se
 
 
 def spans(failed: Sequence[int], around: int, phases: int) -> list[tuple[int, int]]:
-    """First and last phase of the stretches that hold the failed phases with `around` more on both sides."""
+    """First and last phase of the stretches that hold the failed phases with `around` more on both sides; those that
+    overlap are one."""
     found: list[tuple[int, int]] = []
     for phase in sorted(failed):
         first, last = max(0, phase - around), min(phases - 1, phase + around)
-        if found and first <= found[-1][1] + 1:
+        if found and first <= found[-1][1]:
             first = found.pop()[0]
         found.append((first, last))
     return found

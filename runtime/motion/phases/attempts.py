@@ -20,7 +20,7 @@ from .swept import sweep
 LEVELS = ((6, 0.3, 0.5), (8, 0.5, 1.0), (16, 0.8, 0.5))
 """After a straight start, one attempt after the other: starts per phase, the size of their bumps, radians, and how far
 the first of them goes towards the joints' home instead."""
-QUICK_LEVELS = 2
+QUICK_LEVELS = 1
 SAMPLED_STARTS = 6
 REPAIRED = 0.06
 """A path that misses its clearance by less, metres, is pushed away once more."""
