@@ -30,6 +30,7 @@ EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 TASKS = {"climb": {"crawlers": "2"}, "rendezvous": {}}
 INSTALL = "python -m venv DIR && DIR/bin/pip install up-fast-downward pyperplan; then --peers DIR"
 OPTIMAL = ("--search", "astar(lmcut())")
+OUT_OF_MEMORY = ("MemoryError", "bad_alloc", "Memory limit has been reached", "exit code: 20", "exit code: 22")
 GREEDY = ("--evaluator", "h=ff()", "--search", "lazy_greedy([h], preferred=[h])")
 
 
@@ -81,7 +82,7 @@ def measure(peer: Peer, folder: Path, limit: float, memory: float) -> str:
         return f"{seconds:.2f}"
     if seconds >= 0.9 * limit:
         return f"none in {limit:.0f}"
-    full = any(sign in result.stdout + result.stderr for sign in ("MemoryError", "memory limit", "bad_alloc"))
+    full = any(sign in result.stdout + result.stderr for sign in OUT_OF_MEMORY)
     return f"{f'more than {memory:.0f} GB' if full else 'failed'} after {seconds:.2f}"
 
 
