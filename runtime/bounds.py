@@ -29,7 +29,7 @@ EXPECTED = "expected"
 """The bound of conflicts that similar windows make likely, without a solve."""
 PATH_SECONDS, PATH_SHARE = 30.0, 0.4
 """What P_path of one skeleton may take: seconds, and share of the time that is left."""
-LONGEST_WINDOW = 5
+LONGEST_WINDOW = 3
 """How many phases a conflict that may start anywhere has at most."""
 WIDER = 0.01
 """Metres by which margins grow for a plan that the verifier refused."""

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from tamplang.api import Plan, load
+from tamplang.compiler.ir import Chain
 from tamplang.compiler.pipeline import compile_problem, compile_text
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
@@ -15,7 +18,7 @@ from tamplang.runtime.refusals import describe
 from tamplang.runtime.search.best_first import SkeletonSearch
 from tamplang.runtime.search.roomy import POWER, Strain, Surcharge, roomier
 from tamplang.runtime.search.skeletons import build_skeleton
-from tamplang.runtime.skeleton import Violation
+from tamplang.runtime.skeleton import Phase, Violation
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
 GAP = """
@@ -83,6 +86,50 @@ def test_what_was_refused_is_expected_to_be_refused_again_unless_there_is_more_r
     assert experience.expected_refusals(skeleton.phases, [s - 0.1 for s in strains]) == []
     experience.forget()
     assert experience.expected_refusals(skeleton.phases, strains) == []
+
+
+def test_a_quick_refusal_from_the_start_gets_a_second_try_but_a_plan_that_was_found_does_not_come_again() -> None:
+    search = _search(8)
+    refused = search.next()
+    assert refused is not None
+    search.forbid_actions(refused, 0, 1, from_start=True, for_good=False)
+    other = search.next()
+    assert other is not None and other.numbers[:2] != refused.numbers[:2]
+    search.forbid_plan(other)
+    assert search.readmit(), "there is a refusal to take back"
+    assert not search.readmit()
+    seen = []
+    while refused.numbers not in seen:
+        again = search.next()
+        assert again is not None
+        seen.append(again.numbers)
+        search.forbid_plan(again)
+    assert other.numbers not in seen and len(set(seen)) == len(seen)
+
+
+def _mirrored(item: Any) -> Any:
+    """The same with the two modules swapped."""
+    if isinstance(item, tuple):
+        return tuple(map(_mirrored, item))
+    if isinstance(item, Chain):
+        return Chain(_mirrored(item.modules))
+    return item.translate({ord("1"): "2", ord("2"): "1"}) if item.startswith("c[") else item
+
+
+def test_what_opens_a_plan_is_expected_to_be_refused_only_for_the_modules_that_it_names() -> None:
+    search = _search(8)
+    candidate = search.next()
+    assert candidate is not None
+    skeleton = build_skeleton(search.problem, candidate.actions, search.successors)
+    first = skeleton.phases[0]
+    facts = (frozenset(map(_mirrored, facts)) for facts in (first.mode, first.added))
+    mirrored = Phase(replace(first.action, args=_mirrored(first.action.args)), *facts)
+    assert mirrored != first
+    for from_start, expected in ((True, []), (False, [(0, 0, False)])):
+        experience = Experience(search.problem)
+        experience.refuse([first], [0.5], from_start)
+        assert experience.expected_refusals([first], [0.5]) == [(0, 0, from_start)]
+        assert experience.expected_refusals([mirrored], [0.5]) == expected
 
 
 def test_lack_of_reach_is_told_in_metres() -> None:
