@@ -9,9 +9,11 @@ import numpy as np
 
 from ..budget import Budget
 from ..skeleton import BoundResult, Configuration, Skeleton
-from .sequence import LONGEST, solve_span
+from .sequence import solve_span
 from .settings import MotionSettings
 
+MOST = 24
+"""Phases of a stretch that are drawn anew at once; longer ones stay as they are."""
 NOISE = 0.4
 """Radians by which joints are shaken for another start."""
 
@@ -80,7 +82,7 @@ def mended(
     random = np.random.default_rng([seed, mend.around, mend.draw])
     iterations, done = 0, 0
     for first, last in spans(failed, mend.around, len(skeleton)):
-        if last - first >= LONGEST:
+        if last - first >= MOST:
             continue
         end = configurations[last + 1] if last + 1 < len(skeleton) else None
         found = solve_span(
