@@ -13,6 +13,7 @@ from ..budget import Budget
 from ..skeleton import Array, BoundResult, Configuration, Skeleton, start_configuration
 from .movement import followers
 from .settings import MotionSettings
+from .slides import all_pierced, held_back
 from .starts import guess, shake
 from .switches import SwitchProgram
 
@@ -25,6 +26,8 @@ ANEW = 3
 """What a new start of the first window counts for."""
 PERIOD = 2
 """Gaits repeat after two phases."""
+AROUND = 3
+"""How often a window is drawn anew in which something that slides would go right through what rests."""
 STRETCHED, MOST = 1.2, 3
 """Before the windows, phases are tried alone that span this many times what the usual one of their rule does, at most
 so many."""
@@ -117,6 +120,31 @@ class _Alone:
         return None if result.feasible else result
 
 
+def _led_around(
+    skeleton: Skeleton, first: int, last: int, settings: MotionSettings, random: np.random.Generator, budget: Budget,
+    found: BoundResult,
+) -> tuple[BoundResult, int]:  # fmt: skip
+    """The switches of a window, drawn anew while something that slides would have to go right through what rests and
+    this makes fewer phases so; and the iterations that this took."""
+    from .sequence import solve_span
+
+    iterations = 0
+    bad = all_pierced(skeleton, first, found.configurations)
+    for _ in range(AROUND):
+        if not bad:
+            break
+        warm = held_back(found.configurations, [phase - first for phase in bad])
+        again = solve_span(
+            skeleton, first, last, settings, random, budget, found.configurations[0], warm[1:], tries=1
+        )  # fmt: skip
+        iterations += again.iterations
+        left = all_pierced(skeleton, first, again.configurations) if again.feasible else bad
+        if len(left) >= len(bad):
+            break
+        found, bad = again, left
+    return found, iterations
+
+
 def solve_windows(
     skeleton: Skeleton, settings: MotionSettings, random: np.random.Generator, budget: Budget, start: Configuration,
     tries: int | None = None, patient: bool = False,
@@ -145,6 +173,8 @@ def solve_windows(
         result = solve_span(skeleton, first, last, settings, random, budget, known[-1], warm, tries=tries)
         iterations += result.iterations
         if result.feasible:
+            result, spent = _led_around(skeleton, first, last, settings, random, budget, result)
+            iterations += spent
             kept = last - first + 1 if last == len(skeleton) - 1 else COMMIT
             known += result.configurations[1 : kept + 1]
             ahead = result.configurations[kept + 1 :]
