@@ -3,15 +3,17 @@ and that no path is found is noticed long after P_seq."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 
 from ...compiler import poses
 from ...compiler.extents import box_sides
-from ...compiler.ir import Module
-from ...compiler.motion.collision import Sphere, module_spheres, pose_matrix
+from ...compiler.ir import ModuleType, Vec3
+from ...compiler.motion.collision import module_spheres, pose_matrix
 from ..skeleton import Array, Configuration, Skeleton
 from .movement import followers
 from .starts import to_tuple
@@ -24,46 +26,55 @@ MOVED = 0.05
 """Metres that something must slide to be looked at."""
 
 
-def _sliding(module: Module) -> tuple[list[int], list[Sphere]]:
-    """The sliding joints of a module, and the spheres that they carry."""
-    joints = module.type.joints
-    slides = [k for k, joint in enumerate(joints) if joint.kind == "prismatic"]
+@lru_cache(maxsize=64)
+def _sliding(type_: ModuleType) -> tuple[tuple[int, ...], dict[int, Array]]:
+    """The sliding joints of a module, and the centres `(spheres, 3)` of the spheres that they carry, by joint."""
+    slides = tuple(k for k, joint in enumerate(type_.joints) if joint.kind == "prismatic")
     carried: set[int] = set()
-    for k, joint in enumerate(joints):
+    for k, joint in enumerate(type_.joints):
         if k in slides or joint.parent in carried:
             carried.add(k)
-    return slides, [s for s in module_spheres(module.type) if s.joint in carried]
+    centres: dict[int, list[Vec3]] = {}
+    for sphere in module_spheres(type_) if carried else ():
+        if sphere.joint in carried:
+            centres.setdefault(sphere.joint, []).append(sphere.centre)
+    return slides, {joint: np.array(points) for joint, points in centres.items()}
 
 
-def _centres(module: Module, slot: Array, spheres: Sequence[Sphere]) -> Array:
-    """Centres `(spheres, 3)` in the world, by the module's slot `(7 + joints,)`."""
-    frames = poses.joint_frames(module.type, to_tuple(slot[:7]), slot[7:].tolist())
-    matrices = {joint: pose_matrix(frames[joint]) for joint in {s.joint for s in spheres}}
-    return np.array([matrices[s.joint][:3, :3] @ s.centre + matrices[s.joint][:3, 3] for s in spheres])
+def _centres(type_: ModuleType, slot: Array) -> Array:
+    """Where these centres are `(spheres, 3)` in the world, by the module's slot `(7 + joints,)`."""
+    frames = poses.joint_frames(type_, to_tuple(slot[:7]), slot[7:].tolist())
+    placed = ((pose_matrix(frames[joint]), points) for joint, points in _sliding(type_)[1].items())
+    return np.concatenate([points @ frame[:3, :3].T + frame[:3, 3] for frame, points in placed])
+
+
+def _slid(type_: ModuleType, before: Array, after: Array) -> Array | None:
+    """Where these centres are `(places, spheres, 3)` between two slots of a module; None where it hardly slides."""
+    slides, centres = _sliding(type_)
+    if not centres or math.dist(before[7:][[*slides]], after[7:][[*slides]]) < MOVED:
+        return None
+    slots = np.repeat(before[None], LOOKS - 1, axis=0)
+    slots[:, 7:] += np.arange(1, LOOKS)[:, None] / LOOKS * (after[7:] - before[7:])
+    return np.array([_centres(type_, slot) for slot in slots])
 
 
 def pierced(skeleton: Skeleton, phase: int, before: Configuration, after: Configuration) -> bool:
     """Whether, on the straight way between the switches of a phase, most of something that slides is somewhere within
     a body at rest."""
     world = skeleton.problem.world
+    ways = (_slid(m.type, before.modules[name], after.modules[name]) for name, m in world.modules.items())
+    slid = [points for points in ways if points is not None]
+    if not slid:
+        return False
     carried = followers(skeleton.problem, skeleton.phases[phase].mode)
-    blocks = [
-        (pose_matrix(before.bodies[name]), np.array(box_sides(body.shape)) / 2)
-        for name, body in world.bodies.items() if name not in carried and body.shape.kind in ("box", "convex")
-    ]  # fmt: skip
-    for name, module in world.modules.items():
-        slides, spheres = _sliding(module)
-        start, change = before.modules[name], after.modules[name] - before.modules[name]
-        if not spheres or float(np.linalg.norm(change[7:][slides])) < MOVED:
+    for name, body in world.bodies.items():
+        if name in carried or body.shape.kind not in ("box", "convex"):
             continue
-        for share in np.arange(1, LOOKS) / LOOKS:
-            slot = start.copy()
-            slot[7:] += share * change[7:]
-            points = _centres(module, slot, spheres)
-            for frame, half in blocks:
-                within = (np.abs((points - frame[:3, 3]) @ frame[:3, :3]) < half).all(axis=1)
-                if within.mean() > THROUGH:
-                    return True
+        frame, half = pose_matrix(before.bodies[name]), np.array(box_sides(body.shape)) / 2
+        for points in slid:
+            within = (np.abs((points - frame[:3, 3]) @ frame[:3, :3]) < half).all(axis=2)
+            if within.mean(axis=1).max() > THROUGH:
+                return True
     return False
 
 
