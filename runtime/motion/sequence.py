@@ -49,7 +49,7 @@ def solve_sequence(
     """P_seq of the whole skeleton from `start` (default: the scene at time 0). `warm` gives the K switch
     configurations to start from; `tries` how many starts a span gets at most, and in skeletons that are not long how
     often windows go back. Raises OutOfTime."""
-    from .windows import WINDOW, solve_windows
+    from .windows import WINDOW, led_around, solve_windows
 
     began = time.monotonic()
     origin = start or start_configuration(skeleton.problem)
@@ -64,6 +64,9 @@ def solve_sequence(
         result = span.search(warm, tries or min(TRIES, 4 + last))
         if not result.feasible and span.reached and len(skeleton) > WINDOW and warm is None and tries is None:
             result = solve_windows(skeleton, settings, random, budget, origin, FEW)
+        elif result.feasible and warm is None:
+            result, spent = led_around(skeleton, 0, last, settings, random, budget, result)
+            span.iterations += spent
     if result.feasible and len(skeleton) > LONGEST and warm is None and not places(skeleton):
         whole = span.search(result.configurations[1:], 1)
         result = whole if whole.feasible else result

@@ -120,7 +120,7 @@ class _Alone:
         return None if result.feasible else result
 
 
-def _led_around(
+def led_around(
     skeleton: Skeleton, first: int, last: int, settings: MotionSettings, random: np.random.Generator, budget: Budget,
     found: BoundResult,
 ) -> tuple[BoundResult, int]:  # fmt: skip
@@ -173,7 +173,7 @@ def solve_windows(
         result = solve_span(skeleton, first, last, settings, random, budget, known[-1], warm, tries=tries)
         iterations += result.iterations
         if result.feasible:
-            result, spent = _led_around(skeleton, first, last, settings, random, budget, result)
+            result, spent = led_around(skeleton, first, last, settings, random, budget, result)
             iterations += spent
             kept = last - first + 1 if last == len(skeleton) - 1 else COMMIT
             known += result.configurations[1 : kept + 1]
