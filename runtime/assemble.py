@@ -22,7 +22,7 @@ from .verify.findings import place_of
 from .verify.formulas import ReplayError
 from .verify.replay import Interpreter
 
-FACTOR = 5
+FACTOR = 3
 """Samples of the plan file per sample of the planner."""
 DIGITS = 10
 """Decimals of metres, radians and seconds in the file."""

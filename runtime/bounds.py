@@ -12,7 +12,7 @@ from .ahead import Ahead
 from .assemble import assemble
 from .budget import Budget, Clock, OutOfTime
 from .experience import Experience
-from .judgement import Conflict, Judgement, blame
+from .judgement import Conflict, Judgement, blame, with_motion
 from .motion.mending import MENDS, QUICK_MENDS, Draw, Mend, mended, resampled, unmoved
 from .motion.path import solve_path
 from .motion.sequence import LONGEST, NOISE, judged_alone, solve_sequence
@@ -323,12 +323,12 @@ class Bounds:
             result = path
             blamed.append({v.phase for v in result.violations})
         if result.feasible:
-            return Judgement(True, result.paths, path_cost=result.cost, path_cost_before=result.cost_before)
+            return with_motion(self.problem.world, result)
         bound = "seq-path"
         if self.finest == "path":
             free = self._path(skeleton, sequence)
             if free is not None and free.feasible:
-                return Judgement(True, free.paths, path_cost=free.cost)
+                return with_motion(self.problem.world, free)
             bound = "path"
         return Judgement(False, conflicts=[blame(bound, result, blamed, len(skeleton))])
 

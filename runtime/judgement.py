@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from ..compiler.ir import World
+from .motion.easing import eased
 from .skeleton import BoundResult, Configuration, PhasePath, Violation
 
 ALWAYS = 3
@@ -34,6 +36,12 @@ class Judgement:
     path_cost_before: float | None = None
     conflicts: list[Conflict] = field(default_factory=list)
     ahead: list[Configuration] = field(default_factory=list)
+
+
+def with_motion(world: World, result: BoundResult) -> Judgement:
+    """Accepted, with the motions of a finished path, which begin and end gently."""
+    paths = eased(world, result.paths)
+    return Judgement(True, paths, path_cost=result.cost, path_cost_before=result.cost_before)
 
 
 def blame(bound: str, refused: BoundResult, blamed: Sequence[set[int]], phases: int) -> Conflict:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...compiler import ir
 from ..budget import Budget
+from ..motion.easing import eased
 from ..motion.movement import involved
 from ..motion.settings import MotionSettings
 from ..questions import sequence_path
@@ -34,7 +35,7 @@ def way_aside(skeleton: Skeleton, settings: MotionSettings, seed: int, budget: B
         switches = BoundResult("seq", True, 0.0, 0.0, 0, [start, goal], [], [])
         path = sequence_path(skeleton, switches, settings, seed, budget, thorough=False)
         if path.feasible:
-            return path.paths[0]
+            return eased(skeleton.problem.world, path.paths)[0]
     return None
 
 

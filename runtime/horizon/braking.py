@@ -15,6 +15,8 @@ KNOT = 0.02
 """Seconds between knots of a motion that is broken off."""
 QUICK = 0.25
 """Seconds in which joints without a limit of acceleration come to rest from full speed."""
+AT_ONCE = 0.05
+"""Seconds before a breakdown in which joints come to rest, so that a spline can tell it."""
 SHORTEST = 0.05
 LONGER = 1.4
 """By what factor the way to rest grows while it is not within the limits of the joints."""
@@ -42,9 +44,13 @@ def _slowed(path: PhasePath, seconds: float, length: float) -> PhasePath:
     total = seconds + length
     count = max(8, math.ceil(total / KNOT))
     times = np.linspace(0.0, total, count + 1)
+    return at_times(path, np.minimum(_resting(times, seconds, length), path.duration), total)
+
+
+def _resting(times: Array, seconds: float, length: float) -> Array:
+    """How far along a motion one is at `times` that comes to rest over `length` seconds from `seconds` on."""
     share = np.clip((times - seconds) / length, 0.0, 1.0)
-    along = np.minimum(times, seconds) + length * (share - share**3 + 0.5 * share**4)
-    return at_times(path, np.minimum(along, path.duration), total)
+    return np.asarray(np.minimum(times, seconds) + length * (share - share**3 + 0.5 * share**4))
 
 
 def within_limits(world: ir.World, path: PhasePath) -> bool:
@@ -61,9 +67,10 @@ def within_limits(world: ir.World, path: PhasePath) -> bool:
 
 
 def stopped(path: PhasePath, seconds: float) -> PhasePath:
-    """The motion that follows `path` for `seconds` and ends there."""
-    count = max(4, math.ceil(seconds / (0.5 * KNOT)))
-    return at_times(path, np.linspace(0.0, seconds, count + 1), seconds)
+    """The motion that follows `path` for `seconds`, all but at once at rest then, whatever its limits."""
+    length = min(AT_ONCE, seconds)
+    times = np.linspace(0.0, seconds, max(8, math.ceil(seconds / (0.25 * KNOT))) + 1)
+    return at_times(path, _resting(times, seconds - length, length), seconds)
 
 
 def reversed_path(world: ir.World, path: PhasePath, share: float) -> PhasePath:

@@ -9,6 +9,7 @@ from typing import TypeVar
 from ...compiler import ir
 from ..budget import Budget
 from ..lgp import SolveOptions, motion_settings
+from ..motion.easing import eased
 from ..motion.movement import carrier
 from ..motion.sequence import solve_sequence
 from ..motion.settings import MotionSettings
@@ -74,7 +75,7 @@ class Planner:
             seed = self.options.seed + FRESH * self.failures + attempt
             found = _motions(beginning(skeleton, count), motions, settings, seed, budget)
             if found.feasible:
-                return Window(problem, tuple(actions), skeleton, found.paths, moving)
+                return Window(problem, tuple(actions), skeleton, eased(problem.world, found.paths), moving)
             self.blamed = _in_the_way(problem, found)
         return None
 

@@ -42,7 +42,7 @@ def peaks(values: Array) -> tuple[Array, Array]:
     """Greatest absolute first and second derivatives `(n,)` of the clamped spline through `values` `(S + 1, n)`, by the
     phase's own time, which runs from 0 to 1."""
     count = len(values) - 1
-    second = _second_derivatives(count) @ values
+    second = second_derivatives(count) @ values
     left, right = second[:-1], second[1:]
     first = np.diff(values, axis=0) - (2.0 * left + right) / 6.0
     change = right - left
@@ -53,7 +53,7 @@ def peaks(values: Array) -> tuple[Array, Array]:
 
 
 @lru_cache(maxsize=16)
-def _second_derivatives(count: int) -> Array:
+def second_derivatives(count: int) -> Array:
     """The matrix `(count + 1, count + 1)` from the values of a clamped spline at 0, 1 … `count` to its second
     derivatives there."""
     knots = np.arange(count + 1)

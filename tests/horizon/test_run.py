@@ -139,7 +139,7 @@ def test_the_others_finish_the_task(name: str) -> None:
 
 
 def test_a_module_that_holds_something_is_lost_with_it() -> None:
-    text = DRIFT.replace("HAPPENS", "fail c at 3 s: gone").replace("goal (held target)", "goal (on tray target)")
+    text = DRIFT.replace("HAPPENS", "fail c at 1.5 s: gone").replace("goal (held target)", "goal (on tray target)")
     tray = "base tray: box(0.3 m, 0.3 m, 0.05 m) at (-0.5 m, 0, 0.2 m)\n    fact (tray tray)\n"
     text = text.replace("    crawler", f"    {tray}    crawler")
     result = Task(compile_text(text, "reach.tamp", "reach")[0]).run()

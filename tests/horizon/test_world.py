@@ -12,11 +12,20 @@ from hypothesis import strategies as st
 
 from tamplang.compiler import ir
 from tamplang.compiler.pipeline import compile_text
-from tamplang.runtime.horizon.braking import braked, first_part, reversed_path, stopped, waiting, within_limits
+from tamplang.runtime.horizon.braking import (
+    AT_ONCE,
+    braked,
+    first_part,
+    reversed_path,
+    stopped,
+    waiting,
+    within_limits,
+)
 from tamplang.runtime.horizon.drift import signed_distance
 from tamplang.runtime.horizon.drives import Noise
 from tamplang.runtime.horizon.sensing import Sensing
-from tamplang.runtime.horizon.world import Interval, World, carried
+from tamplang.runtime.horizon.world import Interval, World, carried, spline_values
+from tamplang.runtime.motion.timing import peaks
 from tamplang.runtime.skeleton import PhasePath
 from tamplang.runtime.verify.happenings import Course
 
@@ -108,7 +117,11 @@ def test_stopping_going_back_and_going_again(problem: ir.Problem) -> None:
     path = swing(problem, 2.0)
     at_once = stopped(path, 1.0)
     assert at_once.duration == 1.0
-    assert at_once.modules["c"][-1, 10] == pytest.approx(path.modules["c"][10, 10], abs=1e-4)
+    rest = spline_values(path.modules["c"][:, 7:], 2.0, np.array([1.0 - AT_ONCE / 2.0]))[0]
+    assert at_once.modules["c"][-1, 7:] == pytest.approx(rest)
+    speeds = np.abs(spline_values(at_once.modules["c"][:, 7:], 1.0, np.linspace(0.0, 1.0, 1001), 1))
+    fastest = peaks(path.modules["c"][:, 7:])[0].max() / path.duration
+    assert speeds[-1] == pytest.approx(np.zeros(7)) and speeds.max() <= 1.01 * fastest
     back = reversed_path(problem.world, path, 0.5)
     assert back.modules["c"][0] == pytest.approx(path.modules["c"][-1])
     assert back.modules["c"][-1] == pytest.approx(first_part(path, 0.5).modules["c"][-1])
