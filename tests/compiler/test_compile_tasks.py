@@ -230,3 +230,22 @@ def test_values_outside_of_the_range_of_a_parameter(parameters: dict[str, str], 
 def test_values_inside_of_the_range_of_a_parameter() -> None:
     problem, _ = compile_text(RANGED, parameters={"n": "4", "size": "20 cm"})
     assert problem.parameters == {"n": 4, "size": 0.2}
+
+
+@pytest.mark.parametrize(
+    ("example", "parameters"),
+    [
+        ("quadruped", {"steps": "1"}),
+        ("quadruped", {"steps": "2", "crawlers": "3"}),
+        ("chain_climb", {"scattered": "1"}),
+        ("chain_climb", {"missing": "1"}),
+        ("strut_bridge", {"struts": "0"}),
+        ("rendezvous", {"gap": "1.5 m"}),
+        ("mobile_manipulator", {"objects": "64", "height": "2 m"}),
+        ("terraces", {"width": "1.7 m"}),
+    ],
+)
+def test_examples_compile_whatever_their_parameters(example: str, parameters: dict[str, str]) -> None:
+    problem, _ = compile_problem(ROOT / "examples" / f"{example}.tamp", None, parameters)
+    assert problem.parameters.keys() >= parameters.keys()
+    assert problem.goal != ir.And(())
