@@ -236,7 +236,7 @@ def test_values_inside_of_the_range_of_a_parameter() -> None:
     ("example", "parameters"),
     [
         ("quadruped", {"steps": "1"}),
-        ("quadruped", {"steps": "2", "crawlers": "3"}),
+        ("quadruped", {"steps": "2"}),
         ("chain_climb", {"scattered": "1"}),
         ("chain_climb", {"missing": "1"}),
         ("strut_bridge", {"struts": "0"}),
