@@ -302,10 +302,11 @@ class Bounds:
                     return
 
     def _paths(self, skeleton: Skeleton, sequence: BoundResult) -> Judgement:
-        """P_seqPath between the switch poses, drawn anew around phases that fail, at last all of them; then P_path."""
+        """P_seqPath between switch poses, drawn anew, in long skeletons first around phases that fail; then P_path."""
         result = self._sequence_path(skeleton, sequence, thorough=False)
         blamed = [{v.phase for v in result.violations}]
-        for draw in (*MENDS, *range(1, RESAMPLES + 1)):
+        mends = MENDS if len(skeleton) > LONGEST else ()
+        for draw in (*mends, *range(1, RESAMPLES + 1)):
             if result.feasible:
                 break
             path: BoundResult | None = None
