@@ -15,8 +15,9 @@ from .experience import Experience
 from .judgement import Conflict, Judgement, blame, with_motion
 from .motion.mending import MENDS, QUICK_MENDS, Draw, Mend, mended, resampled, unmoved
 from .motion.path import solve_path
-from .motion.sequence import LONGEST, NOISE, judged_alone, solve_sequence
+from .motion.sequence import LONGEST, solve_sequence
 from .motion.settings import MotionSettings
+from .motion.spans import NOISE, judged_alone
 from .motion.starts import guess
 from .plan import BoundRecord, Plan, StatisticsRecord
 from .questions import Attempt, Whole, Window, sequence_path
@@ -70,8 +71,7 @@ class Bounds:
         self.tries: int | None = QUICK
 
     def restart(self, problem: Problem, seed: int, budget: Budget) -> None:
-        """Go on with the same task begun from another state (`horizon.state`): what was learnt of phases wherever they
-        start stays."""
+        """Go on with the same task from another state: what was learnt of phases wherever they start stays."""
         self.problem, self.seed, self.budget = problem, seed, budget
         self.tries = QUICK
         self._windows.clear()

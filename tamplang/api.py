@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .compiler.ir import Problem
     from .langs.diagnostics import Diagnostic
     from .runtime.horizon.drives import Noise
-    from .runtime.horizon.run import RunProgress
+    from .runtime.horizon.terms import RunProgress
     from .runtime.horizon.tracking import Deviations
     from .runtime.lgp import Outcome, Progress, SolveOptions
     from .runtime.plan import Plan as PlanRecord

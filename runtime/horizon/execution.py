@@ -13,7 +13,8 @@ from ..plan import Plan
 from ..verify import verify
 from .drives import Noise
 from .rerun import window_of
-from .run import HORIZON, LATENCY, Run, RunOptions, RunProgress
+from .run import Run
+from .terms import HORIZON, LATENCY, RunOptions, RunProgress
 from .tracking import Deviations, deviations, follow
 
 SECONDS = 120.0

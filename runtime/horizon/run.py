@@ -4,14 +4,14 @@
       ▲                                          │ a body is not where it was expected, or a module fails
       └────────────── brake, and rest ◀──────────┘
 
-The world waits while a window is planned. Every planning is a `WindowRecord`.
+Planning takes simulated time. Every planning is a `WindowRecord`.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,13 +21,11 @@ from ...langs.diagnostics import Diagnostic
 from ...langs.source import Span
 from ..assemble import FACTOR
 from ..budget import Budget, ending
-from ..lgp import SolveOptions
-from ..plan import Plan, StatisticsRecord, WindowRecord
-from ..skeleton import Array, Phase, PhasePath
+from ..plan import StatisticsRecord, WindowRecord
+from ..skeleton import Phase, PhasePath
 from ..verify import verify
 from ..verify.replay import Interpreter
 from .braking import braked, first_part, reversed_path, stopped, waiting
-from .drives import EXACT, Noise
 from .failures import Failures
 from .length import horizon_of
 from .lookout import Lookout
@@ -35,12 +33,9 @@ from .planning import Window
 from .record import Step, plan_of_run
 from .route import Route
 from .sensing import PERIOD, Sensing
+from .terms import RunOptions, RunOutcome, RunProgress
 from .world import Interval, World
 
-HORIZON = 4
-"""Actions that get their motion in one window, where nothing else is said."""
-LATENCY = 0.25
-"""Simulated seconds that planning a window takes, where nothing else is said."""
 BACK, SHORT = 0.5, 0.4
 """Share of a broken-off motion that is gone back where nothing leads on from its end; one of so many seconds is gone
 back as a whole."""
@@ -49,43 +44,6 @@ INSTANT = 1e-3
 WAIT = 0.5
 """Seconds that the run waits where nothing leads on, in the hope that what moves does so."""
 MOST_WAITS = 40
-
-
-@dataclass(frozen=True, slots=True)
-class RunOptions:
-    """`horizon` actions get their motion in one window (None: as many as seem wise), whose planning takes `latency`
-    simulated seconds."""
-
-    solve: SolveOptions
-    horizon: int | None = HORIZON
-    noise: Noise = EXACT
-    seed: int = 0
-    latency: float = LATENCY
-
-
-@dataclass(frozen=True, slots=True)
-class RunProgress:
-    """Where a run stands: simulated seconds, actions done, actions left on the way that is known."""
-
-    message: str
-    time: float
-    done: int
-    left: int
-    elapsed: float
-
-
-@dataclass(slots=True)
-class RunOutcome:
-    """`status` is "solved"; "stuck": from the state reached no way leads on; "lost": a breakdown took what carries a
-    robot or holds a thing; "refused": by the verifier; "budget" or "interrupted". `plan` holds what was carried out,
-    verified; it is not `complete` unless the goal is reached. `commanded` and `driven` joint values `(T, n)` are those
-    at its time stamps."""
-
-    status: str
-    plan: Plan
-    explanation: list[Diagnostic] = field(default_factory=list)
-    commanded: dict[str, Array] = field(default_factory=dict)
-    driven: dict[str, Array] = field(default_factory=dict)
 
 
 class Run:

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..budget import Budget
 from ..skeleton import BoundResult, Configuration, Skeleton
-from .sequence import solve_span
 from .settings import MotionSettings
+from .spans import solve_span
 
 MOST = 24
 """Phases of a stretch that are drawn anew at once; longer ones stay as they are."""

@@ -14,6 +14,7 @@ from ..skeleton import Array, BoundResult, Configuration, Skeleton, start_config
 from .movement import followers
 from .settings import MotionSettings
 from .slides import all_pierced, held_back
+from .spans import NOISE, judged_alone, solve_span
 from .starts import guess, shake
 from .switches import SwitchProgram
 
@@ -67,8 +68,6 @@ def _continue(
 ) -> list[Configuration]:  # fmt: skip
     """A start for the switches behind `known` up to phase `last`: what the window before has found `ahead`, then
     the gait repeated."""
-    from .sequence import NOISE
-
     found = [*known, *ahead]
     phases = range(len(found) - 1, last + 1)
     for phase, guessed in zip(phases, guess(skeleton, phases, found[-1], random, NOISE), strict=True):
@@ -107,8 +106,6 @@ class _Alone:
 
     def refused(self, phase: int) -> BoundResult | None:
         """The refusal of a phase; None where it can be done, was asked for before, or cannot be judged alone."""
-        from .sequence import judged_alone, solve_span
-
         if phase == 0 or phase in self._done or not judged_alone(self.skeleton, phase):
             return None
         self._done.add(phase)
@@ -126,8 +123,6 @@ def led_around(
 ) -> tuple[BoundResult, int]:  # fmt: skip
     """The switches of a window, drawn anew while something that slides would have to go right through what rests and
     this makes fewer phases so; and the iterations that this took."""
-    from .sequence import solve_span
-
     iterations = 0
     bad = all_pierced(skeleton, first, found.configurations)
     for _ in range(AROUND):
@@ -153,8 +148,6 @@ def solve_windows(
     slice two phases back moved along with its supports. On failure the search goes back further each time, to start
     anew, until it comes farther than before; `tries` bounds the starts of a window, and with `patient` not how often it
     goes back. Phases that span the most, and those that a window blames, are tried alone first. Raises OutOfTime."""
-    from .sequence import solve_span
-
     alone = _Alone(skeleton, settings, budget, tries)
     for phase in _outliers(skeleton):
         refusal = alone.refused(phase)

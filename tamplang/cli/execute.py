@@ -21,7 +21,7 @@ from .status import ExitStatus
 
 if TYPE_CHECKING:
     from ..api import RunResult, Task
-    from ..runtime.horizon.run import RunProgress
+    from ..runtime.horizon.terms import RunProgress
     from ..runtime.plan import Plan
 
 STATUS = {

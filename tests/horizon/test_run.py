@@ -11,7 +11,8 @@ import pytest
 from tamplang.api import Task, load, task_of_plan
 from tamplang.compiler.pipeline import compile_text
 from tamplang.runtime.horizon.drives import Noise
-from tamplang.runtime.horizon.run import Run, RunOptions, RunProgress
+from tamplang.runtime.horizon.run import Run
+from tamplang.runtime.horizon.terms import RunOptions, RunProgress
 from tamplang.runtime.lgp import SolveOptions
 from tamplang.runtime.plan import Plan, read_plan
 from tamplang.runtime.verify import verify

@@ -10,8 +10,9 @@ import numpy as np
 from tamplang.compiler.ir import Shape
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.motion.places import GAP, MANY, places
-from tamplang.runtime.motion.sequence import judged_alone, solve_sequence
+from tamplang.runtime.motion.sequence import solve_sequence
 from tamplang.runtime.motion.settings import MotionSettings
+from tamplang.runtime.motion.spans import judged_alone
 from tamplang.runtime.skeleton import Skeleton
 
 from .fixtures import climb_alone, pick_and_place
