@@ -13,7 +13,7 @@ from .assemble import assemble
 from .budget import Budget, Clock, OutOfTime
 from .experience import Experience
 from .judgement import Conflict, Judgement, blame, with_motion
-from .motion.mending import MENDS, QUICK_MENDS, Draw, Mend, mended, resampled, unmoved
+from .motion.mending import MENDS, QUICK_MENDS, Mend, mended, resampled, unmoved
 from .motion.path import solve_path
 from .motion.sequence import LONGEST, solve_sequence
 from .motion.settings import MotionSettings
@@ -318,8 +318,9 @@ class Bounds:
                 continue
             sequence = again
             if path is None:
-                self._expect_attempt(skeleton, sequence, result, draw)
-                known = result if draw in MENDS else None
+                if isinstance(draw, int):
+                    self._expect_attempt(skeleton, sequence, result, draw + 1)
+                known = result if isinstance(draw, Mend) else None
                 path = self._sequence_path(skeleton, sequence, draw not in QUICK_MENDS, known)
             result = path
             blamed.append({v.phase for v in result.violations})
@@ -367,11 +368,10 @@ class Bounds:
             self._count("seq-path", path.feasible)
         return again, path
 
-    def _expect_attempt(self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, draw: Draw) -> None:
-        """The next attempt, if the same phases are refused as before."""
-        following = draw + 1 if isinstance(draw, int) else 1 if draw == MENDS[-1] else RESAMPLES + 1
-        if self.ahead.helps and following <= RESAMPLES and len(skeleton) <= LONGEST:
-            self.ahead.expect(skeleton, self._drawn(sequence, refused, following), self.budget)
+    def _expect_attempt(self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int) -> None:
+        """An attempt, if the same phases are refused as before."""
+        if self.ahead.helps and attempt <= RESAMPLES and len(skeleton) <= LONGEST:
+            self.ahead.expect(skeleton, self._drawn(sequence, refused, attempt), self.budget)
 
     def _path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult | None:
         """P_path, with a share of the time that is left; None when that is spent."""

@@ -13,7 +13,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from ..compiler.ir import Problem
-from ..compiler.scenes.touching import touching
 from ..compiler.symbolic.successors import Successors
 from ..langs.diagnostics import Diagnostic
 from .ahead import Ahead
@@ -27,6 +26,7 @@ from .search.best_first import Candidate, SkeletonSearch
 from .search.roomy import Strain, Surcharge, roomier
 from .search.skeletons import build_skeleton
 from .skeleton import Skeleton
+from .touching import touching
 
 BOUNDS = ("seq", "seq-path", "path")
 SEARCHES = ("astar", "wastar", "bfs", "guide")

@@ -3,11 +3,12 @@ reached, with the verifier's plain interpreter of formulas."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ..compiler.ir import Action, And, Forall, Formula, Problem, Rule
+from ..compiler.ir import Action, Forall, Formula, Problem, Rule
 from ..compiler.printing_terms import format_formula
+from ..compiler.symbolic.normal_form import conjuncts
 from ..compiler.symbolic.renaming import renaming
 from ..compiler.symbolic.successors import Successors
 from ..langs.source import Span
@@ -52,7 +53,7 @@ def nearest(problem: Problem, rules: Sequence[Rule]) -> Nearest | None:
         for facts, before in _reached(problem):
             state = interpreter.state(facts)
             for rule in rules:
-                parts = [*_conjuncts(rule.condition)]
+                parts = [*conjuncts(rule.condition)]
                 for environment in bindings(state, rule.variables, {}):
                     budget.check()
                     missing = tuple(part for part in parts if not holds(state, part, environment))
@@ -81,14 +82,6 @@ def _reached(problem: Problem) -> list[tuple[frozenset[tuple[str, ...]], tuple[A
         if len(queue) > MOST_STATES:
             return []
     return [(successors.facts(state), tuple(map(successors.action, way))) for state, way in queue]
-
-
-def _conjuncts(formula: Formula) -> Iterator[Formula]:
-    if isinstance(formula, And):
-        for operand in formula.operands:
-            yield from _conjuncts(operand)
-    else:
-        yield formula
 
 
 def _failing(state: State, part: Formula, environment: Environment) -> list[str]:

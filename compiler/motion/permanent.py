@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from ..ir import (
-    And,
     Any_,
     ChainEnd,
     ChainModule,
@@ -22,6 +19,7 @@ from ..ir import (
     Var,
 )
 from ..symbolic.domains import effects_of
+from ..symbolic.normal_form import conjuncts
 
 Bound = dict[Term, str]
 """What terms of a rule stand for."""
@@ -42,7 +40,7 @@ def _deletes(problem: Problem, rule: Rule, fact: Fact) -> bool:
         if effect.negated and literal.motion and literal.predicate == name:
             for order in orders:
                 bound = _match(problem, rule, literal, order)
-                if bound is not None and all(_possible(problem, part, bound) for part in _conjuncts(rule.condition)):
+                if bound is not None and all(_possible(problem, part, bound) for part in conjuncts(rule.condition)):
                     return True
     return False
 
@@ -66,14 +64,6 @@ def _match(problem: Problem, rule: Rule, literal: Literal, objects: list[str]) -
     return bound
 
 
-def _conjuncts(formula: Formula) -> Iterator[Formula]:
-    if isinstance(formula, And):
-        for part in formula.operands:
-            yield from _conjuncts(part)
-    else:
-        yield formula
-
-
 def _possible(problem: Problem, formula: Formula, bound: Bound) -> bool:
     """Whether a condition may hold: not where a static literal, or the type of what an equation names, says no."""
     if isinstance(formula, Literal) and formula.predicate in problem.predicates:
@@ -84,7 +74,7 @@ def _possible(problem: Problem, formula: Formula, bound: Bound) -> bool:
         return any(all(w in (None, o) for w, o in zip(wanted, fact, strict=True)) for fact in facts)
     if isinstance(formula, Exists):
         types = {v.name: v.type for v in formula.variables}
-        for part in _conjuncts(formula.body):
+        for part in conjuncts(formula.body):
             if isinstance(part, Compare) and part.operator == "=":
                 for one, other in ((part.left, part.right), (part.right, part.left)):
                     kind = types.get(one.name) if isinstance(one, Var) else None

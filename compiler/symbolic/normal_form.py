@@ -260,6 +260,15 @@ def _names(item: Formula | Term | Type) -> Iterator[str]:
             return
 
 
+def conjuncts(formula: Formula) -> Iterator[Formula]:
+    """The parts of a formula that all have to hold."""
+    if isinstance(formula, And):
+        for part in formula.operands:
+            yield from conjuncts(part)
+    else:
+        yield formula
+
+
 def parts(item: Formula | Term) -> Iterator[Formula | Term]:
     """A formula or term and everything in it, types of variables left out."""
     yield item

@@ -13,7 +13,7 @@ from ..motion.movement import carrier, followers
 from ..resampling import kept_pairs
 from ..skeleton import Array, Configuration, Phase, PhasePath
 from ..transforms import inverse, joint_frames, rotate
-from .world import carried, spline_values
+from .world import carried, sampled
 
 LOOKS = 101
 """Instants of a phase that are looked at."""
@@ -42,7 +42,7 @@ def nearest(
     configuration in which it starts. What moves is covered by spheres.
     """
     times = np.linspace(0.0, path.duration, LOOKS)
-    joints = {name: spline_values(rows[:, 7:], path.duration, times) for name, rows in path.modules.items()}
+    joints = sampled(path, times)
     poses = carried(problem, phase.mode, joints, before, own, path)
     kept = {pair(*(carrier(problem, name) for name in names)) for names in kept_pairs(problem, phase.mode)}
     world, held = problem.world, followers(problem, phase.mode)

@@ -16,10 +16,10 @@ from ...compiler import ir
 from ...compiler.motion.collision import Pair, bounding_radius, pair
 from ...compiler.motion.pairs import reach
 from ...compiler.poses import joint_frames
-from ...compiler.scenes.touching import touching
 from ..motion.movement import carrier
 from ..resampling import kept_pairs
 from ..skeleton import Array, Configuration, Skeleton
+from ..touching import touching
 from ..transforms import compose, inverse, rotate
 from .drift import clearances
 from .state import Reached, placed, reached_problem

@@ -14,13 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...compiler import ir
-from ...compiler.scenes.touching import touching
 from ..resampling import resample
 from ..skeleton import Configuration, PhasePath, Skeleton, start_configuration
+from ..touching import touching
 from ..verify.replay import Interpreter
-
-DENSER = 5
-"""Samples of the executed motion per sample of the planner, as in plan files."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +63,7 @@ def moved(
 ) -> Configuration:
     """Where everything is after the first `len(paths)` phases, which begin at `configuration`."""
     for phase, path in zip(skeleton.phases, paths, strict=False):
-        configuration = resample(problem, phase.mode, path, configuration, 0.0, DENSER).end(configuration)
+        configuration = resample(problem, phase.mode, path, configuration, 0.0, 1).end(configuration)
     return configuration.copy()
 
 

@@ -27,9 +27,6 @@ class Mend:
     draw: int = 0
 
 
-Draw = Mend | int
-"""How switches are drawn anew: around failed phases, or all of them for the so-many-th time."""
-
 QUICK_MENDS = (Mend(1), Mend(2), Mend(3))
 """Those after which phases that are still hard fail soon."""
 MENDS = (*QUICK_MENDS, Mend(1, 1), Mend(2, 2))

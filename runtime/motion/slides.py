@@ -15,6 +15,7 @@ from ...compiler.extents import box_sides
 from ...compiler.ir import ModuleType, Vec3
 from ...compiler.motion.collision import module_spheres, pose_matrix
 from ..skeleton import Array, Configuration, Skeleton
+from .mending import unmoved
 from .movement import followers
 from .starts import to_tuple
 
@@ -87,10 +88,8 @@ def all_pierced(skeleton: Skeleton, first: int, configurations: Sequence[Configu
 def held_back(configurations: Sequence[Configuration], phases: Sequence[int]) -> list[Configuration]:
     """Switch configurations as a start in which such phases, by their number in it, end where they begin; of two that
     follow each other the first, as it leads to where the second has to come from."""
-    result = [configuration.copy() for configuration in configurations]
-    held = -2
+    held: list[int] = []
     for phase in phases:
-        if phase - 1 != held:
-            result[phase + 1] = result[phase].copy()
-            held = phase
-    return result
+        if phase - 1 not in held:
+            held.append(phase)
+    return unmoved(configurations, held)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from tamplang.compiler.pipeline import compile_text
-from tamplang.compiler.scenes.touching import touching
 from tamplang.runtime.lgp import SolveOptions, solve
+from tamplang.runtime.touching import touching
 
 TEXT = """
 import std.crawler

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from .. import ir
-from ..motion.collision import Pair, bounding_radius, pair
-from ..poses import compose, joint_frames
-from ..symbolic.geometry import Placed, shape_distance
+from ..compiler import ir
+from ..compiler.motion.collision import Pair, bounding_radius, pair
+from ..compiler.poses import compose, joint_frames
+from ..compiler.symbolic.geometry import Placed, shape_distance
 
 TOUCHING = 0.02
 """Metres: what is nearer when a phase starts may be so, and is not asked for the margin of paths at once."""
