@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from ..extents import box_sides
 from ..hulls import hull
-from ..ir import Body, Chain, Fact, Function, ModuleType, Pose, Problem, Shape, Var, Vec3, World
+from ..ir import Body, Chain, Fact, Function, ModuleType, MotionPredicate, Pose, Problem, Shape, Var, Vec3, World
+from ..remembering import remembered
 from .covers import cover_hull
 
 if TYPE_CHECKING:
@@ -218,14 +219,20 @@ class PhaseContacts:
 
 def keeps_pose(problem: Problem, literal: Fact) -> tuple[str, str] | None:
     """The objects `(fixed to, follows)` whose relative pose a motion literal keeps, or None."""
-    predicate = problem.motions[literal[0]]
-    binding = {v.name: o for v, o in zip(predicate.variables, literal[1:], strict=True)}
+    places = _places_kept(problem.motions[literal[0]])
+    return (literal[places[0]], literal[places[1]]) if places else None
+
+
+@remembered(256)
+def _places_kept(predicate: MotionPredicate) -> tuple[int, int] | None:
+    """The places in a literal of the objects `(fixed to, follows)` whose relative pose it keeps."""
+    places = {variable.name: place for place, variable in enumerate(predicate.variables, start=1)}
     for row in predicate.rows:
         left = row.left
         if row.when == "keep" and isinstance(left, Function) and left.name == "pose":
             follows, fixed = left.args
             if isinstance(follows, Var) and isinstance(fixed, Var):
-                return binding[fixed.name], binding[follows.name]
+                return places[fixed.name], places[follows.name]
     return None
 
 
@@ -237,6 +244,7 @@ def _named(literals: frozenset[Fact]) -> frozenset[Pair]:
     return frozenset(pair(a, b) for _, *objects in literals for a, b in itertools.combinations(objects, 2))
 
 
+@remembered(8)
 def contacts(skeleton: Skeleton) -> tuple[PhaseContacts, ...]:
     """The contacts of each phase: kept poses of its mode hold during it; literals that are added end it;
     whatever touched when the phase before ended and is not kept touches at its start only. Bodies that no module

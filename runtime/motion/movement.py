@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Mapping
 
 from ...compiler.ir import Fact, Problem
 from ...compiler.motion.collision import keeps_pose
+from ...compiler.remembering import remembered
 from ..skeleton import Skeleton
 
 
@@ -19,7 +20,8 @@ def _keeps(problem: Problem, literal: Fact) -> bool:
     return any(row.when == "keep" for row in problem.motions[literal[0]].rows)
 
 
-def followers(problem: Problem, mode: Iterable[Fact]) -> frozenset[str]:
+@remembered(256)
+def followers(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     """The bodies that move while `mode` holds: those that follow an effector, directly or through other bodies."""
     world = problem.world
     movers = {name for name in problem.objects if name in world.modules or world.effector(name)}
@@ -42,11 +44,12 @@ def followers(problem: Problem, mode: Iterable[Fact]) -> frozenset[str]:
     return frozenset(found)
 
 
-def robots(problem: Problem, mode: Iterable[Fact]) -> dict[str, str]:
+@remembered(256)
+def robots(problem: Problem, mode: frozenset[Fact]) -> Mapping[str, str]:
     """Module name to the first module, by name, of the robot that it is part of while `mode` holds: modules are one
     robot when a relation that is kept links them, directly or through a body that follows them."""
     facts = sorted(mode)
-    carried = followers(problem, facts)
+    carried = followers(problem, mode)
     parent = {name: name for name in problem.world.modules} | {name: name for name in carried}
 
     def root(name: str) -> str:
@@ -67,12 +70,13 @@ def robots(problem: Problem, mode: Iterable[Fact]) -> dict[str, str]:
     return {name: groups[root(name)] for name in problem.world.modules}
 
 
-def clamped(problem: Problem, mode: Iterable[Fact]) -> frozenset[str]:
+@remembered(256)
+def clamped(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     """The modules that rest while `mode` holds whatever the others do, or may as well: those without joints that are
     kept to something at rest, and those of which two ends are."""
     world = problem.world
     facts = sorted(mode)
-    carried = followers(problem, facts)
+    carried = followers(problem, mode)
     rest = {name for name in world.bodies if name not in carried}
     pairs = [kept for kept in (keeps_pose(problem, literal) for literal in facts) if kept]
     found: set[str] = set()

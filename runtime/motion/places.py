@@ -9,6 +9,7 @@ import numpy as np
 from ...compiler.extents import box_sides
 from ...compiler.ir import Body
 from ...compiler.motion.collision import bounding_radius, keeps_pose
+from ...compiler.remembering import remembered
 from ..skeleton import Array, Skeleton
 from .movement import followers
 
@@ -67,6 +68,7 @@ def _cells(sides: Array, count: int, least: float, most: float, taken: list[tupl
         wide = max(0.95 * wide, least)
 
 
+@remembered(8)
 def places(skeleton: Skeleton) -> Places:
     """Places of all things that are put down on bodies that get many of them; empty where the tops are too small."""
     world = skeleton.problem.world
