@@ -20,6 +20,7 @@ from ...compiler.motion.stages import Stage
 from ..skeleton import Array
 from .groups import Chosen, Label
 from .layout import Indices, Layout
+from .nearby import NO_PAIRS, Blocks, Edges, Pairs
 
 NEAR = 0.3
 """Metres: pairs closer than this at the start of a solve take part in it; the others are looked at afterwards."""
@@ -65,7 +66,7 @@ class Cloud:
         self.count = 0
         self.width = max([7 + len(m.type.joints) for m in problem.world.modules.values()], default=7)
         self._blocks: dict[str, _Block] = {}
-        self._first: dict[int, tuple[int, int]] = {}
+        self._first: dict[int, int] = {}
         self._radii: list[float] = []
         self._where: list[tuple[int, int, int]] = []
         self._last: tuple[Array, Array] | None = None
@@ -85,8 +86,8 @@ class Cloud:
         """The object that each sphere of a module or body belongs to: an effector, or the thing itself."""
         return [f"{name}.{s.effector}" if s.effector else name for s in self._block(name).spheres]
 
-    def spheres(self, slice_: int, name: str) -> Indices:
-        """The numbers of the spheres of one slot."""
+    def first(self, slice_: int, name: str) -> int:
+        """The number of the first sphere of one slot; those of the others follow."""
         offset = self.layout.slices[slice_][name]
         if offset not in self._first:
             block = self._block(name)
@@ -95,11 +96,10 @@ class Cloud:
             self._where += [(number, len(block.slots), i) for i in range(count)]
             block.add(self.layout.slot(slice_, name), np.arange(self.count, self.count + count))
             self._radii += [s.radius for s in block.spheres]
-            self._first[offset] = (self.count, count)
+            self._first[offset] = self.count
             self.count += count
             self._finished = None
-        first, count = self._first[offset]
-        return np.arange(first, first + count)
+        return self._first[offset]
 
     def _tables(self) -> tuple[Array, Indices]:
         if self._finished is None:
@@ -120,6 +120,11 @@ class Cloud:
                     centres[numbers] = values
             self._last = (z, centres)
         return self._last[1]
+
+    def edges(self, z: Array) -> Edges:
+        """Least and greatest coordinates of all spheres."""
+        centres, radii = self.centres(z), self.radii[:, None]
+        return centres - radii, centres + radii
 
     def places(self, numbers: Indices) -> Indices:
         """Places in z (len, width) of the slots of some spheres; a short slot repeats place 0, which is constant or
@@ -210,6 +215,12 @@ class Obstacles:
             np.array(self._halves).reshape(-1, 3), np.array(self._radii),
         )  # fmt: skip
 
+    def edges(self) -> Edges:
+        """Least and greatest coordinates of all rounded boxes."""
+        rotations, positions, halves, radii = self.arrays()
+        around = np.einsum("bij,bj->bi", np.abs(rotations), halves) + radii[:, None]
+        return positions - around, positions + around
+
 
 # --- rows ------------------------------------------------------------------------------------------------------
 
@@ -226,38 +237,40 @@ class ClearanceGroup:
     scale = 1.0
 
     def __init__(
-        self, cloud: Cloud, obstacles: Obstacles | None, first: Indices, second: Indices, wanted: Array,
-        tags: Indices, label_of: Callable[[Indices], Label],
-    ) -> None:  # fmt: skip
-        """`wanted` is the distance to keep between surfaces; `label_of` turns a row of `tags` (N, k) into a label."""
+        self, cloud: Cloud, obstacles: Obstacles | None, blocks: Blocks, label_of: Callable[[Indices], Label]
+    ) -> None:
+        """`blocks` hold all pairs and the distances to keep between surfaces; `label_of` turns the tag of a pair into a
+        label."""
         self.cloud = cloud
         self.boxes = obstacles.arrays() if obstacles else None
-        radii = cloud.radii
-        reach = radii[first] + (self.boxes[3] if self.boxes else radii)[second]
-        self._all = (first, second, wanted + reach, tags)
+        self._edges = obstacles.edges() if obstacles else None
+        self._blocks = blocks
         self.label_of = label_of
-        self._use(np.zeros(0, dtype=np.int64))
+        self._use(NO_PAIRS)
 
-    def _use(self, rows: Indices) -> None:
-        self.rows = rows
-        first, second, wanted, tags = self._all
-        self.first, self.second, self.wanted, self.tags = first[rows], second[rows], wanted[rows], tags[rows]
+    def _use(self, pairs: Pairs) -> None:
+        self.pairs = pairs
+        self.first, self.second, self.wanted = pairs.first, pairs.second, self._reached(pairs)
         parts = [self.cloud.places(self.first)]
         if not self.boxes:
             parts.append(self.cloud.places(self.second))
         self._places = np.concatenate(parts, axis=1)
 
+    def _reached(self, pairs: Pairs) -> Array:
+        """The distances to keep between centres and boxes, or centres."""
+        radii = self.cloud.radii
+        reach = radii[pairs.first] + (self.boxes[3] if self.boxes else radii)[pairs.second]
+        return np.asarray(pairs.wanted + reach)
+
     def refresh(self, z: Array, near: float = NEAR) -> bool:
         """Let the pairs that are now closer than `near` beyond their wanted distance take part, besides those that
         already do. Returns whether one of the new ones is violated."""
-        first, second, wanted, _ = self._all
-        value = wanted - self._distances(z, first, second)
-        close = value > -near
-        added = close.copy()
-        added[self.rows] = False
-        close[self.rows] = True
-        broken = bool((value[added] > 1e-4).any())
-        self._use(np.flatnonzero(close))
+        edges = self.cloud.edges(z)
+        pairs, taking_part = self.pairs.joined(self._blocks.near(edges, self._edges or edges, near))
+        value = self._reached(pairs) - self._distances(z, pairs.first, pairs.second)
+        close = taking_part | (value > -near)
+        broken = bool((value[close & ~taking_part] > 1e-4).any())
+        self._use(pairs[np.flatnonzero(close)])
         return broken
 
     def _distances(self, z: Array, first: Indices, second: Indices) -> Array:
@@ -291,10 +304,10 @@ class ClearanceGroup:
 
     @property
     def shape(self) -> tuple[int, int]:
-        return len(self.rows), 1
+        return len(self.first), 1
 
     def label(self, instance: int) -> Label:
-        return self.label_of(self.tags[instance])
+        return self.label_of(self.pairs.tags[instance])
 
     def residuals(self, z: Array) -> Array:
         values: Array = self.wanted - self._distances(z, self.first, self.second)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ..skeleton import Array
 from .clearance import ClearanceGroup, Cloud, Obstacles
 from .groups import Label
 from .layout import Indices, Layout
+from .nearby import Blocks, Runs
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,16 +24,6 @@ class Margins:
 
     usual: float
     special: Mapping[Pair, float | None]
-
-
-@dataclass(slots=True)
-class _Rows:
-    """Pairs of numbers, the distances to keep, and (phase, object, object) of each."""
-
-    first: list[Indices] = field(default_factory=list)
-    second: list[Indices] = field(default_factory=list)
-    wanted: list[Array] = field(default_factory=list)
-    tags: list[Indices] = field(default_factory=list)
 
 
 class Labels:
@@ -66,10 +57,10 @@ class Collisions:
         self.cloud = Cloud(problem, layout)
         self.obstacles = Obstacles()
         self._labels = Labels()
-        self._against_boxes = _Rows()
-        self._against_spheres = _Rows()
-        self._owners: dict[str, Indices] = {}
-        self._scenes: dict[tuple[tuple[str, int], ...], tuple[Indices, Indices]] = {}
+        self._against_boxes = Blocks()
+        self._against_spheres = Blocks()
+        self._owners: dict[str, Runs] = {}
+        self._scenes: dict[tuple[tuple[str, int], ...], Runs] = {}
 
     def add_slice(self, slice_: int, phase: int, margins: Margins, before: int | None = None) -> None:
         """Keep what moves in a slice clear. Slots that are those of slice `before` have been looked at there."""
@@ -80,80 +71,63 @@ class Collisions:
             if layout.is_unknown(slice_, n)
             and (before is None or layout.slices[before][n] != layout.slices[slice_][n])
         ]  # fmt: skip
-        offsets = layout.slices[slice_]
-        boxes, box_owners = self._scene(tuple((b, offsets.get(b, -1)) for b in world.bodies if b not in names))
+        offsets, taken = layout.slices[slice_], frozenset(names)
+        scene = self._scene(tuple((b, offsets.get(b, -1)) for b in world.bodies if b not in taken))
+        runs = {name: self._runs(slice_, name) for name in names}
+        wanted = self._wanted(margins)
         for name in fresh:
-            spheres, owners = self.cloud.spheres(slice_, name), self._owners_of(name)
-            self._grid(self._against_boxes, phase, margins, (spheres, owners), (boxes, box_owners))
+            self._against_boxes.grid(phase, runs[name], scene, wanted)
             if name in world.modules:
-                pairs = np.array(self_pairs(world.modules[name].type), dtype=np.int64).reshape(-1, 2)
-                first, second = pairs[:, 0], pairs[:, 1]
-                self._add(
-                    self._against_spheres, phase, margins,
-                    (spheres[first], owners[first]), (spheres[second], owners[second]),
-                )  # fmt: skip
+                self._within(slice_, phase, name, wanted)
         for i, a in enumerate(names):
             for b in names[i + 1 :]:
                 if a in fresh or b in fresh:
-                    self._grid(
-                        self._against_spheres, phase, margins,
-                        (self.cloud.spheres(slice_, a), self._owners_of(a)),
-                        (self.cloud.spheres(slice_, b), self._owners_of(b)),
-                    )  # fmt: skip
+                    self._against_spheres.grid(phase, runs[a], runs[b], wanted)
 
-    def _owners_of(self, name: str) -> Indices:
+    def _runs(self, slice_: int, name: str) -> Runs:
+        """The spheres of one slot, and whom they belong to."""
         if name not in self._owners:
-            self._owners[name] = np.array([self._labels.number(o) for o in self.cloud.owners(name)])
-        return self._owners[name]
+            owners = [self._labels.number(owner) for owner in self.cloud.owners(name)]
+            begins = [k for k, owner in enumerate(owners) if k == 0 or owner != owners[k - 1]]
+            ends = [*begins[1:], len(owners)]
+            found = [(k, end - k, owners[k]) for k, end in zip(begins, ends, strict=False)]
+            self._owners[name] = np.array(found, dtype=np.int64).reshape(-1, 3)
+        return self._owners[name] + (self.cloud.first(slice_, name), 0, 0)
 
-    def _scene(self, bodies: tuple[tuple[str, int], ...]) -> tuple[Indices, Indices]:
+    def _scene(self, bodies: tuple[tuple[str, int], ...]) -> Runs:
         """The rounded boxes of all bodies that rest at known places, by their names and places in z (-1: those that
-        never move), and the bodies' numbers."""
+        never move)."""
         if bodies not in self._scenes:
-            numbers, owners = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+            found = []
             for name, place in bodies:
                 fixed = place < 0
                 pose = self.layout.resting[name] if fixed else self.layout.constants[place : place + 7]
-                found = self.obstacles.add(self.problem.world.bodies[name], place, pose)
-                numbers.append(found)
-                owners.append(np.full(len(found), self._labels.number(name)))
-            self._scenes[bodies] = (np.concatenate(numbers), np.concatenate(owners))
+                numbers = self.obstacles.add(self.problem.world.bodies[name], place, pose)
+                found.append((numbers[0], len(numbers), self._labels.number(name)))
+            self._scenes[bodies] = np.array(found, dtype=np.int64).reshape(-1, 3)
         return self._scenes[bodies]
 
-    def _grid(
-        self, rows: _Rows, phase: int, margins: Margins, a: tuple[Indices, Indices], b: tuple[Indices, Indices]
-    ) -> None:
-        """Every one of `a` against every one of `b`; each is numbers and owners."""
-        left = np.repeat(np.arange(len(a[0])), len(b[0]))
-        right = np.tile(np.arange(len(b[0])), len(a[0]))
-        self._add(rows, phase, margins, (a[0][left], a[1][left]), (b[0][right], b[1][right]))
+    def _wanted(self, margins: Margins) -> Array:
+        """The distance to keep by the numbers of both owners; -inf where they may touch."""
+        special = [(self._labels.number(a), self._labels.number(b), m) for (a, b), m in margins.special.items()]
+        count = len(self._labels.names)
+        wanted = np.full((count, count), margins.usual)
+        for a, b, margin in special:
+            wanted[a, b] = wanted[b, a] = -np.inf if margin is None else margin
+        return wanted
 
-    def _add(
-        self, rows: _Rows, phase: int, margins: Margins, a: tuple[Indices, Indices], b: tuple[Indices, Indices]
-    ) -> None:
-        if not len(a[0]):
-            return
-        wanted = np.full(len(a[0]), margins.usual)
-        for (one, other), margin in margins.special.items():
-            i, j = self._labels.number(one), self._labels.number(other)
-            met = ((a[1] == i) & (b[1] == j)) | ((a[1] == j) & (b[1] == i))
-            wanted[met] = -np.inf if margin is None else margin
-        kept = np.isfinite(wanted)
-        rows.first.append(a[0][kept])
-        rows.second.append(b[0][kept])
-        rows.wanted.append(wanted[kept])
-        rows.tags.append(np.stack([np.full(int(kept.sum()), phase), a[1][kept], b[1][kept]], axis=1))
+    def _within(self, slice_: int, phase: int, name: str, wanted: Array) -> None:
+        """The spheres of one module that can meet."""
+        ends = np.array(self_pairs(self.problem.world.modules[name].type), dtype=np.int64).reshape(-1, 2)
+        owners, first = self._owners[name], self.cloud.first(slice_, name)
+        each = np.repeat(owners[:, 2], owners[:, 1])
+        one, other = (np.stack([first + e, np.ones_like(e), each[e]], axis=1) for e in (ends[:, 0], ends[:, 1]))
+        self._against_spheres.pairs(phase, one, other, wanted)
 
     def groups(self) -> list[ClearanceGroup]:
         """Sphere–box and sphere–sphere rows; none takes part before the first `refresh`."""
-        found = []
-        for rows, obstacles in ((self._against_boxes, self.obstacles), (self._against_spheres, None)):
-            if rows.first:
-                found.append(ClearanceGroup(
-                    self.cloud, obstacles, np.concatenate(rows.first), np.concatenate(rows.second),
-                    np.concatenate(rows.wanted), np.concatenate(rows.tags), self._labels.label,
-                ))  # fmt: skip
-        return found
+        blocks = ((self._against_boxes, self.obstacles), (self._against_spheres, None))
+        return [ClearanceGroup(self.cloud, o, found, self._labels.label) for found, o in blocks if len(found)]
 
 
 def refresh(groups: list[ClearanceGroup], z: Array) -> bool:

@@ -185,5 +185,5 @@ def solve_windows(
         del known[max(1, first + 1 - COMMIT * (1 + setbacks // 2)) :]
         ahead = []
     whole = SwitchProgram(skeleton, 0, len(skeleton) - 1, start, settings, frozen=False)
-    cost = whole.program().cost(whole.pack(known))
+    cost = whole.loose.cost(whole.pack(known))
     return BoundResult("seq", True, cost, 0.0, iterations + alone.iterations, known, [], [])

@@ -1,0 +1,68 @@
+"""Pairs by blocks: every pair that is near is found, in the order of all pairs, with its own margin and owners."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tamplang.runtime.motion.nearby import NO_PAIRS, Blocks, Pairs
+from tamplang.runtime.skeleton import Array
+
+NEAR = 0.3
+
+
+def _runs(counts: list[int], owner: int) -> tuple[Array, int]:
+    begins = np.cumsum([0, *counts])
+    owners = [owner + k % 2 for k in range(len(counts))]
+    return np.array(list(zip(begins, counts, owners, strict=False)), dtype=np.int64), int(begins[-1])
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.lists(st.integers(1, 4), min_size=1, max_size=4), st.lists(st.integers(1, 4), min_size=1, max_size=4),
+    st.integers(0, 10**6),
+)  # fmt: skip
+def test_all_pairs_that_are_near_are_found_in_order(mine: list[int], others: list[int], seed: int) -> None:
+    random = np.random.default_rng(seed)
+    (a, count), (b, other_count) = _runs(mine, 0), _runs(others, 2)
+    points, other_points = random.uniform(-1, 1, (count, 3)), random.uniform(-1, 1, (other_count, 3))
+    margins = np.full((4, 4), 0.05)
+    margins[0, 2], margins[1, 3] = -np.inf, 0.2
+    blocks = Blocks()
+    blocks.grid(7, a, b, margins)
+    found = blocks.near((points, points), (other_points, other_points), NEAR)
+
+    owner, other_owner = np.repeat(a[:, 2], a[:, 1]), np.repeat(b[:, 2], b[:, 1])
+    wanted = [
+        (i, k, margins[owner[i], other_owner[k]], [7, owner[i], other_owner[k]])
+        for i, k in itertools.product(range(count), range(other_count))
+    ]
+    must = [w for w in wanted if np.linalg.norm(points[w[0]] - other_points[w[1]]) < NEAR + w[2]]
+    told = [(int(i), int(k)) for i, k in zip(found.first, found.second, strict=True)]
+    assert {(i, k) for i, k, *_ in must} <= set(told)
+    assert told == sorted(told)
+    by_pair = {(i, k): (margin, tag) for i, k, margin, tag in wanted if np.isfinite(margin)}
+    for pair, margin, tag in zip(told, found.wanted, found.tags, strict=True):
+        assert by_pair[pair][0] == margin
+        assert by_pair[pair][1] == list(tag)
+
+
+def test_what_is_far_is_left_out_and_what_took_part_stays() -> None:
+    runs = np.array([(0, 2, 0), (2, 1, 1)])
+    blocks = Blocks()
+    blocks.pairs(0, np.array([(0, 1, 0)]), np.array([(1, 1, 0)]), np.zeros((2, 2)))
+    blocks.grid(0, runs, np.array([(3, 1, 1)]), np.zeros((2, 2)))
+    close = np.zeros((4, 3))
+    far = np.array([[0.0, 0, 0], [9.0, 0, 0], [20.0, 0, 0], [20.1, 0, 0]])
+    every = blocks.near((close, close), (close, close), NEAR)
+    assert list(zip(every.first.tolist(), every.second.tolist(), strict=True)) == [(0, 1), (0, 3), (1, 3), (2, 3)]
+    some = blocks.near((far, far), (far, far), NEAR)
+    assert list(zip(some.first.tolist(), some.second.tolist(), strict=True)) == [(2, 3)]
+    both, kept = every[np.array([0, 3])].joined(every)
+    assert both.places.tolist() == every.places.tolist()
+    assert kept.tolist() == [True, False, False, True]
+    none: Pairs = NO_PAIRS
+    assert not len(none.joined(NO_PAIRS)[0].places)
