@@ -12,7 +12,7 @@ from .collision import check_collisions
 from .constraints import check_constraints
 from .findings import Findings, place_of
 from .happenings import check_breakdowns, check_courses, check_happenings, happenings_of
-from .kinematics import Kinematics, motion_of
+from .kinematics import Kinematics, check_kinematics, motion_of
 from .motion import check_motion
 from .rates import check_rates
 from .replay import replay
@@ -90,6 +90,7 @@ def _examine(plan: Plan, problem: ir.Problem, findings: Findings) -> VerdictReco
         return findings.verdict()
     kinematics = {m.name: Kinematics(m) for m in plan.modules}
     motion = motion_of(plan, kinematics)
+    check_kinematics(motion, kinematics, findings)
     story = replay(problem, plan, findings, motion)
     happenings = happenings_of(problem, plan, story.modes)
     check_motion(problem, plan, story, motion, happenings, findings)

@@ -26,19 +26,14 @@ class Frames:
 
     def compose(self, placement: Frames) -> Frames:
         """The frames placed relative to these ones; `placement` has one instant or as many."""
-        shift = np.einsum("tij,tj->ti", *_broadcast(self.rotation, placement.position))
+        shift = (self.rotation @ placement.position[:, :, None])[:, :, 0]
         return Frames(self.position + shift, self.rotation @ placement.rotation)
 
     def relative_to(self, base: Frames) -> Frames:
         """These frames as seen from `base`."""
         turned = np.swapaxes(base.rotation, -1, -2)
-        shift = np.einsum("tij,tj->ti", turned, self.position - base.position)
+        shift = (turned @ (self.position - base.position)[:, :, None])[:, :, 0]
         return Frames(shift, turned @ self.rotation)
-
-
-def _broadcast(rotation: Array, vector: Array) -> tuple[Array, Array]:
-    count = max(len(rotation), len(vector))
-    return np.broadcast_to(rotation, (count, 3, 3)), np.broadcast_to(vector, (count, 3))
 
 
 def frames(poses: ArrayLike) -> Frames:

@@ -1,4 +1,5 @@
-"""Where everything is at every sample of a plan: Pinocchio models built from the plan's own records."""
+"""Where everything is at every sample of a plan, by forward kinematics built from the plan's own records. Pinocchio
+repeats those of some samples."""
 
 from __future__ import annotations
 
@@ -9,17 +10,82 @@ from typing import Any
 import numpy as np
 
 from ..native import load_pinocchio
-from ..plan import ModuleRecord, Plan
+from ..plan import JointRecord, ModuleRecord, Plan
+from .findings import Findings
 from .geometry import Array, Frames, frames
 from .structure import phase_ranges
 
+REPEATED = 25
+"""Every so many samples are computed by Pinocchio, too."""
+AGREEMENT = 1e-9
+"""How far the two may be apart: rounding."""
+
 
 class Kinematics:
-    """Forward kinematics of one module on a free-flying base, by Pinocchio. Raises MissingLibrary."""
+    """Forward kinematics of one module on a free-flying base: of all samples at once, and of single ones by Pinocchio,
+    which must agree. Raises MissingLibrary."""
+
+    def __init__(self, module: ModuleRecord) -> None:
+        self.module = module
+        self._joints = [_Joint.of(joint) for joint in module.joints]
+        self._peer = _Peer(module)
+
+    def joint_frames(self, poses: Array, joints: Array) -> dict[int, Frames]:
+        """The moving frame of every joint, and -1 for the module frame, for poses `(T, 7)`, joints `(T, n)`."""
+        found = {-1: frames(poses)}
+        for index, (record, joint) in enumerate(zip(self.module.joints, self._joints, strict=True)):
+            found[index] = found[record.parent].compose(joint.moved(joints[:, index]))
+        return found
+
+    def effector(self, name: str, joints: Mapping[int, Frames]) -> Frames:
+        """The frame of an effector, given those of the joints."""
+        record = next(e for e in self.module.effectors if e.name == name)
+        return joints[record.joint].compose(frames(record.placement))
+
+    def disagreement(self, poses: Array, joints: Array, found: Mapping[int, Frames]) -> float:
+        """How far entries of the frames `found`, positions in metres or those of rotation matrices, are from what
+        Pinocchio computes, at most."""
+        worst = 0.0
+        for t, row in enumerate(np.hstack([_unit(poses), joints])):
+            for index, matrix in self._peer.placed(row).items():
+                worst = max(worst, float(np.abs(matrix[:3, :3] - found[index].rotation[t]).max()))
+                worst = max(worst, float(np.abs(matrix[:3, 3] - found[index].position[t]).max()))
+        return worst
+
+
+@dataclass(frozen=True, slots=True)
+class _Joint:
+    """The frame of a joint in that of its parent: `rest`, turned by the joint's value about its axis (formula of
+    Rodrigues: `sine` and `versine` `(3, 3)` times those of the value), or moved by it along `slide` `(3,)`."""
+
+    rest: Frames
+    sine: Array
+    versine: Array
+    slide: Array | None
+
+    @classmethod
+    def of(cls, joint: JointRecord) -> _Joint:
+        rest = frames(joint.placement)
+        x, y, z = axis = np.asarray(joint.axis) / np.linalg.norm(joint.axis)
+        across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        turned = rest.rotation[0] @ across
+        return cls(rest, turned, turned @ across, rest.rotation[0] @ axis if joint.kind == "prismatic" else None)
+
+    def moved(self, values: Array) -> Frames:
+        """The frames `(T,)` at the values `(T,)` of the joint, radians or metres."""
+        if self.slide is not None:
+            shape = (len(values), 3, 3)
+            position = self.rest.position + values[:, None] * self.slide
+            return Frames(position, np.broadcast_to(self.rest.rotation, shape))
+        sine, versine = np.sin(values)[:, None, None], 1.0 - np.cos(values)[:, None, None]
+        return Frames(self.rest.position, self.rest.rotation + sine * self.sine + versine * self.versine)
+
+
+class _Peer:
+    """The same module as a Pinocchio model."""
 
     def __init__(self, module: ModuleRecord) -> None:
         pinocchio = load_pinocchio()
-        self.module = module
         self._forward = pinocchio.forwardKinematics
         self._model = pinocchio.Model()
         base = self._model.addJoint(0, pinocchio.JointModelFreeFlyer(), pinocchio.SE3.Identity(), "base")
@@ -35,22 +101,11 @@ class Kinematics:
             self._ids.append(self._model.addJoint(parent, kinds[joint.kind](axis), placement, joint.name))
         self._data = self._model.createData()
 
-    def joint_frames(self, poses: Array, joints: Array) -> dict[int, Frames]:
-        """The moving frame of every joint, and -1 for the module frame, for poses `(T, 7)`, joints `(T, n)`."""
-        rows = np.hstack([_unit(poses), joints])
-        count = len(self._ids)
-        found = np.empty((count, len(rows), 4, 4))
+    def placed(self, row: Array) -> dict[int, Array]:
+        """Homogeneous matrices `(4, 4)` of all joints and, as -1, of the module, for pose and joint values."""
+        self._forward(self._model, self._data, row)
         placements: Any = self._data.oMi
-        for t, row in enumerate(rows):
-            self._forward(self._model, self._data, row)
-            for k, index in enumerate(self._ids):
-                found[k, t] = placements[index].homogeneous
-        return {k - 1: Frames(m[:, :3, 3].copy(), m[:, :3, :3].copy()) for k, m in enumerate(found)}
-
-    def effector(self, name: str, joints: Mapping[int, Frames]) -> Frames:
-        """The frame of an effector, given those of the joints."""
-        record = next(e for e in self.module.effectors if e.name == name)
-        return joints[record.joint].compose(frames(record.placement))
+        return {k - 1: placements[index].homogeneous for k, index in enumerate(self._ids)}
 
 
 def _unit(poses: Any) -> Array:
@@ -119,3 +174,14 @@ def place(
                 np.broadcast_to(one.rotation, (len(times), 3, 3)),
             )
     return Motion(times, tuple(ranges), poses, joints, found, inner, moving)
+
+
+def check_kinematics(motion: Motion, kinematics: Mapping[str, Kinematics], findings: Findings) -> None:
+    """Pinocchio finds the same frames at every switch, and at every `REPEATED`-th sample between."""
+    last = [end for _, end in motion.ranges]
+    some = np.union1d(np.arange(0, len(motion.times), REPEATED), last)
+    for name, module in kinematics.items():
+        found = {index: frame[some] for index, frame in motion.joint_frames[name].items()}
+        off = module.disagreement(motion.poses[name][some], motion.joints[name][some], found)
+        if not off <= AGREEMENT:
+            findings.fail("kinematics", f"Pinocchio puts {name} elsewhere", amount=off, unit="m", between=[name])

@@ -35,16 +35,10 @@ class Solid:
     solid: Any
 
     def frames(self, placement: Placement) -> Frames:
-        """The frames of the shape, at all times of the placement."""
-        count = len(placement.times)
+        """The frames of the shape, at all times of the placement; one of a body that rests."""
         if self.joint is not None:
             return placement.modules[self.thing][self.joint].compose(self.placement)
-        frame = placement.bodies[self.thing]
-        if len(frame) == count:
-            return frame
-        return Frames(
-            np.broadcast_to(frame.position, (count, 3)), np.broadcast_to(frame.rotation, (count, 3, 3))
-        )
+        return placement.bodies[self.thing]
 
 
 def solids(plan: Plan) -> list[Solid]:

@@ -21,7 +21,7 @@ from tamplang.runtime.verify import geometry, shapes, verify
 from tamplang.runtime.verify.findings import Findings
 from tamplang.runtime.verify.guards import joint_frames
 from tamplang.runtime.verify.happenings import happenings_of
-from tamplang.runtime.verify.kinematics import Kinematics, motion_of
+from tamplang.runtime.verify.kinematics import Kinematics, check_kinematics, motion_of
 from tamplang.runtime.verify.motion import check_motion
 from tamplang.runtime.verify.replay import replay
 from tamplang.runtime.verify.sampler import Sampler
@@ -155,10 +155,11 @@ def random_module(draw: np.random.Generator) -> ir.Module:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_kinematics_of_trees_agree(seed: int) -> None:
-    """Pinocchio, the assembler's kinematics and the guards' kinematics put every effector at the same place."""
+    """Pinocchio, the checker's, the assembler's and the guards' kinematics put every effector at the same place."""
     module = random_module(np.random.default_rng(seed))
     kinematics = Kinematics(module_record(module))
     joints = kinematics.joint_frames(np.array([module.pose]), np.array([module.joints]))
+    assert kinematics.disagreement(np.array([module.pose]), np.array([module.joints]), joints) < 1e-12
     plain = joint_frames(module)
     for effector in module.type.effectors:
         frame = kinematics.effector(effector.name, joints)
@@ -168,6 +169,17 @@ def test_kinematics_of_trees_agree(seed: int) -> None:
         for other in (chained, guarded):
             assert np.allclose(frame.position, other.position, atol=1e-12)
             assert np.allclose(frame.rotation, other.rotation, atol=1e-12)
+
+
+def test_frames_that_pinocchio_does_not_find_are_refused(hop: Plan) -> None:
+    kinematics = {m.name: Kinematics(m) for m in hop.modules}
+    motion, findings = motion_of(hop, kinematics), Findings()
+    check_kinematics(motion, kinematics, findings)
+    assert not findings.failures
+    motion.joint_frames["c"][3].position[motion.ranges[1][1]] += 1e-6
+    check_kinematics(motion, kinematics, findings)
+    (failure,) = findings.failures
+    assert failure.kind == "kinematics" and failure.amount == pytest.approx(1e-6) and failure.between == ["c"]
 
 
 def test_module_without_joints() -> None:

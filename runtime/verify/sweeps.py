@@ -1,0 +1,108 @@
+"""What shapes sweep between neighbouring instants: boxes along the world's axes around it, and how far they move.
+
+Nothing here looks at shapes two by two in earnest; it says which pairs need no look, and when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .geometry import Array, Frames, Indices
+from .solids import Solid
+
+BEND = 1.1
+"""How much longer the way between two instants may be than the straight line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """A solid in one phase, at `T` instants, or at one when it rests.
+
+    `frames` of its shape; `steps` `(T - 1,)`: how far any of its points moves at most between neighbouring instants,
+    in a straight line; `low` and `high` `(T - 1, 3)`: the corners of a box that holds it all the while between them.
+    Of what rests, `steps` has no entry, and `low` and `high` have one.
+    """
+
+    solid: Solid
+    frames: Frames
+    steps: Array
+    low: Array
+    high: Array
+
+    @property
+    def rests(self) -> bool:
+        """Whether it keeps its place for the whole phase."""
+        return len(self.frames) == 1
+
+    def at(self, instant: int) -> tuple[Array, Array]:
+        """Position `(3,)` and rotation `(3, 3)` at an instant."""
+        index = 0 if self.rests else instant
+        return self.frames.position[index], self.frames.rotation[index]
+
+    def during(self, first: int, last: int) -> Frames:
+        """The frames at instants `first` … `last`; one frame of what rests."""
+        return self.frames if self.rests else self.frames[slice(first, last + 1)]
+
+
+def sweep(solid: Solid, frames: Frames) -> Sweep:
+    """What a solid sweeps. A point whose way has some length stays within half of it from one of its ends."""
+    points = _points(solid, frames)
+    low, high = points.min(axis=1) - solid.ball, points.max(axis=1) + solid.ball
+    if len(frames) == 1:
+        return Sweep(solid, frames, np.zeros(0), low, high)
+    steps = _steps(points)
+    margin = 0.5 * BEND * steps[:, None]
+    low, high = np.minimum(low[1:], low[:-1]) - margin, np.maximum(high[1:], high[:-1]) + margin
+    return Sweep(solid, frames, steps, low, high)
+
+
+def near_pairs(sweeps: list[Sweep], looked_at: Indices) -> Indices:
+    """Those of the pairs `(P, 2)` whose boxes around the whole phase overlap."""
+    low = np.array([s.low.min(axis=0) for s in sweeps])
+    high = np.array([s.high.max(axis=0) for s in sweeps])
+    first, second = looked_at[:, 0], looked_at[:, 1]
+    apart = (low[first] > high[second]) | (low[second] > high[first])
+    return np.asarray(looked_at[~apart.any(axis=1)], dtype=np.intp)
+
+
+def near_instants(a: Sweep, b: Sweep) -> tuple[int, int] | None:
+    """The first and the last instant between which two solids, one of them moving, may come near, if ever."""
+    overlap = ((a.low <= b.high) & (b.low <= a.high)).all(axis=1)
+    near = np.flatnonzero(overlap)
+    return (int(near[0]), int(near[-1]) + 1) if len(near) else None
+
+
+def lower_bound(a: Sweep, b: Sweep, first: int, last: int) -> Array:
+    """A lower bound `(last - first + 1,)` of the distance at instants `first` … `last`, from bounding spheres and
+    boxes."""
+    frames = a.during(first, last), b.during(first, last)
+    between = frames[1].position - frames[0].position
+    bound: Array = np.linalg.norm(between, axis=1) - a.solid.radius - b.solid.radius
+    for box, other, frame, way in ((a.solid, b.solid, frames[0], between), (b.solid, a.solid, frames[1], -between)):
+        if box.kind == "box":
+            local = np.abs(way[:, None, :] @ frame.rotation)[:, 0, :]
+            outside = np.linalg.norm(np.maximum(local - 0.5 * np.asarray(box.size), 0.0), axis=1)
+            bound = np.maximum(bound, outside - other.radius)
+    return bound
+
+
+def relative_steps(a: Sweep, b: Sweep, first: int, last: int) -> Array:
+    """How far any point of one solid moves, seen from the other, between neighbouring instants `first` … `last`."""
+    for one, other in ((a, b), (b, a)):
+        if other.rests:
+            return one.steps[first:last]
+    if len(a.solid.points) > len(b.solid.points):
+        a, b = b, a
+    return _steps(_points(a.solid, a.during(first, last).relative_to(b.during(first, last))))
+
+
+def _points(solid: Solid, frames: Frames) -> Array:
+    """The points whose hull, grown by its ball, holds a solid `(T, M, 3)`."""
+    return frames.position[:, None, :] + solid.points @ np.swapaxes(frames.rotation, -1, -2)
+
+
+def _steps(points: Array) -> Array:
+    """How far any of the points `(T, M, 3)` moves between neighbouring instants `(T - 1,)`."""
+    way = np.diff(points, axis=0)
+    return np.asarray(np.sqrt(np.square(way).sum(axis=2).max(axis=1)))
