@@ -73,7 +73,8 @@ class Ahead:
         seconds = None if budget.seconds is None else budget.remaining
         try:
             packed = self._pack(skeleton.problem)
-            future = self._side.submit(_answer, packed, skeleton.phases, skeleton.final_mode, question, seconds)
+            bare = _Bare(skeleton.phases, skeleton.final_mode, skeleton.coming)
+            future = self._side.submit(_answer, packed, bare, question, seconds)
         except ClusterUnavailable:
             self._side = None
             return False
@@ -122,7 +123,7 @@ class Ahead:
 
 
 def _key(skeleton: Skeleton, question: Question[Any]) -> Hashable:
-    return skeleton.phases, skeleton.final_mode, question.key
+    return skeleton.phases, skeleton.final_mode, skeleton.coming, question.key
 
 
 @contextmanager
@@ -151,6 +152,15 @@ class _Packed:
     digest: str
 
 
+@dataclass(frozen=True, slots=True)
+class _Bare:
+    """A skeleton without its problem."""
+
+    phases: tuple[Phase, ...]
+    final_mode: frozenset[Fact]
+    coming: tuple[tuple[str, str], ...]
+
+
 _problems: dict[str, Problem] = {}
 
 
@@ -166,7 +176,6 @@ def _prepare(packed: _Packed) -> None:
     _problem(packed)
 
 
-def _answer(
-    packed: _Packed, phases: tuple[Phase, ...], mode: frozenset[Fact], question: Question[Answer], seconds: float | None
-) -> Answer:
-    return question.solved(Skeleton(_problem(packed), phases, mode), Budget(seconds))
+def _answer(packed: _Packed, bare: _Bare, question: Question[Answer], seconds: float | None) -> Answer:
+    skeleton = Skeleton(_problem(packed), bare.phases, bare.final_mode, bare.coming)
+    return question.solved(skeleton, Budget(seconds))

@@ -2,34 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 
 from ..compiler.ir import Action, Problem
-from .ahead import Ahead
 from .assemble import assemble
-from .budget import Budget, Clock, OutOfTime
+from .budget import Budget
 from .experience import Experience
-from .judgement import Conflict, Judgement, blame, with_motion
-from .motion.mending import MENDS, QUICK_MENDS, Mend, mended, resampled, unmoved
-from .motion.path import solve_path
-from .motion.sequence import LONGEST, solve_sequence
-from .motion.settings import MotionSettings
+from .judgement import Conflict, Judgement
+from .motion.sequence import LONGEST
 from .motion.spans import NOISE, judged_alone
 from .motion.starts import guess
-from .plan import BoundRecord, Plan, StatisticsRecord
-from .questions import Attempt, Whole, Window, sequence_path
+from .plan import Plan, StatisticsRecord
+from .questions import Whole, Window
 from .skeleton import BoundResult, Configuration, Skeleton, beginning
+from .solves import QUICK, Solves
 from .verify import verify
 
-RESAMPLES = 4
-"""How often all switch poses are drawn anew when mending them around phases without a path does not help."""
 EXPECTED = "expected"
 """The bound of conflicts that similar windows make likely, without a solve."""
-PATH_SECONDS, PATH_SHARE = 30.0, 0.4
-"""What P_path of one skeleton may take: seconds, and share of the time that is left."""
 LONGEST_WINDOW = 3
 """How many phases a conflict that may start anywhere has at most."""
 WIDER = 0.01
@@ -37,38 +29,20 @@ WIDER = 0.01
 AGAIN = 1000
 VERIFYING = 5.0
 """Seconds that the verifier gets for a plan, however little of the budget is left."""
-ONCE, QUICK = 1, 3
-"""Starts of a span of a whole skeleton at first, and before it is refused for the first time."""
+ONCE = 1
+"""Starts of a span of a whole skeleton at first."""
 SPAN = 4
 """How far from the phases that P_seq blames a conflict is looked for."""
 
 
-class Bounds:
-    """The bounds of one run: their settings, their counters, and what single actions were already found to allow."""
+class Bounds(Solves):
+    """The bounds of one run, and what single actions were already found to allow."""
 
-    def __init__(
-        self,
-        problem: Problem,
-        settings: MotionSettings,
-        finest: str,
-        seed: int,
-        budget: Budget,
-        tell: Callable[[str, str], None],
-        ahead: Ahead | None = None,
-    ) -> None:
-        self.problem = problem
-        self.settings = settings
-        self.finest = finest
-        self.seed = seed
-        self.budget = budget
-        self.tell = tell
-        self.ahead = ahead or Ahead()
-        self.clock = Clock()
-        self._counts: dict[str, list[int]] = {"seq": [0, 0], "seq-path": [0, 0], "path": [0, 0]}
+    def __post_init__(self) -> None:
+        super().__post_init__()
         self._windows: dict[tuple[object, ...], BoundResult] = {}
         self._feasible: set[tuple[object, ...]] = set()
-        self.experience = Experience(problem)
-        self.tries: int | None = QUICK
+        self.experience = Experience(self.problem)
 
     def restart(self, problem: Problem, seed: int, budget: Budget) -> None:
         """Go on with the same task from another state: what was learnt of phases wherever they start stays."""
@@ -92,7 +66,7 @@ class Bounds:
             if sequence.feasible:
                 if self.finest == "seq":
                     return Judgement(True)
-                return self._beginning(skeleton, sequence, len(skeleton) if motions is None else motions)
+                return self.motion(skeleton, sequence, motions)
             conflicts = [self._shrink(skeleton, sequence, end)]
         for c in conflicts:
             window = slice(c.first, c.last + 1)
@@ -107,17 +81,7 @@ class Bounds:
         rest = range(len(ahead), len(skeleton))
         warm = [*ahead[: len(skeleton)], *guess(skeleton, rest, ahead[-1], random, NOISE)]
         sequence = self._sequence(skeleton, self.seed, warm, tries=self.tries)
-        return self._beginning(skeleton, sequence, motions) if sequence.feasible else Judgement(False)
-
-    def _beginning(self, skeleton: Skeleton, sequence: BoundResult, motions: int) -> Judgement:
-        """Motion for the first phases of a skeleton between the switches that P_seq has found."""
-        first = beginning(skeleton, motions)
-        if not first.phases:
-            return Judgement(True, paths=[])
-        known = sequence.configurations[: len(first) + 1]
-        judgement = self._paths(first, replace(sequence, configurations=known))
-        judgement.ahead = sequence.configurations[len(first) + 1 :]
-        return judgement
+        return self.motion(skeleton, sequence, motions) if sequence.feasible else Judgement(False)
 
     def try_harder(self) -> None:
         """Forget every refusal; from now on each span gets all its starts, and others than before."""
@@ -139,7 +103,7 @@ class Bounds:
             self.settings = careful.wider(WIDER)
             self.seed = seed + AGAIN
             sequence = self._sequence(skeleton, self.seed, None, tries=self.tries)
-            judgement = self._paths(skeleton, sequence) if sequence.feasible else Judgement(False)
+            judgement = self.motion(skeleton, sequence) if sequence.feasible else Judgement(False)
         finally:
             self.settings, self.seed = careful, seed
         if judgement.paths is None:
@@ -160,13 +124,6 @@ class Bounds:
         with self.clock("verify"):
             verdict = verify(plan, Budget(max(VERIFYING, self.budget.remaining)))
         return msgspec.structs.replace(plan, verdict=verdict)
-
-    def records(self) -> list[BoundRecord]:
-        stages = {"seq": "seq", "seq-path": "seq_path", "path": "path"}
-        return [
-            BoundRecord(bound, solved, refused, self.clock.seconds.get(stages[bound], 0.0))
-            for bound, (solved, refused) in self._counts.items()
-        ]
 
     def _refused_actions(self, skeleton: Skeleton, strains: Sequence[float]) -> list[Conflict]:
         """Conflicts of all single actions that P_seq refuses, wherever they start. The most strained go first: those
@@ -244,18 +201,6 @@ class Bounds:
     def _beginning_key(self, skeleton: Skeleton, length: int) -> tuple[object, ...]:
         return self.settings, skeleton.coming, tuple(phase.action for phase in skeleton.phases[:length])
 
-    def _sequence(
-        self, skeleton: Skeleton, seed: int, warm: Sequence[Configuration] | None, tries: int | None
-    ) -> BoundResult:
-        self.tell("seq", f"P_seq of {len(skeleton)} actions")
-        with self.clock("seq"):
-            if warm is None:
-                result = self.ahead.answer(skeleton, Whole(self.settings, seed, tries), self.budget)
-            else:
-                result = solve_sequence(skeleton, self.settings, seed, self.budget, warm=warm, tries=tries)
-        self._count("seq", result.feasible)
-        return result
-
     def _shrink(self, skeleton: Skeleton, refused: BoundResult, end: int) -> Conflict:
         """A minimal contiguous conflict behind a refused P_seq of the first `end` phases: the fewest at their end that
         are refused wherever they start; all from the start where there are none."""
@@ -300,101 +245,3 @@ class Bounds:
             for earlier in range(first - 1, max(0, last - LONGEST_WINDOW), -1):
                 if judged_alone(skeleton, earlier) and not self._expect_window(skeleton, earlier, last):
                     return
-
-    def _paths(self, skeleton: Skeleton, sequence: BoundResult) -> Judgement:
-        """P_seqPath between switch poses, drawn anew, in long skeletons first around phases that fail; then P_path."""
-        result = self._sequence_path(skeleton, sequence, thorough=False)
-        blamed = [{v.phase for v in result.violations}]
-        mends = MENDS if len(skeleton) > LONGEST else ()
-        for draw in (*mends, *range(1, RESAMPLES + 1)):
-            if result.feasible:
-                break
-            path: BoundResult | None = None
-            if isinstance(draw, Mend):
-                again = self._mended(skeleton, sequence, result, draw)
-            else:
-                again, path = self._attempt(skeleton, sequence, result, draw)
-            if not again.feasible:
-                continue
-            sequence = again
-            if path is None:
-                if isinstance(draw, int):
-                    self._expect_attempt(skeleton, sequence, result, draw + 1)
-                known = result if isinstance(draw, Mend) else None
-                path = self._sequence_path(skeleton, sequence, draw not in QUICK_MENDS, known)
-            result = path
-            blamed.append({v.phase for v in result.violations})
-        if result.feasible:
-            return with_motion(self.problem.world, result)
-        bound = "seq-path"
-        if self.finest == "path":
-            free = self._path(skeleton, sequence)
-            if free is not None and free.feasible:
-                return with_motion(self.problem.world, free)
-            bound = "path"
-        return Judgement(False, conflicts=[blame(bound, result, blamed, len(skeleton))])
-
-    def _mended(self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, mend: Mend) -> BoundResult:
-        """P_seq around the phases that have no path; the other switch poses stay."""
-        self.tell("seq", f"P_seq around {len(refused.violations)} actions")
-        with self.clock("seq"):
-            result = mended(skeleton, sequence, refused, mend, self.settings, self.seed, self.budget, self.tries)
-        self._count("seq", result.feasible)
-        return result
-
-    def _drawn(self, sequence: BoundResult, refused: BoundResult, attempt: int) -> Attempt:
-        """The attempt after P_seqPath between the switch poses of `sequence` was refused."""
-        failed = sorted({v.phase for v in refused.violations})
-        if attempt == 1:
-            warm = unmoved(sequence.configurations, failed)[1:]
-        else:
-            warm = resampled(sequence.configurations, failed, self.seed + attempt)[1:]
-        return Attempt(self.settings, self.seed, self.seed + attempt, self.tries, warm)
-
-    def _attempt(
-        self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int
-    ) -> tuple[BoundResult, BoundResult | None]:
-        """P_seq once more, and P_seqPath too where another process has come to it already."""
-        if len(skeleton) > LONGEST:
-            return self._sequence(skeleton, self.seed + attempt, None, tries=self.tries), None
-        drawn = self._drawn(sequence, refused, attempt)
-        if not self.ahead.expects(skeleton, drawn):
-            return self._sequence(skeleton, drawn.draw, drawn.warm, tries=self.tries), None
-        self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
-        with self.clock("seq_path"):
-            again, path = self.ahead.answer(skeleton, drawn, self.budget)
-        self._count("seq", again.feasible)
-        if path is not None:
-            self._count("seq-path", path.feasible)
-        return again, path
-
-    def _expect_attempt(self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int) -> None:
-        """An attempt, if the same phases are refused as before."""
-        if self.ahead.helps and attempt <= RESAMPLES and len(skeleton) <= LONGEST:
-            self.ahead.expect(skeleton, self._drawn(sequence, refused, attempt), self.budget)
-
-    def _path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult | None:
-        """P_path, with a share of the time that is left; None when that is spent."""
-        self.tell("path", f"P_path of {len(skeleton)} actions")
-        share = Budget(min(PATH_SECONDS, PATH_SHARE * self.budget.remaining))
-        try:
-            with self.clock("path"):
-                result = solve_path(skeleton, self.settings, self.seed, share, sequence)
-        except OutOfTime:
-            self.budget.check()
-            self._count("path", False)
-            return None
-        self._count("path", result.feasible)
-        return result
-
-    def _sequence_path(
-        self, skeleton: Skeleton, sequence: BoundResult, thorough: bool, known: BoundResult | None = None
-    ) -> BoundResult:
-        self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
-        with self.clock("seq_path"):
-            result = sequence_path(skeleton, sequence, self.settings, self.seed, self.budget, thorough, known)
-        self._count("seq-path", result.feasible)
-        return result
-
-    def _count(self, bound: str, feasible: bool) -> None:
-        self._counts[bound][0 if feasible else 1] += 1

@@ -38,10 +38,11 @@ class Judgement:
     ahead: list[Configuration] = field(default_factory=list)
 
 
-def with_motion(world: World, result: BoundResult) -> Judgement:
-    """Accepted, with the motions of a finished path, which begin and end gently."""
+def with_motion(world: World, result: BoundResult, ahead: list[Configuration]) -> Judgement:
+    """Accepted, with the motions of a finished path, which begin and end gently; `ahead` holds the switches behind
+    it."""
     paths = eased(world, result.paths)
-    return Judgement(True, paths, path_cost=result.cost, path_cost_before=result.cost_before)
+    return Judgement(True, paths, path_cost=result.cost, path_cost_before=result.cost_before, ahead=ahead)
 
 
 def blame(bound: str, refused: BoundResult, blamed: Sequence[set[int]], phases: int) -> Conflict:

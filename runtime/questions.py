@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
 from .budget import Budget
@@ -13,7 +13,7 @@ from .motion.path import solve_path
 from .motion.phases import UnsupportedPhase, solve_sequence_path
 from .motion.sequence import solve_sequence, window_feasible
 from .motion.settings import MotionSettings
-from .skeleton import BoundResult, Configuration, Skeleton
+from .skeleton import BoundResult, Configuration, Skeleton, beginning
 
 Answer = TypeVar("Answer")
 
@@ -58,33 +58,36 @@ class Window(Question[BoundResult]):
 @dataclass(frozen=True, eq=False)
 class Attempt(Question[tuple[BoundResult, BoundResult | None]]):
     """P_seq from the switch configurations 1 … K in `warm`, with random numbers from `draw`, and where it is feasible
-    P_seqPath between those it finds, with random numbers from `seed`."""
+    P_seqPath of the first `motions` phases between those it finds, with random numbers from `seed`."""
 
     settings: MotionSettings
     seed: int
     draw: int
     tries: int | None
     warm: Sequence[Configuration]
+    motions: int
 
     @property
     def key(self) -> Hashable:
         rows = [row.tobytes() for c in self.warm for part in (c.modules, c.bodies) for row in part.values()]
-        return Attempt, self.settings, self.seed, self.draw, self.tries, tuple(rows)
+        return Attempt, self.settings, self.seed, self.draw, self.tries, self.motions, tuple(rows)
 
     def solved(self, skeleton: Skeleton, budget: Budget) -> tuple[BoundResult, BoundResult | None]:
         sequence = solve_sequence(skeleton, self.settings, self.draw, budget, warm=self.warm, tries=self.tries)
         if not sequence.feasible:
             return sequence, None
-        return sequence, sequence_path(skeleton, sequence, self.settings, self.seed, budget)
+        first = beginning(skeleton, self.motions)
+        return sequence, sequence_path(first, sequence, self.settings, self.seed, budget)
 
 
 def sequence_path(
     skeleton: Skeleton, sequence: BoundResult, settings: MotionSettings, seed: int, budget: Budget,
     thorough: bool = True, known: BoundResult | None = None,
 ) -> BoundResult:  # fmt: skip
-    """P_seqPath between the switch configurations of `sequence`; as one program where phases cannot be told apart.
-    Unless `thorough`, hard phases fail soon; what is `known` of phases between the same switches stays. Raises
-    OutOfTime."""
+    """P_seqPath of a skeleton, or of its beginning, between the switch configurations of `sequence`; as one program
+    where phases cannot be told apart. Unless `thorough`, hard phases fail soon; what is `known` of phases between the
+    same switches stays. Raises OutOfTime."""
+    sequence = replace(sequence, configurations=sequence.configurations[: len(skeleton) + 1])
     try:
         return solve_sequence_path(skeleton, sequence.configurations, settings, seed, budget, thorough, known)
     except UnsupportedPhase:

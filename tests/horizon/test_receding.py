@@ -5,16 +5,24 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tamplang.api import load
+from tamplang.compiler import poses
 from tamplang.compiler.ir import Pose, Problem
 from tamplang.compiler.pipeline import compile_problem
+from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.horizon.receding import solve_receding
-from tamplang.runtime.horizon.state import start
+from tamplang.runtime.horizon.state import after, start
 from tamplang.runtime.horizon.windows import plan_window, remember
 from tamplang.runtime.lgp import Outcome, Progress, SolveOptions
+from tamplang.runtime.motion.sequence import solve_sequence
+from tamplang.runtime.motion.starts import effector_pose, inverse, to_tuple
+from tamplang.runtime.search.best_first import SkeletonSearch
+from tamplang.runtime.search.skeletons import build_skeleton
+from tamplang.runtime.skeleton import Configuration, beginning
 from tamplang.runtime.verify import verify
 
 HERE = Path(__file__).parent
@@ -142,3 +150,28 @@ def test_a_goal_that_holds_at_the_start_needs_no_window() -> None:
     assert outcome.status == "solved" and not outcome.actions
     (plan,) = outcome.plans
     assert plan.complete and not plan.windows
+
+
+def test_switches_behind_a_window_are_drawn_anew_with_it() -> None:
+    problem = load(EXAMPLES / "pick_and_place.tamp").problem
+    bounds = remember(problem, SolveOptions(), Budget(30.0)).bounds
+    successors = Successors(problem)
+    candidate = SkeletonSearch(problem, successors, "astar", Budget(None), None).next()
+    assert candidate is not None
+    skeleton = build_skeleton(problem, candidate.actions, successors)
+    sequence = solve_sequence(skeleton, bounds.settings, 0, Budget(30.0))
+    sequence.configurations[1].modules["c"][2] += 1.0
+    judgement = bounds.motion(skeleton, sequence, 1)
+    assert judgement.accepted and judgement.paths is not None and len(judgement.paths) == 1
+    reached = after(problem, beginning(skeleton, 1), judgement.paths).configuration
+    hand, thing = skeleton.phases[0].action.args
+    assert isinstance(hand, str) and isinstance(thing, str)
+    assert np.allclose(_held(problem, reached, hand, thing), _held(problem, judgement.ahead[0], hand, thing), atol=1e-5)
+
+
+def _held(problem: Problem, configuration: Configuration, hand: str, thing: str) -> Pose:
+    """The pose of a thing as its gripper sees it."""
+    found = problem.world.effector(hand)
+    assert found is not None
+    gripper = effector_pose(found[0], found[1].name, configuration.modules[found[0].name])
+    return poses.compose(inverse(gripper), to_tuple(configuration.bodies[thing]))
