@@ -83,13 +83,13 @@ def parameter_texts(plan: Plan, sources: list[Source]) -> dict[str, str]:
 
 
 def _examine(plan: Plan, problem: ir.Problem, findings: Findings) -> VerdictRecord:
-    sound = check_structure(plan, findings)
+    samples = check_structure(plan, findings)
     same = check_scene(plan, problem, findings) and check_happenings(plan, problem, findings)
-    if not (sound and same):
+    if samples is None or not same:
         replay(problem, plan, findings)
         return findings.verdict()
     kinematics = {m.name: Kinematics(m) for m in plan.modules}
-    motion = motion_of(plan, kinematics)
+    motion = motion_of(plan, kinematics, samples)
     check_kinematics(motion, kinematics, findings)
     story = replay(problem, plan, findings, motion)
     happenings = happenings_of(problem, plan, story.modes)

@@ -12,8 +12,8 @@ import numpy as np
 from ..native import load_pinocchio
 from ..plan import JointRecord, ModuleRecord, Plan
 from .findings import Findings
-from .geometry import Array, Frames, frames
-from .structure import phase_ranges
+from .geometry import Array, Frames, Indices, frames
+from .structure import Samples, phase_ranges, samples_of
 
 REPEATED = 25
 """Every so many samples are computed by Pinocchio, too."""
@@ -130,21 +130,26 @@ class Motion:
     joint_frames: dict[str, dict[int, Frames]]
     moving: frozenset[str]
     """Bodies that have a track, and all modules."""
+    changes: dict[str, Indices]
+    """Of every body that has a track: how often its pose has changed by each sample `(T,)`."""
+
+    def rests(self, name: str, first: int, last: int) -> bool:
+        """Whether a body has the very same pose at samples `first` … `last`."""
+        if name not in self.moving:
+            return True
+        changes = self.changes.get(name)
+        return changes is not None and bool(changes[first] == changes[last])
 
 
-def motion_of(plan: Plan, kinematics: Mapping[str, Kinematics]) -> Motion:
+def motion_of(plan: Plan, kinematics: Mapping[str, Kinematics], samples: Samples | None = None) -> Motion:
     """The samples as stored. The plan must be well formed."""
-    poses = {t.name: np.asarray(t.poses) for t in plan.tracks}
-    joints = {
-        t.name: np.asarray(t.joints, dtype=float).reshape(len(plan.times), len(kinematics[t.name].module.joints))
-        for t in plan.tracks
-    }
-    body_poses = {t.name: np.asarray(t.poses) for t in plan.body_tracks}
-    moving = frozenset(poses) | frozenset(body_poses)
+    samples = samples_of(plan) if samples is None else samples
+    moving = frozenset(samples.poses)
+    poses = {t.name: samples.poses[t.name] for t in plan.tracks}
     for body in plan.bodies:
         resting = np.broadcast_to(np.asarray(body.pose), (len(plan.times), 7))
-        poses[body.name] = body_poses.get(body.name, resting)
-    return place(np.asarray(plan.times), phase_ranges(plan.times), poses, joints, moving, kinematics)
+        poses[body.name] = samples.poses.get(body.name, resting)
+    return place(np.asarray(plan.times), phase_ranges(plan.times), poses, samples.joints, moving, kinematics)
 
 
 def place(
@@ -158,6 +163,7 @@ def place(
     """Motion with the frames of everything, from poses and joints."""
     found: dict[str, Frames] = {}
     inner: dict[str, dict[int, Frames]] = {}
+    changes: dict[str, Indices] = {}
     for name, rows in poses.items():
         if name in kinematics:
             module = kinematics[name]
@@ -166,14 +172,17 @@ def place(
             for effector in module.module.effectors:
                 found[f"{name}.{effector.name}"] = module.effector(effector.name, inner[name])
         elif name in moving:
-            found[name] = frames(rows)
+            changed = (rows[1:] != rows[:-1]).any(axis=1)
+            changes[name] = np.concatenate([[0], np.cumsum(changed)])
+            distinct = frames(rows[np.concatenate([[True], changed])])
+            found[name] = distinct[changes[name]]
         else:
             one = frames(rows[:1])
             found[name] = Frames(
                 np.broadcast_to(one.position, (len(times), 3)),
                 np.broadcast_to(one.rotation, (len(times), 3, 3)),
             )
-    return Motion(times, tuple(ranges), poses, joints, found, inner, moving)
+    return Motion(times, tuple(ranges), poses, joints, found, inner, moving, changes)
 
 
 def check_kinematics(motion: Motion, kinematics: Mapping[str, Kinematics], findings: Findings) -> None:

@@ -54,18 +54,18 @@ def _check_start(plan: Plan, motion: Motion, findings: Findings) -> None:
 
 def _check_jumps(motion: Motion, findings: Findings) -> None:
     """The two samples at a switch must be the same."""
-    for _, last in motion.ranges[:-1]:
-        time = float(motion.times[last])
-        for name in sorted(motion.moving):
-            pair = motion.poses[name][last : last + 2]
-            shift, turn = pose_differences(pair[:1], pair[1:])
-            message = f"{name} jumps at the switch"
-            findings.measure("jump_m", float(shift[0]), message, time=time, between=[name])
-            findings.measure("jump_rad", float(turn[0]), message, time=time, between=[name])
-            joints = motion.joints.get(name)
-            if joints is not None and joints.shape[1]:
-                jump = float(np.max(np.abs(joints[last + 1] - joints[last])))
-                findings.measure("jump_rad", jump, message, time=time, between=[name])
+    ends = np.array([last for _, last in motion.ranges[:-1]], dtype=np.intp)
+    if not len(ends):
+        return
+    for name in sorted(motion.moving):
+        poses, joints = motion.poses[name], motion.joints.get(name)
+        shift, turn = pose_differences(poses[ends], poses[ends + 1])
+        if joints is not None and joints.shape[1]:
+            turn = np.maximum(turn, np.max(np.abs(joints[ends + 1] - joints[ends]), axis=1))
+        for kind, jumps in (("jump_m", shift), ("jump_rad", turn)):
+            for at in sorted({int(np.argmax(jumps)), *(int(k) for k in np.flatnonzero(jumps > LIMITS[kind]))}):
+                time, message = float(motion.times[ends[at]]), f"{name} jumps at the switch"
+                findings.measure(kind, float(jumps[at]), message, time=time, between=[name])
 
 
 # --- joints ------------------------------------------------------------------------------------------------------
@@ -131,6 +131,8 @@ def _check_rest(
 
 
 def _movement(motion: Motion, name: str, first: int, last: int) -> tuple[float, float, str]:
+    if name in motion.changes and motion.rests(name, first, last):
+        return 0.0, 0.0, name
     frames = motion.frames[name][slice(first, last + 1)]
     relative = frames.relative_to(frames[:1])
     shift = float(np.max(np.linalg.norm(relative.position, axis=1)))

@@ -70,11 +70,8 @@ class Sampler:
     def _body(self, name: str, phase: int, times: Array) -> Frames:
         if name in self._happenings.free[phase]:
             return self._happenings.placed(self._world.bodies[name], times)
-        if name not in self._motion.moving:
-            return self._motion.frames[name][:1]
         first, last = self._motion.ranges[phase]
-        rows = self._motion.poses[name][first : last + 1]
-        if self._happenings.carrier[phase].get(name) is None and bool((rows == rows[0]).all()):
+        if self._happenings.carrier[phase].get(name) is None and self._motion.rests(name, first, last):
             return self._motion.frames[name][slice(first, first + 1)]
         return self._follow(name, name, phase)(times)
 

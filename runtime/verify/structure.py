@@ -4,11 +4,14 @@ relies on it, so a plan that fails here is not measured further."""
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import chain
 
 import numpy as np
 
 from ..plan import FORMAT, ModuleRecord, Plan, ShapeRecord
 from .findings import Findings
+from .geometry import Array
 from .limits import LIMITS
 from .shapes import SIZES, is_solid
 
@@ -18,9 +21,26 @@ LARGEST = 1e10
 Rows = Sequence[Sequence[float]]
 
 
-def check_structure(plan: Plan, findings: Findings) -> bool:
-    """Whether the plan is well formed; what is not is in the findings, with the part's name."""
+@dataclass(frozen=True, slots=True)
+class Samples:
+    """The tracks of a plan as arrays: `poses` `(T, 7)` of modules and of bodies that have one, `joints` `(T, n)`."""
+
+    poses: dict[str, Array] = field(default_factory=dict)
+    joints: dict[str, Array] = field(default_factory=dict)
+
+
+def samples_of(plan: Plan) -> Samples:
+    """The samples of a plan that is well formed."""
+    widths = {m.name: len(m.joints) for m in plan.modules}
+    poses = {name: _table(rows, 7) for name, rows in _all_poses(plan)}
+    return Samples(poses, {t.name: _table(t.joints, widths[t.name]) for t in plan.tracks})
+
+
+def check_structure(plan: Plan, findings: Findings) -> Samples | None:
+    """The samples of a plan that is well formed; else None, and what is not is in the findings, with the part's
+    name."""
     before = len(findings.failures)
+    samples = Samples()
     if plan.format != FORMAT:
         findings.fail("structure", f"the plan has format {plan.format!r}, not {FORMAT!r}")
     _check_times(plan, findings)
@@ -31,10 +51,10 @@ def check_structure(plan: Plan, findings: Findings) -> bool:
     for body in plan.bodies:
         _check_shape(body.shape, body.name, findings)
         _check_poses([body.pose], 1, f"pose of {body.name}", body.name, findings)
-    _check_tracks(plan, findings)
+    _check_tracks(plan, samples, findings)
     if len(findings.failures) == before:
         _check_splines(plan, findings)
-    return len(findings.failures) == before
+    return samples if len(findings.failures) == before else None
 
 
 def _repeated(names: Sequence[str]) -> list[str]:
@@ -42,9 +62,15 @@ def _repeated(names: Sequence[str]) -> list[str]:
 
 
 def _numbers(rows: Rows, width: int) -> bool:
-    if any(len(row) != width for row in rows):
-        return False
-    values = np.asarray(rows, dtype=float)
+    return set(map(len, rows)) <= {width} and _finite(_table(rows, width))
+
+
+def _table(rows: Rows, width: int) -> Array:
+    """Rows of one length as an array `(n, width)`."""
+    return np.fromiter(chain.from_iterable(rows), float, len(rows) * width).reshape(len(rows), width)
+
+
+def _finite(values: Array) -> bool:
     return bool((np.abs(values) <= LARGEST).all())
 
 
@@ -99,15 +125,27 @@ def _check_shape(shape: ShapeRecord, owner: str, findings: Findings) -> None:
         findings.fail("structure", message, between=[owner])
 
 
-def _check_poses(poses: Rows, count: int, what: str, owner: str, findings: Findings) -> None:
-    if len(poses) != count:
-        findings.fail("structure", f"{what}: {len(poses)} rows for {count} time stamps", between=[owner])
-    elif not _numbers(poses, 7):
-        findings.fail("not finite", f"{what}: a row is not seven finite numbers", between=[owner])
-    elif count:
-        off = np.abs(np.linalg.norm(np.asarray(poses)[:, 3:], axis=1) - 1)
+def _check_poses(poses: Rows, count: int, what: str, owner: str, findings: Findings) -> Array | None:
+    """The poses as an array `(count, 7)`; None, and a finding, where they are none."""
+    table = _check_table(poses, count, 7, what, "seven", owner, findings)
+    if table is not None and count:
+        off = np.abs(np.linalg.norm(table[:, 3:], axis=1) - 1)
         worst = int(np.argmax(off))
         findings.measure("quaternion", float(off[worst]), f"{what}: no unit quaternion", between=[owner])
+    return table
+
+
+def _check_table(
+    rows: Rows, count: int, width: int, what: str, wide: str, owner: str, findings: Findings
+) -> Array | None:
+    if len(rows) != count:
+        findings.fail("structure", f"{what}: {len(rows)} rows for {count} time stamps", between=[owner])
+        return None
+    table = _table(rows, width) if set(map(len, rows)) <= {width} else None
+    if table is None or not _finite(table):
+        findings.fail("not finite", f"{what}: a row is not {wide} finite numbers", between=[owner])
+        return None
+    return table
 
 
 def _check_module(module: ModuleRecord, findings: Findings) -> None:
@@ -143,7 +181,8 @@ def _check_part(
 # --- tracks ------------------------------------------------------------------------------------------------------
 
 
-def _check_tracks(plan: Plan, findings: Findings) -> None:
+def _check_tracks(plan: Plan, samples: Samples, findings: Findings) -> None:
+    """Fill in the samples of all tracks that are well formed."""
     modules = {m.name: m for m in plan.modules}
     tracks, body_tracks = [t.name for t in plan.tracks], [t.name for t in plan.body_tracks]
     if sorted(tracks) != sorted(modules):
@@ -153,16 +192,15 @@ def _check_tracks(plan: Plan, findings: Findings) -> None:
         findings.fail("structure", f"a track of {name}, which is no body or has two", between=[name])
     count = len(plan.times)
     for name, poses in _all_poses(plan):
-        _check_poses(poses, count, f"track of {name}", name, findings)
+        table = _check_poses(poses, count, f"track of {name}", name, findings)
+        if table is not None:
+            samples.poses[name] = table
     for track in plan.tracks:
         if track.name in modules:
-            width = len(modules[track.name].joints)
-            if len(track.joints) != count:
-                message = f"joints of {track.name}: {len(track.joints)} rows for {count} time stamps"
-                findings.fail("structure", message, between=[track.name])
-            elif not _numbers(track.joints, width):
-                message = f"joints of {track.name}: a row is not {width} finite numbers"
-                findings.fail("not finite", message, between=[track.name])
+            name, width = track.name, len(modules[track.name].joints)
+            table = _check_table(track.joints, count, width, f"joints of {name}", str(width), name, findings)
+            if table is not None:
+                samples.joints[name] = table
 
 
 def _all_poses(plan: Plan) -> Iterator[tuple[str, list[list[float]]]]:
