@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from ..compiler.ir import Problem
+from ..compiler.symbolic.strain import Strain
 from ..compiler.symbolic.successors import Successors
 from ..langs.diagnostics import Diagnostic
 from .ahead import Ahead
@@ -23,8 +24,9 @@ from .motion.settings import MotionSettings
 from .plan import Plan, StatisticsRecord
 from .refusals import Refusals, fewer
 from .search.best_first import Candidate, SkeletonSearch
-from .search.roomy import Strain, Surcharge, roomier
+from .search.roomy import roomier
 from .search.skeletons import build_skeleton
+from .search.surcharge import Surcharge
 from .skeleton import Skeleton
 from .touching import touching
 

@@ -6,7 +6,7 @@ Rows are built when they are first looked up.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -54,6 +54,11 @@ class Step:
     set: int
     conditional: tuple[tuple[Check, int, int, int], ...]
     action: int
+
+    def possible(self, s: int) -> bool:
+        """Whether the tests hold in a state."""
+        holds = all((s & mask == value) is same for mask, value, same in self.tests)
+        return holds and (self.check is None or self.check(s))
 
     def apply(self, s: int, out: list[tuple[int, int]]) -> None:
         """Append the successor of a state in which the tests hold."""
@@ -249,6 +254,31 @@ class Blocks:
 
     def row(self, block: Block, numbers: tuple[int, ...]) -> tuple[Any, ...]:
         """The actions of a block for the numbers that its key fields hold."""
+        found = self._joined(block, numbers)
+        if block.simple:
+            return tuple(dict.fromkeys(self._entry(block, env) for env, _ in found))
+        steps: dict[Any, Step] = {}
+        for env, rest in found:
+            step = self._step(block, env, rest)
+            if step is not None:
+                steps.setdefault((step.tests, step.check, step.action), step)
+        return tuple(steps.values())
+
+    def witnesses(self, block: Block, numbers: tuple[int, ...]) -> Iterator[tuple[Environment, Step | None, int]]:
+        """By what values of all variables a block gives its actions: the values, the step in whose states they do so
+        (None: wherever the block gives anything), and the action."""
+        for env, rest in self._joined(block, numbers):
+            if block.simple:
+                yield env, None, self.action_id(block.flat, env)
+            else:
+                step = self._step(block, env, rest)
+                if step is not None:
+                    yield env, step, step.action
+
+    def _joined(
+        self, block: Block, numbers: tuple[int, ...]
+    ) -> Iterable[tuple[Environment, tuple[Formula, ...]]]:
+        """All values of the variables of a block for the numbers in its key fields, with what remains of guards."""
         env = dict(block.env)
         for (name, place), number in zip(block.keys, numbers, strict=True):
             if not 1 <= number <= len(place.values):
@@ -259,15 +289,7 @@ class Blocks:
             if env[name] not in self.guards.values(kinds[name], {}, None):
                 return ()
         domains = self.layout.domains.variable_domains(block.flat)
-        found = self.guards.solutions(block.loops, block.guards, env, None, domains)
-        if block.simple:
-            return tuple(dict.fromkeys(self._entry(block, inner) for inner, _ in found))
-        steps: dict[Any, Step] = {}
-        for inner, rest in found:
-            step = self._step(block, inner, rest)
-            if step is not None:
-                steps.setdefault((step.tests, step.check, step.action), step)
-        return tuple(steps.values())
+        return self.guards.solutions(block.loops, block.guards, env, None, domains)
 
     def _entry(self, block: Block, env: Environment) -> Entry:
         bits = 0

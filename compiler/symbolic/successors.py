@@ -7,7 +7,7 @@ chains bound; everything that depends on locations is a row looked up by the val
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from ..ir import Action, And, ChainType, Exists, Fact, Forall, Formula, Not, Or, Problem, Value
@@ -41,6 +41,7 @@ class Successors:
         self._blocks = Blocks(self.guards, self._action_id)
         self._expanders: dict[int, Expander] = {}
         self._sources: dict[int, str] = {}
+        self._blocks_of: dict[int, list[Block]] = {}
         self._words: dict[int, Word] = {}
         self._goal = self.normal.normal(problem.goal, {}, False)
         self._goal_mask = self.layout.flag_mask if has_chains(self._goal) else 0
@@ -53,6 +54,21 @@ class Successors:
         if expander is None:
             expander = self._expander(word)
         return expander(state)
+
+    def after(self, state: int, number: int) -> int:
+        """The state after an action that can be done."""
+        return next(following for following, action in self.expand(state) if action == number)
+
+    def blocks(self, state: int) -> list[Block]:
+        """The blocks of the successor function of a state."""
+        word = state & self.layout.flag_mask
+        if word not in self._blocks_of:
+            self._blocks_of[word] = [b for flat in self.domains.rules for b in self._blocks.of(flat, self.word(word))]
+        return self._blocks_of[word]
+
+    def witnesses(self, block: Block, numbers: tuple[int, ...]) -> Iterator[tuple[Environment, Step | None, int]]:
+        """As `Blocks.witnesses`: the values of variables by which a block gives its actions."""
+        return self._blocks.witnesses(block, numbers)
 
     def action(self, number: int) -> Action:
         return self._actions[number]
@@ -103,7 +119,7 @@ class Successors:
         return self._ids[action]
 
     def _expander(self, word: int) -> Expander:
-        blocks = [b for flat in self.domains.rules for b in self._blocks.of(flat, self.word(word))]
+        blocks = self.blocks(word)
         repeating = _repeating(blocks)
         names: dict[str, Any] = {"apply": apply}
         lines = [f"def expand_{word:x}(s):", "    out = []"]

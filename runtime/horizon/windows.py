@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from ...compiler import ir
+from ...compiler.symbolic.strain import Strain
 from ...compiler.symbolic.successors import Successors
 from ..bounds import EXPECTED, Bounds
 from ..budget import Budget
@@ -21,8 +22,8 @@ from ..lgp import SolveOptions, motion_settings
 from ..plan import SearchNode
 from ..refusals import Refusals
 from ..search.best_first import Candidate, SkeletonSearch
-from ..search.roomy import Strain, Surcharge, roomier
 from ..search.skeletons import build_skeleton
+from ..search.surcharge import Surcharge
 from ..skeleton import Configuration, PhasePath, Skeleton, beginning
 from .goals import ordered, parts_of, told, unmet
 from .state import Reached, after, reached_problem
@@ -38,10 +39,6 @@ WEIGHT = 1.0
 need fewer candidates, and runs promise no cheapest plan anyway."""
 MOST_REMEMBERED = 4
 """Refused beginnings of a window with up to so many actions are forbidden wherever their robots stand alike."""
-STRAINED = 200
-"""Pairs of state and action for which a search learns a strain that depends on the state: windows are many."""
-WIDTH = 40
-"""States per layer in the search for the least strained of equal plans."""
 CANDIDATES = 24
 """Plans that are judged for one goal of one window."""
 
@@ -216,7 +213,7 @@ class _Planner:
             problem = replace(self.problem, goal=goal)
             successors = Successors(problem)
             search = SkeletonSearch(problem, successors, self.options.search, self.budget, NODES)
-        strain = Strain(successors, STRAINED)
+        strain = Strain(successors)
         surcharge = Surcharge(strain)
         if self.memory.surcharge is not None:
             surcharge.inherit(self.memory.surcharge)
@@ -229,7 +226,7 @@ class _Planner:
         try:
             for _ in range(CANDIDATES):
                 with clock("search"):
-                    candidate = self._next(search, strain)
+                    candidate = self._next(search)
                 if candidate is None:
                     self.proved = search.status == "infeasible" and not self.forbidden
                     if search.status != "exhausted" or self.again or not search.readmit():
@@ -248,7 +245,7 @@ class _Planner:
             self.expanded_nodes += search.expanded_nodes
         return None
 
-    def _next(self, search: SkeletonSearch, strain: Strain) -> Candidate | None:
+    def _next(self, search: SkeletonSearch) -> Candidate | None:
         """The next candidate; where the cheapest takes too many nodes, the search goes on hurried, with more."""
         self.budget.check()
         self.memory.bounds.tell("search", f"searching for a way, with {len(self.unmet)} parts of the goal to come")
@@ -257,7 +254,7 @@ class _Planner:
             search.node_limit = MORE_NODES
             search.method = "wastar" if search.method == "astar" else search.method
             candidate = search.next()
-        return None if candidate is None else roomier(search, strain, candidate, WIDTH)
+        return candidate
 
     def _too_short(self, candidate: Candidate, goal: ir.Formula) -> bool:
         """Whether a plan for some parts of the goal ends before the window does; then more parts are planned for."""
@@ -339,5 +336,5 @@ def end_of(successors: Successors, numbers: Sequence[int]) -> int:
     """The state after actions that can be done from the start."""
     state = successors.initial
     for number in numbers:
-        state = next(t for t, n in successors.expand(state) if n == number)
+        state = successors.after(state, number)
     return state

@@ -23,7 +23,7 @@ from ..plan import SearchNode
 from .conflicts import EMPTY, LEAF, OFF, NoGoods
 
 if TYPE_CHECKING:
-    from .roomy import Surcharge
+    from .surcharge import Surcharge
 
 RECORDED = 2000
 """How many nodes of the tree are kept for drawing."""
@@ -111,7 +111,7 @@ class SkeletonSearch:
     def _state_before(self, candidate: Candidate, index: int) -> int:
         state = self.successors.initial
         for number in candidate.numbers[:index]:
-            state = next(following for following, action in self.successors.expand(state) if action == number)
+            state = self.successors.after(state, number)
         return state
 
     def readmit(self) -> bool:

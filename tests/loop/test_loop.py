@@ -9,6 +9,7 @@ from typing import Any
 from tamplang.api import Plan, load
 from tamplang.compiler.ir import Chain
 from tamplang.compiler.pipeline import compile_problem, compile_text
+from tamplang.compiler.symbolic.strain import Strain
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.experience import Experience
@@ -16,8 +17,9 @@ from tamplang.runtime.lgp import SolveOptions, solve
 from tamplang.runtime.motion.program import DIVERGED
 from tamplang.runtime.refusals import describe
 from tamplang.runtime.search.best_first import SkeletonSearch
-from tamplang.runtime.search.roomy import POWER, Strain, Surcharge, roomier
+from tamplang.runtime.search.roomy import roomier
 from tamplang.runtime.search.skeletons import build_skeleton
+from tamplang.runtime.search.surcharge import POWER, Surcharge
 from tamplang.runtime.skeleton import Phase, Violation
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"

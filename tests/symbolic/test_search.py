@@ -11,11 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tamplang.compiler.ir import And, Body, Chain, Formula, Not, Object, Problem, Shape
+from tamplang.compiler.symbolic.strain import Strain
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.search.best_first import Candidate, SkeletonSearch, _Run
-from tamplang.runtime.search.roomy import Strain, Surcharge
 from tamplang.runtime.search.skeletons import build_skeleton
+from tamplang.runtime.search.surcharge import Surcharge
 
 from . import variants
 from .problems import box, climb, lit, module, pick_and_place, problem

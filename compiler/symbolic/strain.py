@@ -1,0 +1,154 @@
+"""How close actions are to the limits of what their rules allow.
+
+The strain of an action is the largest ratio of the two sides of a condition such as `stride(X, Y) <= reach(c)`, by the
+witness of the rule's condition that strains least: 0 without such conditions, 1 at the limit. Strains are found row by
+row, as the successor functions find actions, and kept: among many interchangeable things they cost next to nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..ir import Chain, Compare
+from .blocks import Block, Step
+from .domains import FlatRule
+from .expressions import Check
+from .guards import Environment, Undefined
+from .locations import LOWER, length_bounds
+from .normal_form import free_names
+from .successors import Successors
+
+Row = dict[int, list[tuple[float, Step | None]]]
+"""By action the strain by every witness, least first, and the step in whose states it is one; None for all states."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Source:
+    """A block that may give an action, and whether it does so in a state; None when it always does."""
+
+    block: Block
+    holds: Check | None
+
+
+class Strain:
+    """The strains of the actions of one problem."""
+
+    def __init__(self, successors: Successors) -> None:
+        self.successors = successors
+        self._rules: dict[str, list[FlatRule]] = {}
+        for flat in successors.domains.rules:
+            self._rules.setdefault(flat.rule.name, []).append(flat)
+        self._compares = {id(flat): length_bounds(flat) for flat in successors.domains.rules}
+        self._names = {
+            id(flat): sorted(set().union(*map(free_names, self._compares[id(flat)])))
+            for flat in successors.domains.rules
+        }
+        self._free = {name for name, flats in self._rules.items() if not any(self._compares[id(f)] for f in flats)}
+        self._fixed = self._free | {n for n, flats in self._rules.items() if all(map(self._speaks_of_arguments, flats))}
+        self._settled: dict[int, float] = {}
+        self._sources: dict[tuple[int, int], tuple[_Source, ...]] = {}
+        self._rows: dict[tuple[int, Any], Row] = {}
+        self._largest: dict[tuple[Any, ...], float] = {}
+
+    def of(self, state: int, number: int) -> float:
+        """The strain of action `number` in a state in which it can be done."""
+        if not self.settled(number):
+            return self._by_witness(state, number)
+        known = self._settled.get(number)
+        if known is None:
+            known = self._settled[number] = self._by_arguments(number)
+        return known
+
+    def settled(self, number: int) -> bool:
+        """Whether the strain of an action is the same in all states."""
+        return self.successors.action(number).rule in self._fixed
+
+    def along(self, numbers: Sequence[int]) -> tuple[float, ...]:
+        """The strain of each action of a plan."""
+        state, strains = self.successors.initial, []
+        for number in numbers:
+            strains.append(self.of(state, number))
+            state = self.successors.after(state, number)
+        return tuple(strains)
+
+    def _by_arguments(self, number: int) -> float:
+        action = self.successors.action(number)
+        flats = self._rules[action.rule]
+        env = {v.name: a for v, a in zip(flats[0].rule.variables, action.args, strict=True)}
+        return min((self._ratio(flat, env) for flat in flats), default=0.0)
+
+    def _by_witness(self, state: int, number: int) -> float:
+        least: float | None = None
+        for source in self._sources_of(state, number):
+            if source.holds is not None and not source.holds(state):
+                continue
+            for strain, step in self._row(source.block, state).get(number, ()):
+                if step is None or step.possible(state):
+                    least = strain if least is None else min(least, strain)
+                    break
+        return 0.0 if least is None else least
+
+    def _sources_of(self, state: int, number: int) -> tuple[_Source, ...]:
+        """The blocks that may give an action in states with the flags of this one."""
+        key = (state & self.successors.layout.flag_mask, number)
+        if key not in self._sources:
+            action = self.successors.action(number)
+            args = {v.name: a for v, a in zip(self._rules[action.rule][0].rule.variables, action.args, strict=True)}
+            blocks = self.successors.blocks(state)
+            agreeing = [
+                block for block in blocks
+                if block.flat.rule.name == action.rule
+                and all(args[name] == value for name, value in block.env.items() if name in args)
+            ]  # fmt: skip
+            alone = len(agreeing) == 1
+            self._sources[key] = tuple(_Source(b, None if alone else _check(b.tests)) for b in agreeing)
+        return self._sources[key]
+
+    def _row(self, block: Block, state: int) -> Row:
+        numbers = tuple(state >> place.shift & place.mask for _, place in block.keys)
+        key = (id(block), numbers)
+        if key not in self._rows:
+            self._rows[key] = self._made(block, numbers)
+        return self._rows[key]
+
+    def _made(self, block: Block, numbers: tuple[int, ...]) -> Row:
+        row: Row = {}
+        for env, step, action in self.successors.witnesses(block, numbers):
+            row.setdefault(action, []).append((self._ratio(block.flat, env), step))
+        for found in row.values():
+            found.sort(key=lambda pair: pair[0])
+        return row
+
+    def _ratio(self, flat: FlatRule, env: Environment) -> float:
+        """The largest ratio of the sides of the comparisons of a rule."""
+        key = (id(flat), *(env.get(name) for name in self._names[id(flat)]))
+        if key not in self._largest:
+            self._largest[key] = max((self._of_sides(c, env) for c in self._compares[id(flat)]), default=0.0)
+        return self._largest[key]
+
+    def _of_sides(self, compare: Compare, env: Environment) -> float:
+        number = self.successors.guards.number
+        small, large = compare.left, compare.right
+        if compare.operator in LOWER:
+            small, large = large, small
+        try:
+            below, above = float(number(small, env)), float(number(large, env))
+        except (Undefined, KeyError):
+            return 0.0
+        return max(0.0, below / above) if above > 0.0 else 0.0
+
+    def _speaks_of_arguments(self, flat: FlatRule) -> bool:
+        """Whether the arguments of an action alone settle the comparisons."""
+        return {v.name for v in flat.rule.variables} >= set(self._names[id(flat)])
+
+
+def _check(tests: str) -> Callable[[int], bool]:
+    check: Callable[[int], bool] = eval(f"lambda s: bool({tests})", {})
+    return check
+
+
+def size_of(args: Sequence[object]) -> int:
+    """How many modules the chains among the arguments of an action have."""
+    return sum(len(arg.modules) for arg in args if isinstance(arg, Chain))
