@@ -210,7 +210,7 @@ class Plan:
         from .runtime.budget import Budget
         from .runtime.verify import verify
 
-        return verify(self.record, Budget(time))
+        return verify(self.record, Budget(time), repeated=True)
 
     def report(self, path: str | PathLike[str]) -> None:
         """Write the report: one HTML file that works offline. Raises OSError."""

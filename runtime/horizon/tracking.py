@@ -1,6 +1,6 @@
 """How far what drives carry out is off what they were commanded; and drives that follow a plan file.
 
-Grips and feet hold. What joints mean for poses follows by forward kinematics (the verifier's) from what robots stand on.
+Grips and feet hold. What joints mean for poses follows, by the verifier's kinematics, from what robots stand on.
 """
 
 from __future__ import annotations

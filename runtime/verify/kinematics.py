@@ -1,5 +1,4 @@
-"""Where everything is at every sample of a plan, by forward kinematics built from the plan's own records. Pinocchio
-repeats those of some samples."""
+"""Where everything is at every sample of a plan, by forward kinematics built from the plan's own records."""
 
 from __future__ import annotations
 
@@ -16,19 +15,17 @@ from .geometry import Array, Frames, Indices, frames
 from .structure import Samples, phase_ranges, samples_of
 
 REPEATED = 25
-"""Every so many samples are computed by Pinocchio, too."""
+"""Every so many samples Pinocchio repeats the kinematics."""
 AGREEMENT = 1e-9
 """How far the two may be apart: rounding."""
 
 
 class Kinematics:
-    """Forward kinematics of one module on a free-flying base: of all samples at once, and of single ones by Pinocchio,
-    which must agree. Raises MissingLibrary."""
+    """Forward kinematics of one module on a free-flying base, of all samples at once."""
 
     def __init__(self, module: ModuleRecord) -> None:
         self.module = module
         self._joints = [_Joint.of(joint) for joint in module.joints]
-        self._peer = _Peer(module)
 
     def joint_frames(self, poses: Array, joints: Array) -> dict[int, Frames]:
         """The moving frame of every joint, and -1 for the module frame, for poses `(T, 7)`, joints `(T, n)`."""
@@ -44,10 +41,10 @@ class Kinematics:
 
     def disagreement(self, poses: Array, joints: Array, found: Mapping[int, Frames]) -> float:
         """How far entries of the frames `found`, positions in metres or those of rotation matrices, are from what
-        Pinocchio computes, at most."""
-        worst = 0.0
+        Pinocchio computes, at most. Raises MissingLibrary."""
+        peer, worst = _Peer(self.module), 0.0
         for t, row in enumerate(np.hstack([_unit(poses), joints])):
-            for index, matrix in self._peer.placed(row).items():
+            for index, matrix in peer.placed(row).items():
                 worst = max(worst, float(np.abs(matrix[:3, :3] - found[index].rotation[t]).max()))
                 worst = max(worst, float(np.abs(matrix[:3, 3] - found[index].position[t]).max()))
         return worst
@@ -186,9 +183,9 @@ def place(
 
 
 def check_kinematics(motion: Motion, kinematics: Mapping[str, Kinematics], findings: Findings) -> None:
-    """Pinocchio finds the same frames at every switch, and at every `REPEATED`-th sample between."""
-    last = [end for _, end in motion.ranges]
-    some = np.union1d(np.arange(0, len(motion.times), REPEATED), last)
+    """Whether Pinocchio finds the same frames at every switch, and at every `REPEATED`-th sample between. Raises
+    MissingLibrary."""
+    some = np.array(sorted({*range(0, len(motion.times), REPEATED), *(end for _, end in motion.ranges)}))
     for name, module in kinematics.items():
         found = {index: frame[some] for index, frame in motion.joint_frames[name].items()}
         off = module.disagreement(motion.poses[name][some], motion.joints[name][some], found)

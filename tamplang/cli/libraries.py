@@ -22,7 +22,6 @@ def needing_libraries() -> Iterator[None]:
 def load_libraries() -> None:
     """Load what the verifier will need, so that a missing library is told before the planner works. Raises
     MissingLibrary."""
-    from ..runtime.native import load_coal, load_pinocchio
+    from ..runtime.native import load_coal
 
-    load_pinocchio()
     load_coal()

@@ -116,7 +116,8 @@ def attempt(group: Group, index: Indices, inner: Array, schedule: Schedule, budg
     _keep_best(group, index, batch, batch.with_ends(inner), budget)
     group.detour |= ~group.solved
     for looks in LOOKS:
-        near = np.unique(index[~group.solved[index] & (group.clearance[index] > -REPAIRED)])
+        unsolved = index[~group.solved[index] & (group.clearance[index] > -REPAIRED)]
+        near = np.array(sorted(set(unsolved.tolist())), dtype=np.intp)
         if len(near):
             iterations += _repair(group, near, looks, budget)
     return iterations
