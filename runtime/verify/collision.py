@@ -41,7 +41,7 @@ def check_collisions(
     looked_at = np.array(pairs(plan, found, own), dtype=np.intp).reshape(-1, 2)
     sampler = Sampler(problem, plan, motion, kinematics, happenings)
     findings.measure("penetration_m", 0.0, "")
-    at_rest: set[tuple[int, bytes, int, bytes]] = set()
+    at_rest = _AtRest({}, set())
     for phase in range(len(plan.phases)):
         begin = float(motion.times[motion.ranges[phase][0]])
         away = np.array([happenings.away(s.thing, begin) for s in found], dtype=bool)
@@ -56,6 +56,29 @@ def check_collisions(
 
 
 @dataclass(frozen=True, slots=True)
+class _AtRest:
+    """What is known of resting solids, by their places: of each the last sweep, and which pairs were measured."""
+
+    last: dict[int, tuple[bytes, Sweep]]
+    measured: set[tuple[int, bytes, int, bytes]]
+
+    def sweep(self, index: int, solid: Solid, frames: Frames) -> Sweep:
+        """The sweep of a solid that rests."""
+        place = frames.position.tobytes() + frames.rotation.tobytes()
+        if index not in self.last or self.last[index][0] != place:
+            self.last[index] = place, sweep(solid, frames)
+        return self.last[index][1]
+
+    def is_new(self, i: int, k: int) -> bool:
+        """Whether two resting solids were never asked about where they are now."""
+        places = i, self.last[i][0], k, self.last[k][0]
+        if places in self.measured:
+            return False
+        self.measured.add(places)
+        return True
+
+
+@dataclass(frozen=True, slots=True)
 class _Depth:
     """How deep two solids overlap, metres, and when; negative where they are apart."""
 
@@ -66,13 +89,14 @@ class _Depth:
 class _PhaseCheck:
     """One phase: what all solids sweep between evenly refined instants."""
 
-    def __init__(
-        self, sampler: Sampler, phase: int, found: list[Solid], at_rest: set[tuple[int, bytes, int, bytes]]
-    ) -> None:
+    def __init__(self, sampler: Sampler, phase: int, found: list[Solid], at_rest: _AtRest) -> None:
         placement = sampler.at(phase, sampler.grid(phase, LOOKS))
         self.times = placement.times
-        self.sweeps = [sweep(s, s.frames(placement)) for s in found]
-        self._places = [_place(s) if s.rests else b"" for s in self.sweeps]
+        frames = [s.frames(placement) for s in found]
+        self.sweeps = [
+            sweep(s, f) if len(f) > 1 else at_rest.sweep(k, s, f)
+            for k, (s, f) in enumerate(zip(found, frames, strict=True))
+        ]
         self._at_rest = at_rest
         self._sampler, self._phase = sampler, phase
         self._ruler = Ruler()
@@ -82,7 +106,8 @@ class _PhaseCheck:
         """The deepest penetration of two solids, as far as they may have one that is not known yet."""
         a, b = self.sweeps[i], self.sweeps[k]
         if a.rests and b.rests:
-            return self._deepest_at_rest(i, k)
+            new = self._at_rest.is_new(i, k)
+            return _Depth(-self.distance(a, b, 0), float(self.times[0])) if new else _Depth(NO_DEPTH, 0.0)
         near = near_instants(a, b)
         if near is None:
             return _Depth(NO_DEPTH, 0.0)
@@ -94,14 +119,6 @@ class _PhaseCheck:
             if len(run):
                 search.between(int(run[0]), int(run[-1]) + 1)
         return search.worst
-
-    def _deepest_at_rest(self, i: int, k: int) -> _Depth:
-        """Of two solids that rest in the phase."""
-        places = i, self._places[i], k, self._places[k]
-        if places in self._at_rest:
-            return _Depth(NO_DEPTH, 0.0)
-        self._at_rest.add(places)
-        return _Depth(-self.distance(self.sweeps[i], self.sweeps[k], 0), float(self.times[0]))
 
     def distance(self, a: Sweep, b: Sweep, instant: int) -> float:
         """The signed distance of two solids at an instant."""
@@ -166,8 +183,3 @@ class _Search:
             unsafe = sum(values) - BEND * step < -2 * LIMITS["penetration_m"]
             if unsafe and depth < DEEPEST and self.worst.depth <= LIMITS["penetration_m"]:
                 self._look_closer(half, values, depth + 1)
-
-
-def _place(resting: Sweep) -> bytes:
-    position, rotation = resting.at(0)
-    return position.tobytes() + rotation.tobytes()

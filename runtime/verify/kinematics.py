@@ -131,11 +131,11 @@ class Motion:
     """Of every body that has a track: how often its pose has changed by each sample `(T,)`."""
 
     def rests(self, name: str, first: int, last: int) -> bool:
-        """Whether a body has the very same pose at samples `first` … `last`."""
-        if name not in self.moving:
-            return True
+        """Whether an object is a body that has the very same pose at samples `first` … `last`."""
         changes = self.changes.get(name)
-        return changes is not None and bool(changes[first] == changes[last])
+        if changes is None:
+            return name in self.poses and name not in self.moving
+        return bool(changes[first] == changes[last])
 
 
 def motion_of(plan: Plan, kinematics: Mapping[str, Kinematics], samples: Samples | None = None) -> Motion:

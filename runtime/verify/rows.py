@@ -56,7 +56,7 @@ class Evaluator:
 
     def frame(self, node: ir.Term, names: Mapping[str, str], index: Indices) -> Frames:
         """The frames of the object that a term names."""
-        return self._motion.frames[_name(node, names)][index]
+        return self._motion.frames[name_of(node, names)][index]
 
     def _function(self, node: ir.Function, names: Mapping[str, str], index: Indices) -> Quantity:
         unit = "m" if node.name in LENGTHS else ""
@@ -66,15 +66,15 @@ class Evaluator:
             case "axis", (subject, ir.Letter() as letter):
                 return Quantity(self.frame(subject, names, index).rotation[:, :, LETTERS[letter.letter]], unit)
             case ("mass" | "centre"), (subject,):
-                mass, centre = self._balance(_name(subject, names), index)
+                mass, centre = self._balance(name_of(subject, names), index)
                 return Quantity(centre, unit) if node.name == "centre" else Quantity(np.full((len(index), 1), mass), "")
             case ("top" | "bottom"), (subject,):
                 sign = 1.0 if node.name == "top" else -1.0
                 frame = self.frame(subject, names, index)
-                reach = self._heights(_name(subject, names), frame, node.name == "top")
+                reach = self._heights(name_of(subject, names), frame, node.name == "top")
                 return Quantity((frame.position[:, 2] + sign * reach)[:, None], unit)
             case "radius", (subject,):
-                shape = self._shapes[_name(subject, names)]
+                shape = self._shapes[name_of(subject, names)]
                 radius = 0.0 if shape is None else round_radius(shape.kind, shape.size)
                 return Quantity(np.full((len(index), 1), radius), unit)
             case "gap", (first, second):
@@ -100,7 +100,7 @@ class Evaluator:
     def _gap(self, first: ir.Term, second: ir.Term, names: Mapping[str, str], index: Indices) -> Array:
         sides = []
         for node in (first, second):
-            shape = self._shapes[_name(node, names)] or ir.Shape("sphere", (1e-9,))
+            shape = self._shapes[name_of(node, names)] or ir.Shape("sphere", (1e-9,))
             sides.append((geometry(shape.kind, shape.size), self.frame(node, names, index)))
         (a, at_a), (b, at_b) = sides
         return np.array([
@@ -111,10 +111,10 @@ class Evaluator:
         ])  # fmt: skip
 
     def _inside(self, first: ir.Term, second: ir.Term, names: Mapping[str, str], index: Indices) -> Array:
-        shape = self._shapes[_name(second, names)]
+        shape = self._shapes[name_of(second, names)]
         local = self.frame(first, names, index).relative_to(self.frame(second, names, index)).position
         if shape is None:
-            raise MeaninglessRow(f"{_name(second, names)} has no shape to be inside of")
+            raise MeaninglessRow(f"{name_of(second, names)} has no shape to be inside of")
         if shape.kind == "convex":
             return np.repeat(inside_top(shape.size, local[:, :2])[:, None], 4, axis=1)
         if shape.kind != "box":
@@ -123,7 +123,8 @@ class Evaluator:
         return np.column_stack([x - local[:, 0], x + local[:, 0], y - local[:, 1], y + local[:, 1]])
 
 
-def _name(node: ir.Term, names: Mapping[str, str]) -> str:
+def name_of(node: ir.Term, names: Mapping[str, str]) -> str:
+    """The object that a term names. Raises MeaninglessRow."""
     if isinstance(node, ir.Var) and node.name in names:
         return names[node.name]
     if isinstance(node, ir.Object):

@@ -21,7 +21,8 @@ class Sweep:
 
     `frames` of its shape; `steps` `(T - 1,)`: how far any of its points moves at most between neighbouring instants,
     in a straight line; `low` and `high` `(T - 1, 3)`: the corners of a box that holds it all the while between them.
-    Of what rests, `steps` has no entry, and `low` and `high` have one.
+    `lowest` and `highest` `(3,)` are those for the whole phase. Of what rests, `steps` has no entry, and `low` and
+    `high` have one.
     """
 
     solid: Solid
@@ -29,6 +30,8 @@ class Sweep:
     steps: Array
     low: Array
     high: Array
+    lowest: Array
+    highest: Array
 
     @property
     def rests(self) -> bool:
@@ -50,17 +53,16 @@ def sweep(solid: Solid, frames: Frames) -> Sweep:
     points = _points(solid, frames)
     low, high = points.min(axis=1) - solid.ball, points.max(axis=1) + solid.ball
     if len(frames) == 1:
-        return Sweep(solid, frames, np.zeros(0), low, high)
+        return Sweep(solid, frames, np.zeros(0), low, high, low[0], high[0])
     steps = _steps(points)
     margin = 0.5 * BEND * steps[:, None]
     low, high = np.minimum(low[1:], low[:-1]) - margin, np.maximum(high[1:], high[:-1]) + margin
-    return Sweep(solid, frames, steps, low, high)
+    return Sweep(solid, frames, steps, low, high, low.min(axis=0), high.max(axis=0))
 
 
 def near_pairs(sweeps: list[Sweep], looked_at: Indices) -> Indices:
     """Those of the pairs `(P, 2)` whose boxes around the whole phase overlap."""
-    low = np.array([s.low.min(axis=0) for s in sweeps])
-    high = np.array([s.high.max(axis=0) for s in sweeps])
+    low, high = np.array([s.lowest for s in sweeps]), np.array([s.highest for s in sweeps])
     first, second = looked_at[:, 0], looked_at[:, 1]
     apart = (low[first] > high[second]) | (low[second] > high[first])
     return np.asarray(looked_at[~apart.any(axis=1)], dtype=np.intp)

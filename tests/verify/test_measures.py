@@ -182,6 +182,14 @@ def test_frames_that_pinocchio_does_not_find_are_refused(hop: Plan) -> None:
     assert failure.kind == "kinematics" and failure.amount == pytest.approx(1e-6) and failure.between == ["c"]
 
 
+def test_only_bodies_are_known_to_rest(hop: Plan) -> None:
+    """Effectors and modules move by their joints, which their poses do not show."""
+    motion = motion_of(hop, {m.name: Kinematics(m) for m in hop.modules})
+    last = len(motion.times) - 1
+    assert motion.rests("left", 0, last) and motion.rests("ball", 0, 1)
+    assert not any(motion.rests(name, 0, last) for name in ("ball", "c", "c.A", "c.B"))
+
+
 def test_module_without_joints() -> None:
     """A rigid module stands, and another one waves beside it."""
     text = SWING.replace("BEAD", "1 m, 0, 0").replace(
