@@ -13,7 +13,7 @@ import numpy as np
 
 from ...compiler import ir
 from ..plan import Plan
-from .geometry import Array, Frames, frames
+from .geometry import Array, Frames, frames, nearest_rotations
 from .happenings import Happenings
 from .kinematics import Kinematics, Motion
 from .splines import Spline
@@ -114,8 +114,7 @@ class Sampler:
 
         def sample(times: Array) -> Frames:
             rows = curve(times)
-            left, _, right = np.linalg.svd(rows[:, 3:].reshape(-1, 3, 3))
-            own = Frames(rows[:, :3], left @ right)
+            own = Frames(rows[:, :3], nearest_rotations(rows[:, 3:].reshape(-1, 3, 3)))
             if carrier is None:
                 return own
             return self._happenings.placed(self._world.bodies[carrier], times).compose(own)

@@ -182,6 +182,14 @@ def test_frames_that_pinocchio_does_not_find_are_refused(hop: Plan) -> None:
     assert failure.kind == "kinematics" and failure.amount == pytest.approx(1e-6) and failure.between == ["c"]
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-3, 0.05, 0.5])
+def test_nearest_rotations_are_those_of_singular_values(noise: float) -> None:
+    draw = np.random.default_rng(4)
+    matrices = Rotation.random(20, rng=draw).as_matrix() + noise * draw.uniform(-1.0, 1.0, size=(20, 3, 3))
+    left, _, right = np.linalg.svd(matrices)
+    assert np.allclose(geometry.nearest_rotations(matrices), left @ right, rtol=0.0, atol=1e-12)
+
+
 def test_only_bodies_are_known_to_rest(hop: Plan) -> None:
     """Effectors and modules move by their joints, which their poses do not show."""
     motion = motion_of(hop, {m.name: Kinematics(m) for m in hop.modules})
