@@ -27,6 +27,7 @@ from tamplang.runtime.budget import Budget, OutOfTime
 from tamplang.runtime.motion.phases import Reason, UnsupportedPhase, polish, solve_sequence_path
 from tamplang.runtime.motion.phases.batch import Batch
 from tamplang.runtime.motion.phases.geometry import make_parts
+from tamplang.runtime.motion.phases.near import close
 from tamplang.runtime.motion.phases.sampling import sampled_starts
 from tamplang.runtime.motion.phases.smoothing import Schedule, smooth_paths
 from tamplang.runtime.motion.phases.swept import sweep
@@ -149,8 +150,7 @@ def test_a_path_that_tunnels_between_slices_is_caught() -> None:
     parts, states = [make_parts(tree, world)], [(configurations[0], configurations[1])]
     batch = Batch(parts, states, world, contacts(skeleton), 5, 0.0)
     path = np.linspace(-1.4, 1.4, 6)[None, :, None]
-    obstacles, _, _ = batch.coarse.clearances(path)
-    assert obstacles[:, 1].min() > 0.01
+    assert not any(len(found.row) for found in close(batch.coarse, path, 0.01))
     assert not sweep(batch, path).clean[0]
     assert sweep(batch, path).clearance[0] < -0.02
 
@@ -179,9 +179,9 @@ def test_sampling_finds_a_way_round_the_wall() -> None:
     world = skeleton.problem.world
     parts = [make_parts(tree, world)]
     batch = Batch(parts, [(states[0], states[1])], world, contacts(skeleton), SETTINGS.slices, SETTINGS.margin)
-    starts = sampled_starts(batch, 0, np.random.default_rng(0), Budget(20.0), 3)
-    assert starts is not None and starts.shape == (3, SETTINGS.slices - 1, 3)
-    several = batch.take(np.zeros(3, dtype=np.intp))
+    starts = np.array(sampled_starts(batch, 0, np.random.default_rng(0), Budget(20.0), 60, (5, 10, 15)))
+    assert starts.shape == (3, SETTINGS.slices - 1, 3)
+    several = batch.take(np.zeros(3, dtype=np.intp)).looking(2)
     inner, _ = smooth_paths(several, starts, Schedule(weight=1e5, widening=1.6), Budget(20.0))
     assert sweep(several, several.with_ends(inner)).clean.any()
 

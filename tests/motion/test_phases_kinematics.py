@@ -101,7 +101,8 @@ def test_distances_agree_with_coal_and_grow_along_the_normals(kind: str, seed: i
     frame = pose_matrix(random_pose(random))
     shapes = Shapes([[(Shape(kind, size), frame), None]])
     point = random.uniform(-0.6, 0.6, 3)
-    distance, offset, excess = shapes.distance(point[None, :, None, None])
+    here, there = np.arange(2), np.zeros(2, dtype=np.intp)
+    distance, offset, excess = (v[..., 0] for v in shapes.distance_at(np.tile(point, (2, 1))[..., None], here, there))
     request = coal.DistanceRequest()
     request.enable_signed_distance = True
     ball = 0.01
@@ -109,12 +110,11 @@ def test_distances_agree_with_coal_and_grow_along_the_normals(kind: str, seed: i
         coal_shape(Shape(kind, size)), coal.Transform3s(frame[:3, :3], frame[:3, 3]),
         coal.Sphere(ball), coal.Transform3s(np.eye(3), point), request, coal.DistanceResult(),
     )
-    if distance[0, 0, 0, 0] > ball:
-        assert distance[0, 0, 0, 0] - ball == pytest.approx(expected, abs=1e-5)
+    if distance[0] > ball:
+        assert distance[0] - ball == pytest.approx(expected, abs=1e-5)
     else:
-        assert (expected < 1e-6) == (distance[0, 0, 0, 0] - ball < 1e-6)
-    assert distance[0, 1, 0, 0] > 1e6
-    zero = np.zeros(1, dtype=np.intp)
-    normal = shapes.normals(offset[:1, 0, :, 0, 0], excess[:1, 0, :, 0, 0], zero, zero)[0]
-    ahead = shapes.distance((point + 1e-6 * normal)[None, :, None, None])[0][0, 0, 0, 0]
-    assert (ahead - distance[0, 0, 0, 0]) / 1e-6 == pytest.approx(1.0, abs=1e-3)
+        assert (expected < 1e-6) == (distance[0] - ball < 1e-6)
+    assert distance[1] > 1e6
+    normal = shapes.normals(offset[:1], excess[:1], here[:1], there[:1])[0]
+    ahead = shapes.distance_at((point + 1e-6 * normal)[None, :, None], here[:1], there[:1])[0][0, 0]
+    assert (ahead - distance[0]) / 1e-6 == pytest.approx(1.0, abs=1e-3)

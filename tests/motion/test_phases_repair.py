@@ -14,6 +14,7 @@ from tamplang.runtime.motion.phases import solve_sequence_path
 from tamplang.runtime.motion.phases.attempts import Group, attempt, homeward, start_group, straight
 from tamplang.runtime.motion.phases.batch import Batch
 from tamplang.runtime.motion.phases.geometry import make_parts
+from tamplang.runtime.motion.phases.near import close
 from tamplang.runtime.motion.phases.shares import BOTH, END, FULL, NEVER, START, kind_of, share_table
 from tamplang.runtime.motion.phases.smoothing import Schedule, smooth_paths
 from tamplang.runtime.motion.phases.swept import sweep
@@ -65,8 +66,8 @@ def test_a_post_between_two_slices_is_passed_after_repair() -> None:
     group = group_of(*scene, [0])
     inner, _ = smooth_paths(group.batch, straight(group.batch), Schedule(), Budget(20.0))
     path = group.batch.with_ends(inner)
-    obstacles, _, _ = group.batch.coarse.clearances(path)
-    assert obstacles.min() > SETTINGS.margin and not sweep(group.batch, path).clean[0]
+    assert not any(len(found.row) for found in close(group.batch.coarse, path, SETTINGS.margin))
+    assert not sweep(group.batch, path).clean[0]
     attempt(group, np.arange(1), straight(group.batch), Schedule(), Budget(20.0))
     assert group.solved[0] and group.detour[0]
     away = np.linalg.norm(np.maximum(np.abs(dense(group.paths[0]) - [0.2, 0.01]) - 0.01, 0.0), axis=1) - 0.05

@@ -21,7 +21,10 @@ LEVELS = ((6, 0.3, 0.5), (8, 0.5, 1.0), (16, 0.8, 0.5))
 """After a straight start, one attempt after the other: starts per phase, the size of their bumps, radians, and how far
 the first of them goes towards the joints' home instead."""
 QUICK_LEVELS = 1
-SAMPLED_STARTS = 6
+QUICK_ROUNDS, ROUNDS = 60, 120
+"""How often trees of samples grow before they count as not to be connected, at first and at last."""
+CUTS = (8, 16)
+"""How often corners of a sampled polyline are cut for each of the starts along it."""
 REPAIRED = 0.06
 """A path that misses its clearance by less, metres, is pushed away once more."""
 WIDER = Schedule(widening=1.6, iterations=25)
@@ -109,15 +112,17 @@ def _keep_best(group: Group, index: Indices, batch: Batch, paths: Array, budget:
         waiting = {phase: candidates for phase, candidates in waiting.items() if candidates}
 
 
-def attempt(group: Group, index: Indices, inner: Array, schedule: Schedule, budget: Budget) -> int:
-    """Smooth starts of the group's phases `index` (repeats allowed), keep what is clean, and repair what nearly is."""
+def attempt(group: Group, index: Indices, inner: Array, schedule: Schedule, budget: Budget, looks: int = 1) -> int:
+    """Smooth starts of the group's phases `index` (repeats allowed), looked at so often per slice, keep what is clean,
+    and repair what nearly is."""
     batch = group.batch.take(index)
+    if looks > 1:
+        batch = batch.looking(looks)
     inner, iterations = smooth_paths(batch, inner, schedule, budget)
     _keep_best(group, index, batch, batch.with_ends(inner), budget)
     group.detour |= ~group.solved
     for looks in LOOKS:
-        unsolved = index[~group.solved[index] & (group.clearance[index] > -REPAIRED)]
-        near = np.array(sorted(set(unsolved.tolist())), dtype=np.intp)
+        near = np.unique(index[~group.solved[index] & (group.clearance[index] > -REPAIRED)])
         if len(near):
             iterations += _repair(group, near, looks, budget)
     return iterations
@@ -133,22 +138,22 @@ def _repair(group: Group, phases: Indices, looks: int, budget: Budget) -> int:
 
 def solve_groups(groups: Sequence[Group], seed: int, budget: Budget, thorough: bool) -> int:
     """Attempt after attempt, each at all groups, until every phase is solved; returns the iterations of the longest
-    phases. Unless `thorough`, phases are left unsolved after QUICK_LEVELS."""
+    phases. Unless `thorough`, phases are left unsolved after QUICK_LEVELS and one look for a way among samples."""
     iterations = 0
     randoms = [np.random.default_rng([seed, k]) for k in range(len(groups))]
     for group in groups:
         every = np.arange(len(group.batch))
         iterations += attempt(group, every, straight(group.batch), Schedule(), budget)
-    for level in LEVELS if thorough else LEVELS[:QUICK_LEVELS]:
+    for levels, rounds in ((LEVELS[:QUICK_LEVELS], QUICK_ROUNDS), (LEVELS[QUICK_LEVELS:], ROUNDS)):
+        for level in levels:
+            for group, random in zip(groups, randoms, strict=True):
+                if not group.solved.all():
+                    iterations += _try_bumped(group, *level, random, budget)
         for group, random in zip(groups, randoms, strict=True):
             if not group.solved.all():
-                iterations += _try_bumped(group, *level, random, budget)
-    for group, random in zip(groups, randoms, strict=True):
-        for phase in np.flatnonzero(~group.solved):
-            if thorough:
-                iterations += _try_sampled(group, int(phase), random, budget)
-            if not group.solved[phase]:
-                return iterations
+                iterations += _try_sampled(group, rounds, random, budget)
+        if not thorough:
+            break
     return iterations
 
 
@@ -162,11 +167,16 @@ def _try_bumped(
     return attempt(group, index, inner, Schedule(), budget)
 
 
-def _try_sampled(group: Group, phase: int, random: np.random.Generator, budget: Budget) -> int:
-    starts = sampled_starts(group.batch, phase, random, budget, SAMPLED_STARTS)
-    if starts is None:
+def _try_sampled(group: Group, rounds: int, random: np.random.Generator, budget: Budget) -> int:
+    found = [
+        (phase, start)
+        for phase in np.flatnonzero(~group.solved)
+        for start in sampled_starts(group.batch, int(phase), random, budget, rounds, CUTS)
+    ]
+    if not found:
         return 0
-    return attempt(group, np.repeat(np.intp(phase), SAMPLED_STARTS), starts, Schedule(weight=1e5), budget)
+    index, starts = (np.array(column) for column in zip(*found, strict=True))
+    return attempt(group, index, starts, Schedule(weight=1e5), budget, LOOKS[0])
 
 
 def polish_groups(groups: Sequence[Group], budget: Budget) -> int:

@@ -71,7 +71,7 @@ class Lineage:
         centres = np.array([b.centre for b in balls])
         result = np.empty(len(first))
         kinds = nodes[first] * (len(self.tree.parents) + 1) + nodes[second]
-        for kind in sorted(set(kinds.tolist())):
+        for kind in np.unique(kinds):
             rows = np.flatnonzero(kinds == kind)
             i, k = first[rows], second[rows]
             length, *tops = self.span(balls[i[0]].node, balls[k[0]].node)

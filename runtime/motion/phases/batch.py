@@ -14,7 +14,8 @@ from ...skeleton import Array, Configuration
 from ...splines import spline_weights
 from .geometry import Geometry, Part
 from .kinematics import Indices
-from .shares import FULL, Kinds, required_table, share_table
+from .near import close
+from .shares import required_table, share_table
 from .tree import PhaseTree, joint_values
 
 REFINEMENT = 10
@@ -139,42 +140,24 @@ class Clash:
     amount: float
 
 
-def excess(clearance: Array, kinds: Kinds, exact: NDArray[np.intp], required: Array) -> Array:
-    """By how much clearances `(…, times)` of kinds `(…)` exceed what the table asks for, the least over time `(…)`;
-    `exact` tells along the first axis whether whole shapes are measured."""
-    whole = exact.reshape(-1, *[1] * (kinds.ndim - 1))
-    result = np.asarray(clearance.min(axis=-1) - required[whole, FULL, 0])
-    other = np.nonzero(kinds != FULL)
-    if len(other[0]):
-        result[other] = (clearance[other] - required[exact[other[0]], kinds[other]]).min(axis=-1)
+def blocked(batch: Batch, poses: Array, columns: slice) -> NDArray[np.bool_]:
+    """`(phases,)` whether the fine spheres miss what is required, for joint values `(phases, times, joints)` at the
+    columns of the batch's fine times."""
+    required = batch.required[..., columns]
+    result = np.zeros(len(batch), bool)
+    for found in close(batch.fine, poses, float(required.max())):
+        result[found.phase[found.missed(required) > 0.0]] = True
     return result
 
 
-def excess_clearance(batch: Batch, values: Array, columns: slice) -> Array:
-    """How much clearance the fine spheres have beyond what is required, the least per phase, for joint values
-    `(phases, times, joints)` at the columns of the batch's fine times."""
-    blocks = _blocks(batch.fine, values, batch.required[..., columns])
-    return np.asarray(np.min([b.reshape(-1, len(batch)).min(axis=0, initial=np.inf) for b in blocks], axis=0))
-
-
-def _blocks(fine: Geometry, values: Array, required: Array) -> list[Array]:
-    """Per kind of pair: the least excess clearance `(…, phases)`."""
-    obstacles, pairs, wholes = fine.clearances(values)
-    exact = fine.exact
-    return [
-        excess(obstacles, fine.obstacle_kinds, exact, required),
-        excess(pairs, fine.pair_kinds, exact[fine.pairs].min(axis=1), required),
-        *(
-            excess(clearance, kinds, exact[whole.meets], required)
-            for whole, clearance, kinds in zip(fine.wholes, wholes, fine.whole_kinds, strict=True)
-        ),
-    ]
-
-
 def worst_clash(batch: Batch, phase: int, values: Array, columns: slice) -> Clash:
-    """The worst pair of one phase for joint values `(times, joints)`."""
-    fine = batch.take(np.array([phase])).fine
-    blocks = _blocks(fine, values[None], batch.required[..., columns])
-    kind = int(np.argmin([block.min(initial=np.inf) for block in blocks]))
-    entry = tuple(int(i) for i in np.unravel_index(int(blocks[kind].argmin()), blocks[kind].shape))
-    return Clash(fine.name_pair(0, kind, entry), float(-blocks[kind].min()))
+    """The worst pair of one phase for joint values `(times, joints)`; its amount is 0 where nothing is missed."""
+    fine, required = batch.take(np.array([phase])).fine, batch.required[..., columns]
+    worst = Clash(("", ""), 0.0)
+    for found in close(fine, values[None], float(required.max())):
+        missed = found.missed(required)
+        if missed.max(initial=0.0) > worst.amount:
+            entry = int(missed.argmax())
+            pair = fine.name_pair(0, found.block, int(found.row[entry]), int(found.column[entry]))
+            worst = Clash(pair, float(missed[entry]))
+    return worst

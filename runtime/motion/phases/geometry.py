@@ -160,34 +160,16 @@ class Geometry:
                 result[node, row] = vector
         return result
 
-    def clearances(self, values: Array) -> tuple[Array, Array, list[Array]]:
-        """Clearances for joint values `(phases, times, joints)`: of spheres to obstacles
-        `(spheres, obstacles, phases, times)`, of pairs `(pairs, phases, times)`, and to each shape that is met as it
-        is `(spheres, phases, times)`."""
-        frames = self.frames(values)
-        points = self.points.placed(frames)
-        obstacles = self.shapes.distance(points)[0] - self.radius[:, None]
-        apart = points[self.pairs[:, 0]] - points[self.pairs[:, 1]]
-        pairs = np.sqrt((apart * apart).sum(axis=1)) - self.touching
-        return obstacles, pairs, [self._to_whole(frames[w.node], points[w.meets], w) for w in self.wholes]
-
-    def _to_whole(self, frames: Array, points: Array, whole: Whole) -> Array:
-        spheres, _, phases, times = points.shape
-        phase = np.tile(np.arange(phases), spheres)
-        at = points.transpose(0, 2, 1, 3).reshape(-1, 3, times)
-        distance = whole.distance_at(frames[:, :, phase].transpose(2, 3, 0, 1), at, phase)
-        return np.asarray(distance.reshape(spheres, phases, times) - self.radius[whole.meets])
-
-    def name_pair(self, phase: int, block: int, entry: tuple[int, ...]) -> tuple[str, str]:
-        """The objects behind an entry of `clearances(…)[block]` (2 and above: whole shapes) in one of the phases."""
+    def name_pair(self, phase: int, block: int, row: int, column: int) -> tuple[str, str]:
+        """The objects behind an entry of one of the phases: of spheres and obstacles (block 0), of pairs (1), or of one
+        of the whole shapes (2 and above)."""
         part = self.parts[phase]
-        ball = part.balls[entry[0]] if block == 0 else None
-        if block == 0 and ball is not None:
-            other = part.obstacles[entry[1]]
-            return ball.tag or ball.owner, other.tag or other.owner
         if block == 1:
-            a, b = (part.balls[i] for i in self.pairs[entry[0]])
+            a, b = (part.balls[i] for i in self.pairs[row])
             return a.tag or a.owner, b.tag or b.owner
+        if block == 0:
+            ball, other = part.balls[row], part.obstacles[column]
+            return ball.tag or ball.owner, other.tag or other.owner
         shape = part.wholes[block - 2]
-        ball = part.balls[shape.meets[entry[0]]]
+        ball = part.balls[shape.meets[row]]
         return ball.tag or ball.owner, shape.tag or shape.owner

@@ -108,7 +108,7 @@ class Points:
     def _group(self) -> None:
         """Nodes with their points, and whether these are the same in all phases."""
         self.groups: list[tuple[int, Indices, bool]] = []
-        for node in sorted(set(self.nodes.tolist())):
+        for node in np.unique(self.nodes).tolist():
             mine = np.flatnonzero(self.nodes == node)
             spread = np.abs(self.centres[:, mine] - self.centres[:1, mine]).max(initial=0.0)
             self.groups.append((node, mine, bool(spread < 1e-12)))

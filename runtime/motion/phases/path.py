@@ -21,7 +21,7 @@ from ...splines import spline_weights
 from ..settings import MotionSettings
 from ..timing import shortest_duration
 from .attempts import Group, improve, polish_groups, solve_groups, start_group
-from .batch import Batch, excess_clearance, worst_clash
+from .batch import Batch, blocked, worst_clash
 from .geometry import make_parts
 from .kept import cost_of, taken_over
 from .kinematics import mounted_poses
@@ -37,7 +37,7 @@ def _blocked(batch: Batch) -> list[Violation]:
     found = []
     for poses, column in ((batch.start, 0), (batch.end, len(batch.times) - 1)):
         at = slice(column, column + 1)
-        for k in np.flatnonzero(excess_clearance(batch, poses[:, None], at) < 0.0):
+        for k in np.flatnonzero(blocked(batch, poses[:, None], at)):
             clash = worst_clash(batch, int(k), poses[k][None], at)
             found.append(Violation(int(batch.phases[k]), ("collision", *clash.pair), clash.amount, "m"))
     return found

@@ -11,6 +11,7 @@ from ...skeleton import Array
 from .batch import Batch, Looks
 from .geometry import WORLD, Geometry
 from .kinematics import Indices
+from .near import near_obstacles
 from .shares import NEVER
 
 LIMIT_WEIGHT = 1e3
@@ -156,7 +157,7 @@ def _obstacle_rows(
     margin: float, shares: Array, geometry: Geometry, points: Array, twists: tuple[Array, Array]
 ) -> _Rows:
     times = points.shape[-1]
-    a, o, k, t = _near(geometry, points, margin)
+    a, o, k, t = near_obstacles(geometry, points, margin)
     at = points[a, :, k, t]
     distance, offset, excess = geometry.shapes.distance_at(at[..., None], o, k)
     missed = geometry.radius[a, 0, 0] + shares[geometry.obstacle_kinds[a, o, k], t] - distance[:, 0]
@@ -165,30 +166,6 @@ def _obstacle_rows(
     normals = geometry.shapes.normals(offset[hit, :, 0], excess[hit, :, 0], o, k)
     slope = _slopes(twists, at, normals, k, t, geometry.moved_by[a])
     return _Rows(missed[hit], -slope, k * times + t)
-
-
-def _near(geometry: Geometry, points: Array, margin: float) -> tuple[Indices, Indices, Indices, Indices]:
-    """Spheres, obstacles, phases and times `(m,)` at which they may be nearer than the margin: by boxes around the
-    spheres of one node, over the whole path first, then at every time."""
-    found = []
-    shapes = geometry.shapes
-    extent = shapes.extent
-    for _, mine, _ in geometry.points.groups:
-        wanted = float(geometry.radius[mine].max()) + margin
-        own = points[mine]
-        lowest, highest = own.min(axis=0) - wanted, own.max(axis=0) + wanted
-        bottom, top = shapes.centre[..., 0] - extent, shapes.centre[..., 0] + extent
-        apart = (lowest.min(axis=-1) > top) | (highest.max(axis=-1) < bottom)
-        o, k = np.nonzero(~apart.any(axis=1))
-        apart_then = (lowest[:, k] > top[o, :, k].T[..., None]) | (highest[:, k] < bottom[o, :, k].T[..., None])
-        row, t = np.nonzero(~apart_then.any(axis=0))
-        o, k = o[row], k[row]
-        n, entry = np.nonzero(geometry.obstacle_kinds[mine][:, o, k] != NEVER)
-        found.append((mine[n], o[entry], k[entry], t[entry]))
-    if not found:
-        return (np.zeros(0, np.intp),) * 4
-    a, o, k, t = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    return a, o, k, t
 
 
 def _pair_rows(margin: float, shares: Array, geometry: Geometry, points: Array, twists: tuple[Array, Array]) -> _Rows:

@@ -1,8 +1,11 @@
-"""A bidirectional rapidly exploring random tree (RRT-Connect, Kuffner and LaValle 2000) in the joints of one phase."""
+"""Rapidly exploring random trees from both ends (RRT-Connect, Kuffner and LaValle 2000) in the joints of one phase.
+
+Several edges grow at a time, as a look at many poses costs little more than a look at one.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,137 +13,174 @@ from ....compiler.motion.collision import CHECK_MARGIN
 from ...budget import Budget
 from ...skeleton import Array
 from .batch import Batch
+from .kinematics import Indices
+from .near import close
 from .shares import CONTACT_TOLERANCE, share_table
 
 RESOLUTION = 0.05
 """Largest change of a joint between checked poses on an edge, radians or metres."""
 STRIDE = 0.6
 """Largest change of a joint along one edge."""
-ITERATIONS = 400
+EDGES = 8
+"""Edges that grow at a time."""
+SHORTEST = 0.1
+"""Edges that get less far are dropped, radians or metres."""
 NEAR = 0.3
 """Share of the samples drawn around poses that were reached already."""
 SPREAD = 0.6
+CUTS = 6
+"""Cuts that are tried on a polyline at a time."""
 
 
 class _Checker:
     """Whether poses of one phase are free, on the optimiser's spheres with the contacts of the phase exempt."""
 
     def __init__(self, batch: Batch, phase: int) -> None:
-        self.batch = batch.take(np.array([phase]))
-        coarse = self.batch.coarse
-        least = share_table(np.arange(self.batch.slices + 1.0), self.batch.slices).min(axis=1)
-        needed = np.where(least < 1.0, np.minimum(least, 0.0) - CONTACT_TOLERANCE, CHECK_MARGIN)
-        self.needed = (needed[coarse.obstacle_kinds], needed[coarse.pair_kinds])
-        self.needed_of_wholes = [needed[kinds] for kinds in coarse.whole_kinds]
-        joints = self.batch.joints
-        self.lower, self.upper = joints.lower[0] + 1e-3, joints.upper[0] - 1e-3
+        self.geometry = batch.coarse.take(np.array([phase]))
+        least = share_table(np.arange(batch.slices + 1.0), batch.slices).min(axis=1)
+        self.needed = np.where(least < 1.0, np.minimum(least, 0.0) - CONTACT_TOLERANCE, CHECK_MARGIN)
+        joints = batch.joints
+        self.lower, self.upper = joints.lower[phase] + 1e-3, joints.upper[phase] - 1e-3
 
     def free(self, poses: Array) -> Array:
         """`(poses,)` whether joint values `(poses, joints)` are free."""
-        obstacles, pairs, wholes = self.batch.coarse.clearances(poses[None])
-        clear = (obstacles[:, :, 0] >= self.needed[0]).all(axis=(0, 1))
-        clear &= (pairs[:, 0] >= self.needed[1]).all(axis=0)
-        for clearance, needed in zip(wholes, self.needed_of_wholes, strict=True):
-            clear &= (clearance[:, 0] >= needed).all(axis=0)
-        return np.asarray(clear & ((poses >= self.lower) & (poses <= self.upper)).all(axis=1))
+        result = np.asarray(((poses >= self.lower) & (poses <= self.upper)).all(axis=1))
+        for found in close(self.geometry, poses[None], CHECK_MARGIN):
+            result[found.time[found.clearance < self.needed[found.kind]]] = False
+        return result
 
-    def advance(self, start: Array, goal: Array) -> tuple[Array, bool]:
-        """How far the straight edge is free: the last free pose, and whether that is the goal."""
-        count = max(2, int(np.ceil(np.abs(goal - start).max() / RESOLUTION)))
-        steps = start + (np.arange(1, count + 1) / count)[:, None] * (goal - start)
-        free = self.free(steps)
-        if free.all():
-            return goal, True
-        first = int(np.argmin(free))
-        return (steps[first - 1] if first else start), False
+    def advance(self, starts: Array, goals: Array) -> tuple[Array, Array]:
+        """How far straight edges `(m, joints)` are free: their last free poses `(m, joints)`, and whether those are
+        the goals `(m,)`."""
+        way = goals - starts
+        count = np.maximum(2, np.ceil(np.abs(way).max(axis=1) / RESOLUTION)).astype(np.intp)
+        first = np.cumsum(count) - count
+        edge = np.repeat(np.arange(len(count)), count)
+        number = np.arange(len(edge)) - first[edge] + 1
+        poses = starts[edge] + (number / count[edge])[:, None] * way[edge]
+        blocked = np.where(self.free(poses), len(edge), number)
+        until = np.minimum(np.minimum.reduceat(blocked, first) - 1, count)
+        return starts + (until / count)[:, None] * way, until == count
 
 
-@dataclass(slots=True)
 class _Tree:
-    poses: list[Array]
-    parents: list[int] = field(default_factory=lambda: [-1])
+    """Poses that can be reached from a root."""
 
-    def nearest(self, pose: Array) -> int:
-        return int(((np.array(self.poses) - pose) ** 2).sum(axis=1).argmin())
+    def __init__(self, root: Array) -> None:
+        self.poses = root[None]
+        self.parents = [-1]
 
-    def grow(self, checker: _Checker, index: int, goal: Array) -> tuple[int, bool]:
-        """One edge from a node towards a goal: the new node (-1 when blocked) and whether it is the goal."""
-        start = self.poses[index]
-        length = np.abs(goal - start).max()
-        target = goal if length <= STRIDE else start + (goal - start) * (STRIDE / length)
-        reached, whole = checker.advance(start, target)
-        if np.abs(reached - start).max() < 0.1 and not whole:
-            return -1, False
-        self.poses.append(reached)
-        self.parents.append(index)
-        return len(self.poses) - 1, whole and length <= STRIDE
+    def nearest(self, poses: Array) -> Indices:
+        """Of each pose `(m, joints)` the nearest node `(m,)`."""
+        return np.asarray(((self.poses - poses[:, None]) ** 2).sum(axis=2).argmin(axis=1))
 
-    def branch(self, index: int) -> list[Array]:
+    def add(self, poses: Array, parents: Indices) -> Indices:
+        """The numbers `(m,)` of new nodes."""
+        self.poses = np.concatenate([self.poses, poses])
+        self.parents += parents.tolist()
+        return np.arange(len(self.poses) - len(poses), len(self.poses))
+
+    def branch(self, index: int) -> Array:
         """The poses from a node to the root."""
         found = []
         while index >= 0:
             found.append(self.poses[index])
             index = self.parents[index]
-        return found
+        return np.array(found)
 
 
-def connect(checker: _Checker, start: Array, end: Array, random: np.random.Generator, budget: Budget) -> Array | None:
-    """A free polyline `(poses, joints)` from start to end, or None after ITERATIONS."""
-    trees = (_Tree([start]), _Tree([end]))
-    for iteration in range(ITERATIONS):
+def _samples(checker: _Checker, tree: _Tree, random: np.random.Generator) -> Array:
+    """Poses `(EDGES, joints)` anywhere or around those of the tree."""
+    around = tree.poses[random.integers(len(tree.poses), size=EDGES)]
+    around = np.clip(around + random.normal(0.0, SPREAD, around.shape), checker.lower, checker.upper)
+    near = random.random((EDGES, 1)) < NEAR
+    return np.where(near, around, random.uniform(checker.lower, checker.upper, around.shape))
+
+
+def connect(
+    checker: _Checker, start: Array, end: Array, random: np.random.Generator, budget: Budget, rounds: int
+) -> Array | None:
+    """A free polyline `(poses, joints)` from start to end, or None after so many rounds."""
+    trees = (_Tree(start), _Tree(end))
+    for number in range(rounds):
         budget.check()
-        own, other = trees[iteration % 2], trees[1 - iteration % 2]
-        sample = random.uniform(checker.lower, checker.upper)
-        if random.random() < NEAR:
-            around = own.poses[int(random.integers(len(own.poses)))]
-            sample = np.clip(around + random.normal(0.0, SPREAD, len(start)), checker.lower, checker.upper)
-        node, _ = own.grow(checker, own.nearest(sample), sample)
-        if node < 0:
+        own, other = trees[number % 2], trees[1 - number % 2]
+        goals = _samples(checker, own, random)
+        parents = own.nearest(goals)
+        way = goals - own.poses[parents]
+        way *= np.minimum(1.0, STRIDE / np.maximum(np.abs(way).max(axis=1), 1e-9))[:, None]
+        reached, _ = checker.advance(own.poses[parents], own.poses[parents] + way)
+        far = np.abs(reached - own.poses[parents]).max(axis=1) >= SHORTEST
+        if not far.any():
             continue
-        meeting = own.poses[node]
-        partner, met = other.nearest(meeting), False
-        while partner >= 0 and not met:
-            partner, met = other.grow(checker, partner, meeting)
-        if met:
-            line = own.branch(node)[::-1] + other.branch(other.parents[partner])
-            return np.array(line if iteration % 2 == 0 else line[::-1])
+        nodes = own.add(reached[far], parents[far])
+        partners = other.nearest(own.poses[nodes])
+        back, met = checker.advance(other.poses[partners], own.poses[nodes])
+        if met.any():
+            lines = [
+                np.concatenate([own.branch(node)[::-1], other.branch(partner)])
+                for node, partner in zip(nodes[met].tolist(), partners[met].tolist(), strict=True)
+            ]
+            line = min(lines, key=_length)
+            return line if number % 2 == 0 else line[::-1]
+        far = np.abs(back - other.poses[partners]).max(axis=1) >= SHORTEST
+        other.add(back[far], partners[far])
     return None
 
 
-def shorten(checker: _Checker, line: Array, random: np.random.Generator, tries: int) -> Array:
-    """Cut corners of a polyline where the straight edge is free."""
-    for _ in range(tries):
-        if len(line) < 3:
-            break
-        lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
-        cuts = np.sort(random.uniform(0.0, lengths[-1], 2))
-        first, second = np.clip(np.searchsorted(lengths, cuts) - 1, 0, len(line) - 2)
-        if first == second:
-            continue
-        a, b = (
-            line[i] + (line[i + 1] - line[i]) * (u - lengths[i]) / (lengths[i + 1] - lengths[i])
-            for i, u in zip((first, second), cuts, strict=True)
-        )
-        if checker.advance(a, b)[1]:
-            line = np.concatenate([line[: first + 1], [a, b], line[second + 1 :]])
-    return line
+def _length(line: Array) -> float:
+    return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
+
+
+def _along(line: Array, at: Array) -> Array:
+    """Poses `(m, joints)` at shares `(m,)` of the length of a polyline."""
+    lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    return np.stack([np.interp(at * lengths[-1], lengths, line[:, j]) for j in range(line.shape[1])], axis=1)
+
+
+def shorten(checker: _Checker, lines: list[Array], random: np.random.Generator) -> list[Array]:
+    """Polylines with a corner cut where a straight edge is free: of some random ones that which saves most."""
+    shares = np.sort(random.uniform(0.0, 1.0, (len(lines), CUTS, 2)), axis=2)
+    ends = np.array([_along(line, s.reshape(-1)) for line, s in zip(lines, shares, strict=True)])
+    first, second = ends[:, 0::2], ends[:, 1::2]
+    width = first.shape[2]
+    free = checker.advance(first.reshape(-1, width), second.reshape(-1, width))[1].reshape(first.shape[:2])
+    result = []
+    for k, line in enumerate(lines):
+        cut = [_cut(line, shares[k, c], first[k, c], second[k, c]) for c in np.flatnonzero(free[k])]
+        result.append(min([line, *cut], key=_length))
+    return result
+
+
+def _cut(line: Array, shares: Array, first: Array, second: Array) -> Array:
+    """The polyline with a straight edge between two of its poses, at shares `(2,)` of its length."""
+    lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    before, after = lengths < shares[0] * lengths[-1], lengths > shares[1] * lengths[-1]
+    return np.concatenate([line[before], [first, second], line[after]])
 
 
 def resample(line: Array, slices: int) -> Array:
     """Inner slices `(slices - 1, joints)` along a polyline, slow at both ends."""
-    lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
     share = np.arange(1, slices) / slices
-    at = share * share * (3.0 - 2.0 * share) * lengths[-1]
-    return np.stack([np.interp(at, lengths, line[:, j]) for j in range(line.shape[1])], axis=1)
+    return _along(line, share * share * (3.0 - 2.0 * share))
 
 
-def sampled_starts(batch: Batch, phase: int, random: np.random.Generator, budget: Budget, count: int) -> Array | None:
-    """`count` starts `(count, slices - 1, joints)` for one phase along a sampled free polyline, or None."""
+def sampled_starts(
+    batch: Batch, phase: int, random: np.random.Generator, budget: Budget, rounds: int, cuts: Sequence[int]
+) -> list[Array]:
+    """Starts `(slices - 1, joints)` for one phase along a sampled free polyline, each after so many rounds of cuts;
+    none when an end is not free or nothing was found in so many rounds."""
     checker = _Checker(batch, phase)
     start, end = batch.start[phase], batch.end[phase]
-    line = connect(checker, start, end, random, budget)
+    if not checker.free(np.stack([start, end])).all():
+        return []
+    line = connect(checker, start, end, random, budget, rounds)
     if line is None:
-        return None
-    return np.array([
-        resample(shorten(checker, line, random, 20 * (k + 1)), batch.slices) for k in range(count)
-    ])
+        return []
+    lines = [line] * len(cuts)
+    for number in range(max(cuts)):
+        budget.check()
+        left = [k for k, most in enumerate(cuts) if number < most]
+        for k, shorter in zip(left, shorten(checker, [lines[k] for k in left], random), strict=True):
+            lines[k] = shorter
+    return [resample(line, batch.slices) for line in lines]

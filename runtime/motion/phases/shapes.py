@@ -81,17 +81,6 @@ class Shapes:
         result.turned, result.any_round = self.turned, self.any_round
         return result
 
-    def distance(self, points: Array) -> tuple[Array, Array, Array]:
-        """Signed distances `(points, count, phases, times)` of points `(points, 3, phases, times)`, with the offset
-        from the centre and the excess over the half sizes in each shape's own axes, both `(…, 3, phases, times)`."""
-        offset = points[:, None] - self.centre
-        if self.turned:
-            x, y, z = (offset[:, :, i] for i in range(3))
-            axes = (self.turn[:, 0, j] * x + self.turn[:, 1, j] * y + self.turn[:, 2, j] * z for j in range(3))
-            offset = np.stack(list(axes), axis=2)
-        value, excess = rounded_box_distance(offset, self.half, self.round if self.any_round else None)
-        return value - self.rounding, offset, excess
-
     def boxed(self, lowest: Array, highest: Array, wanted: Array) -> NDArray[np.bool_]:
         """Whether points between `lowest` and `highest` `(points, 3, phases)` can be nearer than `wanted`
         `(points, 1, phases or 1)` to a shape, by the box around it in the world's axes: `(points, count, phases)`."""
@@ -105,8 +94,8 @@ class Shapes:
     def distance_at(
         self, points: Array, shape: NDArray[np.intp], phase: NDArray[np.intp]
     ) -> tuple[Array, Array, Array]:
-        """Signed distances `(m, times)` of moving points `(m, 3, times)`, each to one shape in one phase, with offset
-        and excess `(m, 3, times)` as in `distance`."""
+        """Signed distances `(m, times)` of moving points `(m, 3, times)`, each to one shape in one phase, with the
+        offset from the centre and the excess over the half sizes in the shape's own axes, both `(m, 3, times)`."""
         offset = points - self.centre[shape, :, phase]
         if self.turned:
             offset = np.einsum("mij,mit->mjt", self.turn[shape, :, :, phase, 0], offset)

@@ -1,0 +1,85 @@
+"""Ways among samples, and what is near: looked at in boxes first, and the same as looked at one by one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tamplang.runtime.budget import Budget, OutOfTime
+from tamplang.runtime.motion.phases import solve_sequence_path
+from tamplang.runtime.motion.phases.geometry import Geometry
+from tamplang.runtime.motion.phases.near import close
+from tamplang.runtime.motion.phases.sampling import sampled_starts
+from tamplang.runtime.motion.phases.shares import NEVER
+from tamplang.runtime.motion.sequence import solve_sequence
+from tamplang.runtime.skeleton import Configuration, Skeleton
+
+from .fixtures import box, pick_and_place
+from .test_phases_repair import SETTINGS, cart_scene, group_of
+
+
+@pytest.mark.parametrize("fine", [False, True])
+@pytest.mark.parametrize("margin", [0.01, 0.2])
+def test_nothing_near_is_passed_over(fine: bool, margin: float) -> None:
+    skeleton = pick_and_place(2)
+    sequence = solve_sequence(skeleton, SETTINGS, 0, Budget(20.0))
+    batch = group_of(skeleton, sequence.configurations, [1, 3]).batch
+    geometry = batch.fine if fine else batch.coarse
+    values = batch.start[:, None] + np.random.default_rng(0).normal(0.0, 0.5, (2, 7, batch.start.shape[1]))
+    obstacles, pairs, *wholes = close(geometry, values, margin)
+    expected = to_obstacles(geometry, values)
+    found = np.zeros(expected.shape, bool)
+    found[obstacles.row, obstacles.column, obstacles.phase, obstacles.time] = True
+    assert found.any() and np.array_equal(found, expected < margin)
+    assert obstacles.clearance == pytest.approx(expected[found][np.argsort(np.argsort(flat(obstacles, found.shape)))])
+    assert len(wholes) == len(geometry.wholes) and (pairs.kind != NEVER).all()
+    assert all((block.clearance < margin).all() for block in (pairs, *wholes))
+
+
+def flat(found: object, shape: tuple[int, ...]) -> np.ndarray:
+    return np.ravel_multi_index((found.row, found.column, found.phase, found.time), shape)
+
+
+def to_obstacles(geometry: Geometry, values: np.ndarray) -> np.ndarray:
+    """All clearances `(spheres, obstacles, phases, times)`; infinite where none is asked for."""
+    points = geometry.points.placed(geometry.frames(values))
+    kinds = geometry.obstacle_kinds
+    result = np.full((*kinds.shape, values.shape[1]), np.inf)
+    for a, o, k in zip(*np.nonzero(kinds != NEVER), strict=True):
+        distance = geometry.shapes.distance_at(points[a : a + 1, :, k], np.array([o]), np.array([k]))[0]
+        result[a, o, k] = distance[0] - geometry.radius[a, 0]
+    return result
+
+
+def ring() -> tuple[Skeleton, list[Configuration]]:
+    """A long wall with posts on both sides between a cart and its goal."""
+    walls = [box("wall", (0.1, 4.0, 0.3), (0.0, 0.0, 0.0))]
+    places = [(0.3 * x, 0.3 * y, 0.0) for x in (-2, -1, 1, 2) for y in range(-5, 6)]
+    posts = [box(f"post{k}", (0.1, 0.1, 0.3), place) for k, place in enumerate(places)]
+    return cart_scene([*walls, *posts], (-1.0, 0.1), (1.0, 0.1))
+
+
+def test_a_long_way_round_a_wall_among_many_bodies_is_found_soon() -> None:
+    soon = solve_sequence_path(*ring(), SETTINGS, 0, Budget(20.0), thorough=False)
+    assert soon.feasible, soon.violations
+    track = soon.paths[0].modules["arm"][:, 7:]
+    assert np.abs(track[:, 1]).max() > 2.0
+    again = solve_sequence_path(*ring(), SETTINGS, 0, Budget(20.0), thorough=False)
+    assert np.array_equal(track, again.paths[0].modules["arm"][:, 7:])
+
+
+def test_no_way_leads_out_of_what_is_closed_or_into_what_is_blocked() -> None:
+    long, across = (0.8, 0.02, 0.3), (0.02, 0.8, 0.3)
+    cage = [box(f"x{at}", across, (at, 0.0, 0.0)) for at in (-0.4, 0.4)]
+    cage += [box(f"y{at}", long, (0.0, at, 0.0)) for at in (-0.4, 0.4)]
+    closed = group_of(*cart_scene(cage, (0.0, 0.0), (1.0, 0.0)), [0]).batch
+    assert sampled_starts(closed, 0, np.random.default_rng(0), Budget(20.0), 5, (3,)) == []
+    blocked = group_of(*cart_scene(cage, (0.7, 0.0), (0.4, 0.0)), [0]).batch
+    random = np.random.default_rng(0)
+    assert sampled_starts(blocked, 0, random, Budget(20.0), 1000, (3,)) == []
+    assert random.random() == np.random.default_rng(0).random()
+
+
+def test_a_spent_budget_ends_the_search_for_a_way() -> None:
+    with pytest.raises(OutOfTime):
+        sampled_starts(group_of(*ring(), [0]).batch, 0, np.random.default_rng(0), Budget(0.0), 60, (3,))
