@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from os import PathLike, fspath
-from statistics import median
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -174,6 +173,8 @@ class RunResult:
     @property
     def latency(self) -> float:
         """Seconds of computing of a replanning, in the median; 0 without any."""
+        from statistics import median
+
         return median(w.seconds for w in self.record.windows[1:]) if self.replans else 0.0
 
     @property

@@ -6,7 +6,6 @@ import json
 import math
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import Future
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +22,8 @@ from .sources import reading_sources
 from .status import ExitStatus
 
 if TYPE_CHECKING:
+    from concurrent.futures import Future
+
     from ..runtime.parallel import Side
     from .instances import Instance
     from .results import Results
