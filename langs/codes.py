@@ -236,6 +236,10 @@ CODES: dict[str, CodeInfo] = {
     "E0518": CodeInfo("mesh not convex", "scene",
         "Bodies are convex. `hull` takes the hull of a mesh; a body with hollows is built of several.",
         'object b: mesh("cup.stl") at (0, 0, 0)', 'object b: hull("cup.stl") at (0, 0, 0)'),
+    "E0519": CodeInfo("unfit parameter", "scene",
+        "A value on the command line names a parameter of the task and fits its type and range: a finite number, with "
+        "a unit where the type has units.",
+        "tamplang solve climb.tamp -p n=nan", "tamplang solve climb.tamp -p n=8"),
     "S0001": CodeInfo("infeasible", "outcome", "It is proved that no sequence of actions reaches the goal."),
     "S0002": CodeInfo("exhausted", "outcome",
         "Every candidate sequence was refused by the motion solver; this is no proof."),

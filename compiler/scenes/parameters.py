@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from pathlib import PurePath
 
 from ...langs import syntax
-from ...langs.diagnostics import did_you_mean
+from ...langs.diagnostics import Diagnostic, did_you_mean
+from ...langs.source import Span
 from ..checks.values import outside
 from ..library import Library
 
@@ -20,12 +21,20 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "int": {},
     "real": {},
 }
+EXAMPLES = {"int": "8", "real": "0.5", "length": "20cm", "angle": "90deg", "time": "5s", "speed": "5cm/s"}
+"""A value of each type, as one types it."""
 QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-z/]*)\s*")
 
 
 class UsageError(Exception):
-    """The command asks for a task or parameter that the file does not have, or gives an unfit value; the message names
-    what is near."""
+    """The command asks for what cannot be, such as a task or parameter that the file does not have, or an unfit value;
+    `diagnostic`, if any, says the same with code, place and hint."""
+
+    def __init__(
+        self, message: str, code: str | None = None, span: Span | None = None, help: str | None = None
+    ) -> None:
+        super().__init__(message if help is None else f"{message}; {help}")
+        self.diagnostic = None if code is None else Diagnostic(code, message, span, help=help)
 
 
 def choose_task(library: Library, name: str | None) -> syntax.TaskDecl:
@@ -34,16 +43,17 @@ def choose_task(library: Library, name: str | None) -> syntax.TaskDecl:
     if name is not None:
         if name in tasks:
             return tasks[name]
-        raise UsageError(f"there is no task `{name}`; " + (did_you_mean(name, tasks) or _listed(tasks)))
+        help = did_you_mean(name, tasks) or _listed(tasks)
+        raise UsageError(f"there is no task `{name}`", "E0504", help=help)
     own = {n: t for n, t in tasks.items() if t.span.file == library.path} or dict(tasks)
     if len(own) == 1:
         return next(iter(own.values()))
     stem = PurePath(library.path).stem
     if stem in own:
         return own[stem]
-    raise UsageError(
-        f"`{library.path}` has several tasks, name one: {', '.join(own)}" if own else f"`{library.path}` has no task"
-    )
+    if own:
+        raise UsageError(f"`{library.path}` has several tasks", "E0505", help=f"name one: {', '.join(own)}")
+    raise UsageError(f"`{library.path}` has no task", "E0504")
 
 
 def _listed(names: Mapping[str, object]) -> str:
@@ -54,38 +64,45 @@ def parameter_values(task: syntax.TaskDecl, given: Mapping[str, str]) -> dict[st
     """The values of the given parameters in SI units. Raises UsageError on unknown names,
     unfit values and parameters left without any."""
     types = {p.name: p.type.name for p in task.parameters if isinstance(p.type, syntax.NamedType)}
+    spans = {p.name: p.span for p in task.parameters}
     values: dict[str, float | int] = {}
     for name, text in given.items():
         if name not in types:
             listed = f"it has {', '.join(types)}" if types else "it has none"
-            raise UsageError(f"task `{task.name}` has no parameter `{name}`; {did_you_mean(name, types) or listed}")
-        values[name] = parse_value(name, types[name], text)
+            help = did_you_mean(name, types) or listed
+            raise UsageError(f"task `{task.name}` has no parameter `{name}`", "E0519", task.span, help)
+        values[name] = parse_value(name, types[name], text, spans[name])
     for parameter in task.parameters:
         wrong = outside(parameter, values[parameter.name]) if parameter.name in values else None
         if wrong is not None:
-            raise UsageError(wrong)
+            raise UsageError(wrong, "E0519", parameter.span)
         if parameter.default is None and parameter.name not in values:
-            raise UsageError(f"parameter `{parameter.name}` of task `{task.name}` has no default and needs a value")
+            message = f"parameter `{parameter.name}` of task `{task.name}` has no default and needs a value"
+            raise UsageError(message, "E0519", parameter.span, _example(parameter.name, types.get(parameter.name, "")))
     return values
 
 
-def parse_value(name: str, kind: str, text: str) -> float | int:
+def parse_value(name: str, kind: str, text: str, span: Span | None = None) -> float | int:
     """The value of a text such as `8`, `0.2 m` or `20 cm` for a parameter of type int, real, length, angle,
-    time or speed."""
+    time or speed, which is declared at `span`. Raises UsageError."""
     units = UNITS.get(kind, {})
     match = QUANTITY.fullmatch(text)
+    value, unit = (float(match[1]), match[2]) if match is not None else (math.nan, "")
     if match is None:
-        raise UsageError(f"parameter `{name}`: `{text}` is not a number{_with_unit(units)}")
-    value, unit = float(match[1]), match[2]
-    if not math.isfinite(value):
-        raise UsageError(f"parameter `{name}`: `{text.strip()}` is too large")
-    if kind == "int" and not unit and value == int(value):
-        return int(value)
-    if kind == "int":
-        raise UsageError(f"parameter `{name}` is a whole number, not `{text.strip()}`")
-    if unit not in units and (unit or (units and value != 0)):
-        raise UsageError(f"parameter `{name}` is a {kind}{_with_unit(units) or ' without unit'}, not `{text.strip()}`")
-    return value * units.get(unit, 1.0)
+        wrong = f"parameter `{name}`: `{text}` is not a number{_with_unit(units)}"
+    elif not math.isfinite(value):
+        wrong = f"parameter `{name}`: `{text.strip()}` is too large"
+    elif kind == "int" and (unit or value != int(value)):
+        wrong = f"parameter `{name}` is a whole number, not `{text.strip()}`"
+    elif unit not in units and (unit or (units and value != 0)):
+        wrong = f"parameter `{name}` is a {kind}{_with_unit(units) or ' without unit'}, not `{text.strip()}`"
+    else:
+        return int(value) if kind == "int" else value * units.get(unit, 1.0)
+    raise UsageError(wrong, "E0519", span, _example(name, kind))
+
+
+def _example(name: str, kind: str) -> str:
+    return f"for example -p {name}={EXAMPLES.get(kind, '…')}"
 
 
 def _with_unit(units: Mapping[str, float]) -> str:

@@ -37,9 +37,16 @@ class SourceFailure(click.ClickException):
             click.echo(json.dumps({"status": "error", "diagnostics": as_objects(self.diagnostics)}))
 
 
+class UsageFailure(SourceFailure):
+    """A task or a parameter that does not fit the program."""
+
+    exit_code = ExitStatus.USAGE
+
+
 @contextmanager
 def reading_sources(as_json: bool = False) -> Iterator[None]:
-    """Around code that reads programs: turns their errors into `SourceFailure` and `click.UsageError`."""
+    """Around code that reads programs: turns their errors into `SourceFailure`, `UsageFailure` and
+    `click.UsageError`."""
     from ..compiler.scenes.parameters import UsageError
     from ..langs.diagnostics import SourceError
 
@@ -48,6 +55,8 @@ def reading_sources(as_json: bool = False) -> Iterator[None]:
     except SourceError as error:
         raise SourceFailure(error.diagnostics, as_json) from error
     except UsageError as error:
+        if error.diagnostic is not None:
+            raise UsageFailure([error.diagnostic], as_json) from error
         raise click.UsageError(str(error)) from error
 
 

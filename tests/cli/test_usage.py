@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import signal
@@ -69,6 +70,19 @@ def test_usage_errors(tamplang: Tamplang, arguments: list[str], word: str) -> No
     process = tamplang(*arguments)
     assert (process.returncode, process.stdout) == (2, "")
     assert word in process.stderr
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "word"),
+    [("n=nan", "E0519", "-p n=8"), ("n=inf", "E0519", "-p n=8"), ("n=1e999", "E0519", "too large"),
+     ("m=3", "E0519", "has no parameter")],
+)  # fmt: skip
+def test_unfit_parameters_have_a_code_and_a_hint(tamplang: Tamplang, text: str, code: str, word: str) -> None:
+    process = tamplang("solve", CLIMB, "-p", text, "--json")
+    assert process.returncode == 2
+    assert f"error[{code}]" in process.stderr and word in process.stderr and "climb.tamp:" in process.stderr
+    (found,) = json.loads(process.stdout)["diagnostics"]
+    assert found["code"] == code and found["help"]
 
 
 @pytest.mark.parametrize("target", ["no/such/folder/plan.json", ".", "/dev/null", "/proc/plan.json", str(CLIMB)])

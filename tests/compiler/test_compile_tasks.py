@@ -126,7 +126,7 @@ import std.motion
 
 
 def test_several_tasks() -> None:
-    with pytest.raises(UsageError, match="several tasks, name one: one, two"):
+    with pytest.raises(UsageError, match="several tasks; name one: one, two"):
         compile_text(TWO)
     assert compile_text(TWO, task="two")[0].task == "two"
     assert compile_text(TWO, name="two.tamp")[0].task == "two"
