@@ -16,7 +16,7 @@ from ...compiler import ir
 from ...compiler.motion.collision import Pair, bounding_radius, pair
 from ...compiler.motion.pairs import reach
 from ...compiler.poses import joint_frames
-from ..motion.movement import carrier
+from ..motion.movement import carrier, followers
 from ..resampling import kept_pairs
 from ..skeleton import Array, Configuration, Skeleton
 from ..touching import touching
@@ -70,7 +70,7 @@ def foreseen_problem(
 
 def _coming(problem: ir.Problem, reached: Reached, then: Configuration) -> dict[str, str]:
     """Bodies that will have come too near to a module that does not move, and the module: it has to leave before."""
-    kept = {name for ends in kept_pairs(problem, reached.mode) for name in ends}
+    kept = _of_robots(problem, reached.mode)
     now = clearances(problem.world, reached.configuration, TOO_NEAR)
     near = clearances(problem.world, then, TOO_NEAR).items()
     found: dict[str, str] = {}
@@ -81,10 +81,17 @@ def _coming(problem: ir.Problem, reached: Reached, then: Configuration) -> dict[
     return found
 
 
+def _of_robots(problem: ir.Problem, mode: frozenset[ir.Fact]) -> frozenset[str]:
+    """The bodies that an effector is kept to, or that follow one."""
+    pairs = kept_pairs(problem, mode)
+    held = {body for pair in pairs for body, other in (pair, pair[::-1]) if problem.world.effector(other) is not None}
+    return followers(problem, mode) | held
+
+
 def _close(problem: ir.Problem, configuration: Configuration) -> frozenset[Pair]:
     """Modules with the bodies that they are not kept to and that are nearer than is asked for along a path, so that
     they may be so when it starts."""
-    kept = {name for ends in kept_pairs(problem, problem.init_motion) for name in ends}
+    kept = _of_robots(problem, problem.init_motion)
     near = clearances(problem.world, configuration, TOO_NEAR)
     return frozenset(pair(module, body) for module, body in near if body not in kept)
 
@@ -107,8 +114,8 @@ def displaced(problem: ir.Problem, reached: Reached, expected: Mapping[str, Arra
 
 
 def touched(problem: ir.Problem, reached: Reached, met: frozenset[str]) -> list[tuple[str, str]]:
-    """Ends with the bodies that they touch without being kept there; bodies that keep anything are left out."""
-    kept = {name for ends in kept_pairs(problem, reached.mode) for name in ends}
+    """Ends with the bodies that they touch without being kept there; bodies that a robot stands on are left out."""
+    kept = _of_robots(problem, reached.mode)
     found = {}
     for a, b in sorted(touching(placed(problem.world, reached.configuration), LET_GO)):
         for end, body in ((a, b), (b, a)):

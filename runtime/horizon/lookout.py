@@ -37,11 +37,20 @@ class Lookout:
         sensed = self.sensing.look(when, poses)
         return {body: np.concatenate([sensed[body], pose[3:]]) for body, pose in poses.items()}
 
-    def expect(self, time: float, poses: dict[str, Array]) -> None:
-        """From now on bodies are expected to go on as the last looks have it."""
-        now = np.array([time])
-        positions = {body: self.sensing.foreseen(body, pose, now)[0, :3] for body, pose in poses.items()}
-        self.expectation = Expectation(time, positions, {body: self.sensing.velocity(body) for body in poses})
+    def expect(self, time: float, poses: dict[str, Array], *, newest: bool = False) -> None:
+        """From now on bodies are expected to go on as the last looks have it; with `newest`, all of them count."""
+        now, sensing = np.array([time]), self.sensing
+        positions = {body: sensing.foreseen(body, pose, now, newest=newest)[0, :3] for body, pose in poses.items()}
+        velocities = {body: sensing.velocity(body, newest=newest) for body in poses}
+        self.expectation = Expectation(time, positions, velocities)
+
+    def expected(self, time: float, poses: dict[str, Array]) -> dict[str, Array]:
+        """The poses `(7,)` at which bodies are expected at a time; `poses` tell how they are turned."""
+        expectation = self.expectation
+        if expectation is None:
+            return poses
+        known = expectation.positions
+        return {b: np.concatenate([expectation.at(b, time), pose[3:]]) for b, pose in poses.items() if b in known}
 
     def strayed(self, bodies: frozenset[str], time: float) -> dict[str, float]:
         """Those of `bodies` that are not where they should be at the last look, and by how many metres."""

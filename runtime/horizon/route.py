@@ -13,13 +13,14 @@ from ..lgp import SolveOptions, motion_settings
 from ..resampling import kept_pairs
 from ..skeleton import Array, Phase, PhasePath
 from .aside import way_aside
-from .braking import at_times, waiting
+from .braking import at_times, braked, waiting
 from .drift import LOOKS, clearances, deepest, nearest
 from .failures import Failures
 from .foresight import displaced, foreseen_problem
 from .lookout import Lookout
 from .planning import Planner, Window
-from .sensing import SAME_TIME
+from .sensing import PERIOD, SAME_TIME
+from .steering import FARTHEST, LEAST, Steering
 from .world import World
 
 FIRST_GUESS = 2.0
@@ -40,6 +41,10 @@ THREAT = 3e-3
 """Metres from a motion within which what has changed its way breaks it off: it takes time to brake."""
 MORE = 5e-5
 """Metres that are no more."""
+LATER = 6
+"""Looks by which a motion may be broken off later than it could be."""
+NEARLY = 1e-3
+"""Metres that a motion may end off what it meets, where it is too late for anything else."""
 AROUND = 0.05
 """Metres from a robot within which bodies are looked out for."""
 LONGEST_SEARCH = 30.0
@@ -145,6 +150,41 @@ class Route:
         pressed = self._deepest(world, phase, now, poses, everyone=True)
         return self._deepest(world, phase, path, poses, everyone=True) <= max(PRESSED, min(pressed + MORE, DEEP))
 
+    def is_time_to_stop(
+        self, world: World, phase: Phase, path: PhasePath, since: float, until: float, steering: Steering | None
+    ) -> bool:  # fmt: skip
+        """Whether a motion that is to be broken off had better be so now, `since` seconds after its begin, than a
+        little later or not at all: it comes to rest, and stays there `until` so many seconds after its begin while
+        things move on as they seem to."""
+        depths: list[float] = []
+        for stop in since + PERIOD * np.arange(LATER + 1):
+            slowed = path if stop >= path.duration else self.brought_to_rest(world, path, float(stop))
+            if slowed is path and not (steering and self._off(world, path, since, steering) < NEARLY):
+                break
+            depths.append(self._pressed(world, phase, slowed, since, until))
+            if depths[-1] <= self._bearable(world, phase, path, since):
+                break
+        return int(np.argmin(depths)) == 0 if depths else True
+
+    def brought_to_rest(self, world: World, path: PhasePath, since: float) -> PhasePath:
+        """Rest where the robot is, before a motion begins; else the motion that slows down."""
+        return braked(self.problem.world, path, since) if since > 0.0 else waiting(world.reached.configuration, PERIOD)
+
+    def _bearable(self, world: World, phase: Phase, path: PhasePath, since: float) -> float:
+        """How deep, metres, a robot may be pressed upon: little more than now."""
+        now = self._pressed(world, phase, path, since, since + SAME_TIME, instant=True)
+        return max(PRESSED, min(now + MORE, DEEP))
+
+    def _pressed(
+        self, world: World, phase: Phase, path: PhasePath, since: float, until: float, instant: bool = False
+    ) -> float:  # fmt: skip
+        """How deep, metres, robots get into something from `since` on, on a motion and at rest at its end `until`."""
+        last = since + SAME_TIME if instant else max(path.duration, until)
+        rest = at_times(path, np.minimum(np.linspace(since, last, LOOKS), path.duration), last - since)
+        whole = self.failures.whole(rest, world.reached.configuration)
+        own = self._own(world.at(world.time + since), world.time + np.linspace(since, last, LOOKS), newest=True)
+        return deepest(self.problem, world.reached.configuration, phase, whole, own, everyone=True)
+
     def aside(self, world: World) -> PhasePath | None:
         """A motion, standing where it stands, of the robot that the next action moves, to where it has room."""
         poses, then = self.lookout.look(world), np.array([world.time + FIRST_GUESS])
@@ -173,6 +213,36 @@ class Route:
         own = self._own(world.at(world.time + since), times, newest=True)
         found = nearest(self.problem, world.reached.configuration, phase, rest, own)
         return any(distance < THREAT for (_, body), distance in found.items() if body in bodies)
+
+    def steering(self, world: World, phase: Phase, path: PhasePath) -> Steering:
+        """What steers a phase that begins now to where what it meets will be."""
+        expected = self.lookout.expected(world.time + path.duration, world.at(world.time))
+        return Steering(self.problem, phase, path, world.reached.configuration, expected)
+
+    def steered(
+        self, world: World, phase: Phase, path: PhasePath, since: float, steering: Steering
+    ) -> tuple[PhasePath, float]:
+        """The motion, after `since` seconds of it, led to where what it meets seems to be at its end, and by how many
+        metres its end is moved; the same motion where that makes no difference, is too far, or would get into
+        something."""
+        poses, now = world.at(world.time + since), world.time + since
+        foreseen = self._at_the_end(world, path, since)
+        off = steering.off(path, foreseen)
+        found = steering.steered(path, since, foreseen) if LEAST + self.lookout.sensing.sigma < off < FARTHEST else None
+        if found is None:
+            return path, off
+        rest = at_times(found, np.linspace(since, found.duration, LOOKS), found.duration - since)
+        own = self._own(poses, now + np.linspace(0.0, rest.duration, LOOKS), newest=True)
+        clear = deepest(self.problem, world.reached.configuration, phase, rest, own) <= DEEP
+        return (found if clear else path), off
+
+    def _off(self, world: World, path: PhasePath, since: float, steering: Steering) -> float:
+        return steering.off(path, self._at_the_end(world, path, since))
+
+    def _at_the_end(self, world: World, path: PhasePath, since: float) -> dict[str, Array]:
+        """The poses `(7,)` of bodies at the end of a motion, as they seem to move after `since` seconds of it."""
+        poses, end = world.at(world.time + since), np.array([world.time + path.duration])
+        return {body: rows[0] for body, rows in self._own(poses, end, newest=True).items()}
 
     def near(self, world: World) -> frozenset[str]:
         """The bodies on courses that a robot at rest has to look out for."""

@@ -33,6 +33,7 @@ from .planning import Window
 from .record import Step, plan_of_run
 from .route import Route
 from .sensing import PERIOD, Sensing
+from .steering import Steering
 from .terms import RunOptions, RunOutcome, RunProgress
 from .world import Interval, World
 
@@ -44,6 +45,8 @@ INSTANT = 1e-3
 WAIT = 0.5
 """Seconds that the run waits where nothing leads on, in the hope that what moves does so."""
 MOST_WAITS = 40
+AT_LAST = 0.1
+"""Seconds before its end from which a motion is not steered any more."""
 
 
 class Run:
@@ -69,6 +72,7 @@ class Run:
         self._trail: list[PhasePath] = []
         self._left: float | None = None
         self._waits = 0
+        self._steered = 0.0
         self._asked = 0.0
         self._cost = 0.0
         self._first = first
@@ -219,47 +223,46 @@ class Run:
                 reason = f"{failed.module} is {failed.kind}"
             if reason is not None:
                 return reason
+            if self._steered:
+                return f"next window; the last motion was steered by {1000 * self._steered:.1f} mm"
         return "next window"
 
     def _carry_out(self, phase: Phase, path: PhasePath) -> str | None:
-        """One phase; when it is broken off, why."""
+        """One phase; when it is broken off, why. After one that was `_steered` none was planned to follow."""
         near = self._route.passed(self.world, phase, path)
         named = frozenset(a for literal in phase.mode | phase.added for a in literal[1:])
         self._left = None
-        found = self._watched(phase, path, named, near, completed=True)
+        self._steered = 0.0
+        steering = self._route.steering(self.world, phase, path) if self.world.on_course else None
+        found = self._watched(phase, path, named, near, completed=True, steering=steering)
         if found is None:
             self._waits = 0
         return found
 
     def _watched(
-        self, phase: Phase, path: PhasePath, named: frozenset[str], near: frozenset[str], *, completed: bool
-    ) -> str | None:
-        """Carry out a motion while looking at the bodies that it touches and passes; when it is broken off, why. What
-        is found before it begins breaks it off at once only where the robot may hold its stance; else the robot goes
-        on until the next window can be there."""
+        self, phase: Phase, path: PhasePath, named: frozenset[str], near: frozenset[str], *, completed: bool,
+        steering: Steering | None = None,
+    ) -> str | None:  # fmt: skip
+        """Carry out a motion while looking at the bodies that it touches and passes; when it is broken off, why. That
+        is done when something is found, or, where it would press upon the robot, a little later or not at all."""
         begin, failure = self.world.time, self._failures.next_of(phase, self.world.time)
-        self._asked = begin
-        self._lookout.look(self.world)
-        early = self._surprise(phase, path, named, near, 0.0) if completed else None
-        if early is not None and self._may_hold(phase):
-            return early
-        for look in np.arange(1, int(np.ceil(path.duration / PERIOD))) * PERIOD:
-            now = begin + float(look)
-            if failure is not None and failure.time <= now:
+        self._asked, pending = begin, False
+        for look in np.arange(int(np.ceil(path.duration / PERIOD))) * PERIOD:
+            since, now = float(look), begin + float(look)
+            if failure is not None and begin < failure.time <= now:
                 break
             self._lookout.look(self.world, now)
-            if early is not None:
-                found = early if look > self.options.latency - INSTANT else None
-            else:
-                found = self._surprise(phase, path, named, near, float(look))
+            path = self._steer(phase, path, since, steering)
+            found = self._surprise(phase, path, named, near, since) if completed or since else None
+            if found is None or not pending:
                 self._asked = begin if found is None else now
-            if found is not None:
-                slowed = braked(self.problem.world, path, float(look))
-                self._perform(phase, slowed, completed=completed and slowed is path)
-                if completed and slowed is not path:
-                    self._trail.append(slowed)
-                    self._left = path.duration - float(look)
-                return found
+            pending = found is not None
+            until = self._asked + self.options.latency - begin
+            if found is None or not self._route.is_time_to_stop(self.world, phase, path, since, until, steering):
+                continue
+            if since:
+                self._break_off(phase, path, since, completed=completed)
+            return found
         if failure is not None and failure.time < begin + path.duration:
             if failure.time - begin > INSTANT:
                 self._perform(phase, stopped(path, failure.time - begin), completed=False)
@@ -268,10 +271,24 @@ class Run:
         self._perform(phase, path, completed=completed)
         return None
 
-    def _may_hold(self, phase: Phase) -> bool:
-        """Whether nothing would press upon the robot while the next window is planned."""
-        rest = waiting(self.world.reached.configuration, max(self.options.latency, PERIOD))
-        return self._route.is_clear(self.world, phase, rest)
+    def _steer(self, phase: Phase, path: PhasePath, since: float, steering: Steering | None) -> PhasePath:
+        """The motion, steered to what it meets where that is not where it was expected and can be met."""
+        if steering is None or path.duration - since < AT_LAST:
+            return path
+        found, off = self._route.steered(self.world, phase, path, since, steering)
+        if found is not path:
+            self._steered = max(self._steered, off)
+            now = self.world.time + since
+            self._lookout.expect(now, self._lookout.look(self.world, now), newest=True)
+        return found
+
+    def _break_off(self, phase: Phase, path: PhasePath, since: float, *, completed: bool) -> None:
+        """Slow down after `since` seconds; where it is too late for that, the motion goes on to its end."""
+        slowed = braked(self.problem.world, path, since)
+        self._perform(phase, slowed, completed=completed and slowed is path)
+        if completed and slowed is not path:
+            self._trail.append(slowed)
+            self._left = path.duration - since
 
     def _surprise(
         self, phase: Phase, path: PhasePath, named: frozenset[str], near: frozenset[str], since: float
@@ -322,7 +339,7 @@ class Run:
         plan = plan_of_run(
             self.problem, self.steps, reached.mode, self._places, self.windows, statistics, status == "solved"
         )
-        plan = msgspec.structs.replace(plan, verdict=verify(plan))
+        plan = msgspec.structs.replace(plan, verdict=verify(plan, repeated=True))
         assert plan.verdict is not None
         if status == "solved" and not plan.verdict.verified:
             status = "refused"

@@ -11,26 +11,34 @@ from ..skeleton import Array
 
 PERIOD = 0.05
 """Seconds between two looks at the scene."""
-MEMORY = 20
+MEMORY = 60
 """Looks from which a velocity is estimated."""
-KEPT = 60
+KEPT = 100
 """Looks that are remembered: planning may know the last ones too late."""
 SAME_TIME = 1e-9
 """Seconds that make no difference."""
 TOLERANCE = 5e-4
 """Metres by which a body may be off where a window expects it."""
+PUSHED = 0.01
+"""Metres off its way after which a body may rest again: no speed is read off this step."""
 SURE = 5.0
 """Standard deviations of the noise that make no difference."""
+AGO = (3, 6, 12)
+"""Looks before which a body may have changed its way without any look that tells."""
+ENOUGH = 8
+"""Looks before such a change that tell the way until then."""
 
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """The way of a body as some looks have it: from `begin` to `end`, at `position` `(3,)` then, with a `velocity`."""
+    """The way of a body as some looks have it: from `begin` to `end`, at `position` `(3,)` then, with a `velocity`,
+    whose standard deviation is `doubt`, 1/s, times that of a look."""
 
     begin: float
     end: float
     position: Array
     velocity: Array
+    doubt: float
 
     def at(self, times: Array) -> Array:
         """Positions `(T, 3)` at times `(T,)`."""
@@ -52,9 +60,10 @@ class Sighting:
         chosen = [k for k, time in enumerate(self.times) if begin <= time <= known + SAME_TIME][-MEMORY:] or [0]
         times, positions = (np.array([rows[k] for k in chosen]) for rows in (self.times, self.positions))
         if len(chosen) < 2:
-            return Line(times[0], times[0], positions[0], np.zeros(3))
+            return Line(times[0], times[0], positions[0], np.zeros(3), np.inf)
         slope, origin = np.polyfit(times - times[-1], positions, 1)
-        return Line(times[0], times[-1], np.asarray(origin), np.asarray(slope))
+        doubt = 1.0 / float(np.linalg.norm(times - times.mean()))
+        return Line(times[0], times[-1], np.asarray(origin), np.asarray(slope), doubt)
 
 
 class Sensing:
@@ -70,7 +79,8 @@ class Sensing:
 
     def look(self, time: float, poses: dict[str, Array]) -> dict[str, Array]:
         """Sense the poses `(7,)` of bodies at a time; gives the sensed positions `(3,)`. A body that is not where the
-        looks before would have it has changed its way: from then on only the last look before still counts."""
+        looks before would have it has changed its way: from then on only the last look before still counts, and not even
+        that after a push."""
         found = {}
         for name, pose in poses.items():
             position = pose[:3] + (self._random.normal(0.0, self.sigma, 3) if self.sigma else 0.0)
@@ -88,16 +98,39 @@ class Sensing:
         line = sighting.line() if sighting.times else None
         if line is None or line.begin == line.end:
             return
-        if float(np.linalg.norm(line.at(np.array([time]))[0] - position)) > 0.5 * self.tolerance:
-            sighting.changes.append((time, sighting.times[-1]))
+        off = float(np.linalg.norm(line.at(np.array([time]))[0] - position))
+        if off > 0.5 * self.tolerance:
+            sighting.changes.append((time, time if off > PUSHED else sighting.times[-1]))
+        elif self.sigma:
+            turned = self._turned(sighting, line.begin)
+            sighting.changes += [] if turned is None else [(time, turned)]
+
+    def _turned(self, sighting: Sighting, begin: float) -> float | None:
+        """Since when the looks from `begin` on go another way, which only several of them tell from noise: a line with
+        a bend, by least squares, has a bend that is sure."""
+        since = [k for k, time in enumerate(sighting.times) if time >= begin][-MEMORY:]
+        times = np.array([sighting.times[k] for k in since])
+        positions = np.array([sighting.positions[k] for k in since])
+        for ago in AGO:
+            if len(since) < ENOUGH + ago:
+                break
+            bend = times[-ago - 1]
+            rows = np.column_stack([np.ones_like(times), times - bend, np.maximum(times - bend, 0.0)])
+            inverse = np.linalg.inv(rows.T @ rows)
+            change = (inverse @ (rows.T @ positions))[2]
+            if float(np.linalg.norm(change)) > SURE * self.sigma * np.sqrt(inverse[2, 2]):
+                return float(bend)
+        return None
 
     def last(self, body: str) -> Array:
         """The position `(3,)` at the last look."""
         return self._seen[body].positions[-1]
 
-    def velocity(self, body: str) -> Array:
-        """The estimated velocity `(3,)` in m/s; what is not told apart from noise is zero."""
-        return self._way(body, self.known).velocity if body in self._seen else np.zeros(3)
+    def velocity(self, body: str, *, newest: bool = False) -> Array:
+        """The estimated velocity `(3,)` in m/s; what is not told apart from noise is zero. With `newest`, all looks
+        count."""
+        known = np.inf if newest else self.known
+        return self._way(body, known).velocity if body in self._seen else np.zeros(3)
 
     def foreseen(self, body: str, pose: Array, times: Array, *, newest: bool = False) -> Array:
         """The poses `(T, 7)` of a body at some times; `pose` tells its orientation. With `newest`, all looks count."""
@@ -106,6 +139,5 @@ class Sensing:
 
     def _way(self, body: str, known: float) -> Line:
         line = self._seen[body].line(known)
-        span = line.end - line.begin
-        sure = span > 0.0 and float(np.linalg.norm(line.velocity)) > max(1e-5, SURE * self.sigma / span)
+        sure = float(np.linalg.norm(line.velocity)) > max(1e-5, SURE * self.sigma * line.doubt)
         return line if sure else replace(line, velocity=np.zeros(3))

@@ -28,7 +28,7 @@ def _eased(world: World, path: PhasePath) -> PhasePath:
     even, times = np.linspace(0.0, 1.0, count + 1), _law(np.linspace(0.0, 1.0, DENSER * count + 1))
     modules = {}
     for name, rows in path.modules.items():
-        joints = _settled(ClampedSpline(even, rows[:, 7:])(times))
+        joints = settled(ClampedSpline(even, rows[:, 7:])(times))
         modules[name] = np.hstack([between(even, rows[:, :7], times), joints])
     bodies = {name: between(even, rows, times) for name, rows in path.bodies.items()}
     spare = path.duration - shortest_duration(world, path.modules)
@@ -41,7 +41,7 @@ def _law(u: Array) -> Array:
     return np.asarray(0.5 - np.sin(np.arcsin(np.clip(1.0 - 2.0 * done, -1.0, 1.0)) / 3.0))
 
 
-def _settled(values: Array) -> Array:
+def settled(values: Array) -> Array:
     """Values `(S + 1, n)` whose clamped spline has no second derivative at its ends: the second and the last but one
     are moved, by what the samples leave of it."""
     last = len(values) - 1
