@@ -6,8 +6,7 @@ if result.plan is not None:
     result.plan.report("climb.html")
 """
 
-from typing import TYPE_CHECKING, Any
-
+TYPE_CHECKING = False  # as in `typing`, which takes too long to load: the command is to be ready for Ctrl-C at once
 if TYPE_CHECKING:
     from .api import Plan, Result, Task, load, read_plan
 
@@ -15,10 +14,11 @@ __all__ = ["Plan", "Result", "Task", "__version__", "load", "read_plan"]
 __version__ = "0.1.0"
 
 
-def __getattr__(name: str) -> Any:
-    """What `api` offers, loaded at first use, so that the command line is ready for Ctrl-C at once."""
+def __getattr__(name: str) -> object:
+    """What `api` offers, loaded at first use."""
     if name in __all__:
         from . import api
 
-        return getattr(api, name)
+        found: object = getattr(api, name)
+        return found
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -33,7 +33,10 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # for terminals that cannot show every character
-    sys.exit(run(sys.argv[1:]))
+    status = run(sys.argv[1:])
+    if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # while Python ends, Ctrl-C would show a traceback
+    sys.exit(status)
 
 
 def run(arguments: Sequence[str]) -> int:

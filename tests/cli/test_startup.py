@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 
@@ -47,3 +48,49 @@ def test_importing_the_package_loads_nothing_of_the_planner() -> None:
     loaded = set(process.stdout.split())
     assert not loaded & HEAVY
     assert not {name for name in loaded if name.startswith(("tamplang.langs", "tamplang.compiler", "tamplang.runtime"))}
+
+
+def test_nothing_is_loaded_before_the_command_listens_for_ctrl_c() -> None:
+    """Before that, Ctrl-C would show a traceback."""
+    program = (
+        f"import sys; sys.path.insert(0, {str(ROOT)!r}); before = set(sys.modules); import tamplang.__main__; "
+        "print(*sorted(set(sys.modules) - before))"
+    )
+    process = subprocess.run([sys.executable, "-I", "-S", "-c", program], capture_output=True, text=True, timeout=60)
+    assert process.stdout.split() == ["tamplang", "tamplang.__main__"], process.stderr
+
+
+INTERRUPTING = """
+import os, signal, sys
+wanted = sys.argv[1]
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == wanted:
+            sys.meta_path.remove(self)
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Finder())
+from tamplang.__main__ import main
+sys.argv[1:] = ["compile", sys.argv[2], "--emit", "ir"]
+main()
+"""
+
+
+@pytest.mark.parametrize("module", ["tamplang.cli", "click", "tamplang.cli.app", "lark", "tamplang.compiler.pipeline"])
+def test_ctrl_c_while_the_command_loads_is_quiet(module: str) -> None:
+    process = subprocess.run(
+        [sys.executable, "-c", INTERRUPTING, module, str(ROOT / "examples" / "climb.tamp")],
+        env=environment(), capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert (process.returncode, process.stdout, process.stderr.lstrip()) == (130, "", "interrupted\n")
+
+
+def test_ctrl_c_while_python_ends_is_quiet() -> None:
+    program = (
+        "import atexit, os, signal, sys; atexit.register(os.kill, os.getpid(), signal.SIGINT); "
+        "sys.argv[1:] = ['--version']; from tamplang.__main__ import main; main()"
+    )
+    process = subprocess.run(
+        [sys.executable, "-c", program], env=environment(), capture_output=True, text=True, timeout=60
+    )
+    assert (process.returncode, process.stderr) == (-signal.SIGINT, "")
+    assert process.stdout.startswith("tamplang ")
