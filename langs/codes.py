@@ -254,6 +254,8 @@ CODES: dict[str, CodeInfo] = {
         "have run out of memory."),
     "S0008": CodeInfo("robot lost", "outcome",
         "In mid-run a module left the scene that carried the rest of its robot, or that held something."),
+    "S0009": CodeInfo("robot struck", "outcome",
+        "In mid-run something that moves by itself goes right through a robot, which does not get out of its way."),
     "W0001": CodeInfo("deletes what nothing adds", "warning",
         "No rule, fact or placement ever adds a literal that fits."),
     "W0002": CodeInfo("never read", "warning", "No condition, goal or derived predicate reads this predicate."),

@@ -27,6 +27,7 @@ from ..verify import verify
 from ..verify.replay import Interpreter
 from .braking import braked, first_part, reversed_path, stopped, waiting
 from .failures import Failures
+from .hits import Struck, before_hit, first_hit
 from .length import horizon_of
 from .lookout import Lookout
 from .planning import Window
@@ -80,7 +81,14 @@ class Run:
 
     def run(self) -> RunOutcome:
         """Until the goal is reached, the way ends, or the budget; Ctrl-C ends with what was carried out."""
-        return self._outcome(ending(self._loop))
+        return self._outcome(ending(self._until_struck))
+
+    def _until_struck(self) -> str:
+        try:
+            return self._loop()
+        except Struck as struck:
+            self._explanation = [struck.diagnostic]
+            return "stuck"
 
     def _loop(self) -> str:
         reason = "start"
@@ -304,6 +312,17 @@ class Run:
         return f"{body} is {1000 * strayed[body]:.1f} mm from where it was expected"
 
     def _perform(self, phase: Phase, path: PhasePath, *, completed: bool) -> None:
+        """Carry out a motion. Raises Struck where something that moves goes right through a robot meanwhile."""
+        hit = first_hit(self.problem, self.world, phase, path)
+        if hit is None:
+            self._take_place(phase, path, completed=completed)
+            return
+        time, before = self.world.time + hit.seconds, before_hit(self.problem, path, hit)
+        if before is not None:
+            self._take_place(phase, before, completed=False)
+        raise Struck(self.problem, hit, time)
+
+    def _take_place(self, phase: Phase, path: PhasePath, *, completed: bool) -> None:
         added = phase.added if completed else frozenset[ir.Fact]()
         before = dict(self._places)
         executed = self.world.carry_out(

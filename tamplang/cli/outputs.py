@@ -27,6 +27,8 @@ def checked_output(path: Path, inputs: tuple[Path, ...] = ()) -> Path:
     """
     if path.is_dir():
         raise UnwritableFile(path, "it is a folder")
+    if not path.parent.is_dir():
+        raise UnwritableFile(path, f"there is no folder {path.parent}")
     if path.exists() and not path.is_file():
         raise UnwritableFile(path, "it is not a regular file")
     if any(path.exists() and other.exists() and path.samefile(other) for other in inputs):

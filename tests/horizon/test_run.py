@@ -196,3 +196,18 @@ def test_a_plan_for_the_scene_at_rest_is_corrected_on_the_way() -> None:
     assert plan is not None
     result = moving.run(plan=plan.record)
     assert result.status == "solved" and result.replans >= 1
+
+
+@pytest.mark.parametrize(
+    "happens",
+    ["moves ram along (0, -1.2 m, 0) at 0.3 m/s", "disturb ram by (0, -0.35 m, 0) at 0.5 s"],
+)
+def test_what_goes_right_through_a_robot_ends_the_run_before_that(happens: str) -> None:
+    """The robot stands on one foot and cannot leave."""
+    struck = task(f"object ram: box(0.1 m, 0.1 m, 0.3 m) at (0, 0.3 m, 0.2 m)\n{happens}").run()
+    assert struck.status == "stuck" and [d.code for d in struck.explanation] == ["S0009"]
+    assert "`ram` moves right through `c`" in struck.explanation[0].message
+    assert struck.explanation[0].span is not None and struck.explanation[0].span.file == "reach.tamp"
+    verdict = struck.record.verdict
+    assert verdict is not None and verdict.verified and not struck.record.complete
+    assert [p.completed for p in struck.record.phases] == [False] and struck.record.times[-1] > 0.1
