@@ -15,28 +15,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from _runs import (
-    FACTOR,
-    LONG,
-    SHORT_GOAL,
-    Run,
-    Runs,
-    chosen,
-    goal_of,
-    good,
-    machine,
-    measure,
-    median,
-    middle,
-    number,
-    options,
-    seconds,
-    solve,
-    table,
-    tell,
-    today,
-    worst,
-)
+import _runs as bench
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +37,7 @@ class Row:
     @property
     def goal(self) -> float | None:
         """Seconds of the whole process; None where only a short time without process start counts."""
-        return goal_of(None if self.thesis is None else self.thesis[0])
+        return bench.goal_of(None if self.thesis is None else self.thesis[0])
 
 
 def _row(table: str, file: str, horizon: str, thesis: tuple[float, int, int] | None, **parameters: int) -> Row:
@@ -86,10 +65,10 @@ ROWS = [
 ]
 
 
-def run_of(row: Row, limit: float, seed: int, folder: Path) -> Run:
+def run_of(row: Row, limit: float, seed: int, folder: Path) -> bench.Run:
     """One run, and its windows."""
     plan = folder / "plan.json"
-    run = solve(row.file, row.parameters, seed, limit, plan, "--horizon", row.horizon)
+    run = bench.solve(row.file, row.parameters, seed, limit, plan, "--horizon", row.horizon)
     windows = [
         (window["reason"], window["motions"], len(window["actions"]), len(window["unmet"]), window["seconds"])
         for window in (json.loads(plan.read_text())["windows"] if plan.exists() else [])
@@ -97,7 +76,7 @@ def run_of(row: Row, limit: float, seed: int, folder: Path) -> Run:
     return {**run, "windows": windows}
 
 
-def halves(runs: Sequence[Run]) -> tuple[float, float]:
+def halves(runs: Sequence[bench.Run]) -> tuple[float, float]:
     """Median seconds per window in the first and in the second half of the runs."""
     early: list[float] = []
     late: list[float] = []
@@ -106,7 +85,7 @@ def halves(runs: Sequence[Run]) -> tuple[float, float]:
         taken = [float(window[4]) for window in windows] if isinstance(windows, list) else []
         early += taken[: len(taken) // 2]
         late += taken[len(taken) // 2 :]
-    return median(early), median(late)
+    return bench.median(early), bench.median(late)
 
 
 HEADINGS = (
@@ -117,27 +96,28 @@ HEADINGS = (
 )  # fmt: skip
 
 
-def line(row: Row, runs: Sequence[Run]) -> str:
-    solved = good(runs)
-    wall, inside = middle(solved, "wall"), median([seconds(run, "total") for run in solved])
-    goal = f"{row.goal:.1f}" if row.goal is not None else f"{SHORT_GOAL:g} + start"
-    met = "yes" if solved and (wall <= row.goal if row.goal is not None else inside <= SHORT_GOAL) else "no"
-    first = median([seconds(run, "first_motion") for run in solved])
+def line(row: Row, runs: Sequence[bench.Run]) -> str:
+    solved = bench.good(runs)
+    wall, inside = bench.middle(solved, "wall"), bench.median([bench.seconds(run, "total") for run in solved])
+    goal = f"{row.goal:.1f}" if row.goal is not None else f"{bench.SHORT_GOAL:g} + start"
+    met = "yes" if solved and (wall <= row.goal if row.goal is not None else inside <= bench.SHORT_GOAL) else "no"
+    first = bench.median([bench.seconds(run, "first_motion") for run in solved])
     if row.thesis is None:
         goal, met = "solved", "yes" if len(solved) == len(runs) else "no"
     if row.table == FIRST:
         goal, met = "first in 1 s", "yes" if first <= 1.0 else "no"
     theirs = [f"{row.thesis[0]:g}", *map(str, row.thesis[1:])] if row.thesis is not None else ["–"] * 3
-    counts = [median([len(run["windows"]) for run in solved if isinstance(run["windows"], list)])]
-    ours = [number(x) for x in (wall, worst(solved), inside, middle(solved, "cpu"))]
-    ours += [number(x, 0) for x in (middle(solved, "expanded_nodes"), middle(solved, "length"), *counts)]
-    ours += [number(x) for x in (first, *halves(solved))]
-    ours += [number(middle(solved, key), 0) for key in ("peak_mb", "early_mb", "late_mb")]
-    ratio = number(row.thesis[0] / wall, 1) if row.thesis is not None and solved else "–"
+    counts = [bench.median([len(run["windows"]) for run in solved if isinstance(run["windows"], list)])]
+    ours = [bench.number(x) for x in (wall, bench.worst(solved), inside, bench.middle(solved, "cpu"))]
+    counts = [bench.middle(solved, "expanded_nodes"), bench.middle(solved, "length"), *counts]
+    ours += [bench.number(x, 0) for x in counts]
+    ours += [bench.number(x) for x in (first, *halves(solved))]
+    ours += [bench.number(bench.middle(solved, key), 0) for key in ("peak_mb", "early_mb", "late_mb")]
+    ratio = bench.number(row.thesis[0] / wall, 1) if row.thesis is not None and solved else "–"
     return f"| {' | '.join((row.name, *theirs, *ours, f'{len(solved)}/{len(runs)}', ratio, goal, met))} |"
 
 
-def markdown(rows: Sequence[Row], runs: Runs, seeds: int) -> str:
+def markdown(rows: Sequence[Row], runs: bench.Runs, seeds: int) -> str:
     """One table for table 7, one for what goes beyond it, and one for the first motion."""
     text = [
         "# Receding horizon",
@@ -146,8 +126,9 @@ def markdown(rows: Sequence[Row], runs: Runs, seeds: int) -> str:
         "H` per row and seed, one after the other, on one core, with path bound, collisions and verification of the "
         "whole run.",
         "",
-        f"{today()}, {machine()}, seeds 0 to {seeds - 1}. Times are medians over seeds, by the wall; the goal is a "
-        f"{FACTOR}th of the thesis' time where that is above {LONG:g} s, else {SHORT_GOAL:g} s without process start. "
+        f"{bench.today()}, {bench.machine()}, seeds 0 to {seeds - 1}. Times are medians over seeds, by the wall; the "
+        f"goal is a {bench.FACTOR}th of the thesis' time where that is above {bench.LONG:g} s, else "
+        f"{bench.SHORT_GOAL:g} s without process start. "
         "`first motion` is when the motion of the first window stands, process start left out. Seconds per window are "
         "medians over the windows in the first and in the second half of each run; resident memory, MB, is the median "
         "over the first and over the second half of the time between the first motion and the verification.",
@@ -156,7 +137,7 @@ def markdown(rows: Sequence[Row], runs: Runs, seeds: int) -> str:
     for row in rows:
         if row.table != title:
             title = row.table
-            text += table(title, HEADINGS)
+            text += bench.table(title, HEADINGS)
         found = [run for seed, run in runs.get(row.name, {}).items() if int(seed) < seeds]
         if found:
             text.append(line(row, found))
@@ -164,11 +145,11 @@ def markdown(rows: Sequence[Row], runs: Runs, seeds: int) -> str:
 
 
 def main() -> None:
-    given = options("horizon", __doc__ or "", 180.0)
+    given = bench.options("horizon", __doc__ or "", 180.0)
     names = [f"{row.table}: {row.name}" for row in ROWS]
-    rows = [row for row, taken in zip(ROWS, chosen(names, given.rows), strict=True) if taken]
-    runs = measure({row.name: partial(run_of, row, given.time) for row in rows}, given.seeds, given.out)
-    tell(markdown(rows, runs, given.seeds), given.markdown)
+    rows = [row for row, taken in zip(ROWS, bench.chosen(names, given.rows), strict=True) if taken]
+    runs = bench.measure({row.name: partial(run_of, row, given.time) for row in rows}, given.seeds, given.out)
+    bench.tell(markdown(rows, runs, given.seeds), given.markdown)
 
 
 if __name__ == "__main__":

@@ -14,28 +14,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from _runs import (
-    FACTOR,
-    LONG,
-    SHORT_GOAL,
-    Run,
-    Runs,
-    chosen,
-    goal_of,
-    good,
-    machine,
-    measure,
-    median,
-    middle,
-    number,
-    options,
-    seconds,
-    solve,
-    table,
-    tell,
-    today,
-    worst,
-)
+import _runs as bench
 
 ASPIRED = 50
 """By how much we want to beat a figure of the thesis above `LONG` seconds."""
@@ -63,7 +42,7 @@ class Row:
     @property
     def goal(self) -> float | None:
         """Seconds of the whole process; None where only a short time without process start counts."""
-        return goal_of(None if self.thesis is None else self.thesis[0])
+        return bench.goal_of(None if self.thesis is None else self.thesis[0])
 
 
 def _rows(table: str, file: str, name: str, figures: dict[int, Figures | None], **fixed: int) -> list[Row]:
@@ -100,25 +79,25 @@ ROWS = [
 BEYOND = "beyond"
 
 
-def run_of(row: Row, limit: float, seed: int, folder: Path) -> Run:
-    return solve(row.file, row.parameters, seed, limit, folder / "plan.json", "--bound", "path")
+def run_of(row: Row, limit: float, seed: int, folder: Path) -> bench.Run:
+    return bench.solve(row.file, row.parameters, seed, limit, folder / "plan.json", "--bound", "path")
 
 
-def line(row: Row, runs: Sequence[Run]) -> str:
-    solved = good(runs)
-    wall, inside = middle(solved, "wall"), median([seconds(run, "total") for run in solved])
+def line(row: Row, runs: Sequence[bench.Run]) -> str:
+    solved = bench.good(runs)
+    wall, inside = bench.middle(solved, "wall"), bench.median([bench.seconds(run, "total") for run in solved])
     goal, met = "–", "–"
     if row.table != BEYOND:
-        goal = f"{row.goal:.1f}" if row.goal is not None else f"{SHORT_GOAL:g} + start"
-        reached = wall <= row.goal if row.goal is not None else inside <= SHORT_GOAL
+        goal = f"{row.goal:.1f}" if row.goal is not None else f"{bench.SHORT_GOAL:g} + start"
+        reached = wall <= row.goal if row.goal is not None else inside <= bench.SHORT_GOAL
         met = "yes" if solved and reached else "no"
         if row.thesis is None:
             goal, met = "solved", "yes" if len(solved) == len(runs) else "no"
     ratio = f"{row.thesis[0] / wall:.1f}" if row.thesis is not None and solved else "–"
     theirs = [f"{row.thesis[0]:g}", *map(str, row.thesis[1:])] if row.thesis is not None else ["–"] * 4
-    counts = (middle(solved, name) for name in ("tree_nodes", "expanded_nodes", "length"))
-    times = (wall, worst(solved), inside, middle(solved, "cpu"))
-    ours = [number(x) for x in times] + [number(x, 0) for x in counts] + [f"{len(solved)}/{len(runs)}"]
+    counts = (bench.middle(solved, name) for name in ("tree_nodes", "expanded_nodes", "length"))
+    times = (wall, bench.worst(solved), inside, bench.middle(solved, "cpu"))
+    ours = [bench.number(x) for x in times] + [bench.number(x, 0) for x in counts] + [f"{len(solved)}/{len(runs)}"]
     return f"| {' | '.join((row.task, *theirs, *ours, ratio, goal, met))} |"
 
 
@@ -128,7 +107,7 @@ HEADINGS = (
 )  # fmt: skip
 
 
-def markdown(rows: Sequence[Row], runs: Runs, seeds: int) -> str:
+def markdown(rows: Sequence[Row], runs: bench.Runs, seeds: int) -> str:
     """One table per table of the thesis."""
     kept = {task: [run for seed, run in found.items() if int(seed) < seeds] for task, found in runs.items()}
     peak = max((int(str(run["peak_mb"])) for found in kept.values() for run in found), default=0)
@@ -138,25 +117,26 @@ def markdown(rows: Sequence[Row], runs: Runs, seeds: int) -> str:
         "Made by `tamplang bench thesis --markdown docs/benchmarks-thesis.md`: one process per row and seed, one after "
         "the other, on one core, with path bound, collisions and verification.",
         "",
-        f"{today()}, {machine()}, seeds 0 to {seeds - 1}; at most {peak} MB. Times are medians over seeds; the goal "
-        f"is a {FACTOR}th of the thesis' time (a {ASPIRED}th is aspired to) where that is above {LONG:g} s, else "
-        f"{SHORT_GOAL:g} s without process start. Rows without heuristics use the default search."
+        f"{bench.today()}, {bench.machine()}, seeds 0 to {seeds - 1}; at most {peak} MB. Times are medians over seeds; "
+        f"the goal is a {bench.FACTOR}th of the thesis' time (a {ASPIRED}th is aspired to) where that is above "
+        f"{bench.LONG:g} s, else {bench.SHORT_GOAL:g} s without process start. Rows without heuristics "
+        "use the default search."
     ]
     title = ""
     for row in rows:
         if row.table != title:
             title = row.table
-            text += table(title, HEADINGS)
+            text += bench.table(title, HEADINGS)
         if row.task in kept:
             text.append(line(row, kept[row.task]))
     return "\n".join(text) + "\n"
 
 
 def main() -> None:
-    given = options("thesis", __doc__ or "", 120.0)
-    rows = [row for row, taken in zip(ROWS, chosen([row.name for row in ROWS], given.rows), strict=True) if taken]
-    runs = measure({row.task: partial(run_of, row, given.time) for row in rows}, given.seeds, given.out)
-    tell(markdown(rows, runs, given.seeds), given.markdown)
+    given = bench.options("thesis", __doc__ or "", 120.0)
+    rows = [row for row, taken in zip(ROWS, bench.chosen([row.name for row in ROWS], given.rows), strict=True) if taken]
+    runs = bench.measure({row.task: partial(run_of, row, given.time) for row in rows}, given.seeds, given.out)
+    bench.tell(markdown(rows, runs, given.seeds), given.markdown)
 
 
 if __name__ == "__main__":
