@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..extents import box_sides
 from ..hulls import hull
-from ..ir import Body, Chain, Fact, Function, ModuleType, MotionPredicate, Pose, Problem, Shape, Var, Vec3, World
+from ..ir import Body, Chain, Fact, Function, ModuleType, MotionPredicate, Pose, Problem, Shape, Var, Vec3
 from ..remembering import remembered
 from .covers import cover_hull
 
@@ -340,9 +340,3 @@ def shape_distance(shape: Shape, frame: Array, point: Array) -> float:
     if shape.kind in ("box", "convex"):
         return math.hypot(*(max(v - s / 2, 0.0) for v, s in zip((x, y, z), box_sides(shape), strict=True)))
     return max(0.0, math.hypot(x, y, z) - bounding_radius(shape))
-
-
-def bodies_near(world: World, centre: Array, radius: float) -> tuple[str, ...]:
-    """The bodies that, at their start pose, come within `radius` of a point `(3,)`, in declaration order."""
-    bodies = world.bodies.values()
-    return tuple(b.name for b in bodies if shape_distance(b.shape, pose_matrix(b.pose), centre) <= radius)

@@ -12,7 +12,6 @@ from ..skeleton import BoundResult, Configuration, Skeleton, start_configuration
 from .places import places
 from .settings import MotionSettings
 from .spans import TRIES, Span, solve_span
-from .switches import SwitchProgram
 from .windows import WINDOW, led_around, solve_windows
 
 LONGEST = 12
@@ -65,17 +64,3 @@ def window_feasible(
     origin = start_configuration(skeleton.problem)
     random = np.random.default_rng(seed)
     return solve_span(skeleton, first, last, settings, random, budget, origin, free=first > 0)
-
-
-def refine(
-    skeleton: Skeleton,
-    configurations: Sequence[Configuration],
-    settings: MotionSettings,
-    budget: Budget,
-    tolerance: float = 1e-7,
-) -> list[Configuration]:
-    """The K + 1 switch configurations projected onto all rows of P_seq within `tolerance`."""
-    switches = SwitchProgram(skeleton, 0, len(skeleton) - 1, configurations[0], settings, frozen=False)
-    x = switches.pack(configurations)
-    switches.prepare(x)
-    return switches.unpack(switches.project(x, tolerance, budget)[1])

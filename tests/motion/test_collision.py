@@ -14,7 +14,6 @@ from tamplang.compiler.ir import Shape
 from tamplang.compiler.motion.collision import (
     CHECK_MARGIN,
     PATH_MARGIN,
-    bodies_near,
     contacts,
     cover,
     module_spheres,
@@ -125,9 +124,3 @@ def test_the_margin_tapers_next_to_contacts() -> None:
     assert landing is not None and leaving is not None
     assert landing[-4:] == pytest.approx([1.0, 2 / 3, 1 / 3, 0.0]) and landing[:17] == pytest.approx(1.0)
     assert leaving == pytest.approx(landing[::-1])
-
-
-def test_bodies_near_a_stance() -> None:
-    world = climb_alone(8).problem.world
-    near = bodies_near(world, np.array([-0.2, 0.0, 0.075]), reach(CRAWLER, "A"))
-    assert {"ground", "stair[1]"} <= set(near) and "stair[8]" not in near

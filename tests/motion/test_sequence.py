@@ -9,7 +9,7 @@ import pytest
 
 from tamplang.compiler.ir import Problem
 from tamplang.runtime.budget import Budget, OutOfTime
-from tamplang.runtime.motion.sequence import refine, solve_sequence, window_feasible
+from tamplang.runtime.motion.sequence import solve_sequence, window_feasible
 from tamplang.runtime.motion.settings import MotionSettings
 from tamplang.runtime.motion.starts import effector_pose
 from tamplang.runtime.skeleton import Configuration, Skeleton, start_configuration
@@ -124,17 +124,6 @@ def test_warm_starts_stay_near() -> None:
     two = solve_sequence(skeleton, SETTINGS, 1, Budget(30.0), warm=one.configurations[1:])
     assert two.feasible
     assert two.iterations < 60
-
-
-def test_refine_tightens() -> None:
-    skeleton = SKELETONS["alone"]
-    result = solve_sequence(skeleton, SETTINGS, 0, Budget(30.0))
-    random = np.random.default_rng(0)
-    loose = [c.copy() for c in result.configurations]
-    for configuration in loose[1:]:
-        for slot in configuration.modules.values():
-            slot[7:] += random.normal(0.0, 1e-4, len(slot) - 7)
-    check_feet(skeleton, refine(skeleton, loose, SETTINGS, Budget(None)))
 
 
 def test_ipopt_reaches_the_same_feasibility() -> None:
