@@ -192,11 +192,12 @@ def _lines(loaded: Task, result: RunResult, out: Path, report: Path | None) -> l
     if result.replans:
         lines.append(f"{counted(result.replans, 'replanning')}: {result.latency:.2f} s in the median, "
                      f"{result.worst_latency:.2f} s at most")  # fmt: skip
-    lines += _deviation_lines(result)
+    lines += _deviation_lines(result) if record.phases else []
     if record.verdict is not None:
         lines += verdict_lines(record.verdict)
     if not record.complete:
-        lines.append("what was carried out until then stands; the goal is not reached")
+        kept = "what was carried out until then stands" if record.phases else "nothing was carried out"
+        lines.append(f"{kept}; the goal is not reached")
     if result.explanation:
         lines.append(as_text(result.explanation, "full", loaded.problem.sources))
     lines.append(f"plan: {out}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,10 @@ import pytest
 from tamplang.cli import run as command
 from tamplang.runtime.plan import read_plan
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "failing_module.tamp"
+from .conftest import begin
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLE = EXAMPLES / "failing_module.tamp"
 
 
 def test_a_run_and_its_plan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -46,10 +50,51 @@ def test_a_run_and_its_plan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
 )
 def test_options_that_make_no_sense(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert command(["run", str(EXAMPLE), "leaving_module", *arguments]) == 2
-    assert "Error" in capsys.readouterr().err
+    assert "error" in capsys.readouterr().err.lower()
 
 
 def test_a_plan_takes_no_parameters(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     missing = tmp_path / "missing.json"
     assert command(["run", str(missing)]) == 1
     assert "cannot read" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("kept", [0, 2000])
+def test_a_truncated_plan_is_no_plan(tmp_path: Path, kept: int, capsys: pytest.CaptureFixture[str]) -> None:
+    whole = tmp_path / "whole.json"
+    command(["run", str(EXAMPLE), "leaving_module", "-p", "n=1", "--out", str(whole), "--time", "0.01"])
+    cut = tmp_path / "cut.json"
+    cut.write_bytes(whole.read_bytes()[:kept])
+    capsys.readouterr()
+    assert command(["run", str(cut), "--out", str(tmp_path / "out.json")]) == 1
+    assert "cut.json is not a plan file" in capsys.readouterr().err
+    assert not (tmp_path / "out.json").exists()
+
+
+@pytest.mark.parametrize("option", ["--out", "--report"])
+def test_a_folder_that_is_not_there_is_told_before_the_run(option: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert command(["run", str(EXAMPLE), "leaving_module", option, "no/such/folder/file"]) == 2
+    told = capsys.readouterr().err
+    assert "cannot write no/such/folder/file: there is no folder no/such/folder" in told and "planning" not in told
+
+
+@pytest.mark.parametrize(
+    ("arguments", "seen"),
+    [
+        (["run", EXAMPLES / "moving_stairs.tamp", "-p", "n=8"], "2 done"),
+        (["solve", EXAMPLES / "climb.tamp", "-p", "n=100", "--horizon", "2"], "4 actions done"),
+    ],
+)
+def test_ctrl_c_in_mid_run_writes_what_was_carried_out(tmp_path: Path, arguments: list[object], seen: str) -> None:
+    process = begin(tmp_path, "-m", "tamplang", *arguments, "--out", "p.json", "--report", "p.html")
+    assert process.stderr is not None
+    while seen not in (line := process.stderr.readline()):
+        assert line
+    process.send_signal(signal.SIGINT)
+    output, errors = process.communicate(timeout=60)
+    assert process.returncode == 130 and "Traceback" not in errors
+    assert "interrupted" in output and "the goal " in output and "verified" in output.splitlines()
+    plan = read_plan(tmp_path / "p.json")
+    assert plan.phases and not plan.complete and plan.verdict is not None and plan.verdict.verified
+    assert (tmp_path / "p.html").stat().st_size > 100_000
+    assert command(["verify", str(tmp_path / "p.json")]) == 0
