@@ -63,7 +63,7 @@ def test_a_module_entered_anywhere_moves_like_the_plain_one(seed: int, count: in
 
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 10**6))
-def test_twists_are_the_jacobian(seed: int) -> None:
+def test_slopes_are_the_jacobian(seed: int) -> None:
     random = np.random.default_rng(seed)
     module = random_module(random, 5)
     trees = []
@@ -74,8 +74,11 @@ def test_twists_are_the_jacobian(seed: int) -> None:
     kinematics = Kinematics(trees)
     points = Points([[Ball(4, (0.1, -0.2, 0.3), 0.1, "m", None, False)]] * 2)
     values = random.uniform(-2, 2, (2, 3, 5))
-    frames, angular, linear = kinematics.frames(values)
-    at = points.place(frames, 2, 3)[0]
+    frames = kinematics.frames(values)
+    at = points.placed(frames)[0]
+    phase, time = (side.reshape(-1) for side in np.indices((2, 3)))
+    normals = random.normal(size=(6, 3))
+    slopes = kinematics.slopes(frames, at.reshape(3, -1).T, normals, phase, time)
     moves, node = set(), 4
     while node >= 0:
         moves.add(node)
@@ -83,9 +86,12 @@ def test_twists_are_the_jacobian(seed: int) -> None:
     for joint in range(5):
         step = np.zeros(5)
         step[joint] = 1e-6
-        ahead, behind = (points.place(kinematics.frames(values + s)[0], 2, 3)[0] for s in (step, -step))
-        expected = np.cross(np.broadcast_to(angular[joint], at.shape), at, axis=0) + linear[joint]
-        assert (ahead - behind) / 2e-6 == pytest.approx(expected * (joint in moves), abs=1e-6)
+        ahead, behind = (points.placed(kinematics.frames(values + s))[0] for s in (step, -step))
+        expected = (((ahead - behind) / 2e-6).reshape(3, -1).T * normals).sum(axis=1)
+        if joint in moves:
+            assert slopes[:, joint] == pytest.approx(expected, abs=1e-6)
+        else:
+            assert expected == pytest.approx(np.zeros(6), abs=1e-9)
 
 
 def coal_shape(shape: Shape) -> object:

@@ -42,7 +42,7 @@ def flat(found: object, shape: tuple[int, ...]) -> np.ndarray:
 
 def to_obstacles(geometry: Geometry, values: np.ndarray) -> np.ndarray:
     """All clearances `(spheres, obstacles, phases, times)`; infinite where none is asked for."""
-    points = geometry.points.placed(geometry.frames(values))
+    points = geometry.points.placed(geometry.kinematics.frames(values))
     kinds = geometry.obstacle_kinds
     result = np.full((*kinds.shape, values.shape[1]), np.inf)
     for a, o, k in zip(*np.nonzero(kinds != NEVER), strict=True):

@@ -10,15 +10,12 @@ import numpy as np
 
 from ....compiler.ir import World
 from ....compiler.motion.collision import CHECK_MARGIN, PATH_MARGIN, PhaseContacts
-from ...skeleton import Array
 from .balls import Ball, Lineage, Meetings, moving_balls, obstacles_near
-from .kinematics import Frame, Indices, Kinematics, Points
+from .kinematics import Indices, Kinematics, Points
 from .shapes import Shapes
 from .shares import NEVER, START, Kinds, cross_kinds
 from .tree import Obstacle, PhaseTree
 from .wholes import MovingShape, Whole, carried_shapes, module_shapes
-
-WORLD: Frame = (*(np.eye(3)[k][:, None, None] for k in range(3)), np.zeros((3, 1, 1)))
 
 
 @dataclass(slots=True)
@@ -148,16 +145,6 @@ class Geometry:
         result.moved_by, result.points = self.moved_by[kept], self.points.some(kept)
         result.pairs, result.touching = np.zeros((0, 2), int), np.zeros((0, 1, 1))
         result.pair_kinds, result.wholes, result.whole_kinds = self.pair_kinds[:0], [], []
-        return result
-
-    def frames(self, values: Array) -> Array:
-        """The frames of all nodes `(nodes + 1, 4, 3, phases, times)`, axes and origin, for joint values
-        `(phases, times, joints)`; the last one is the world's, as node -1."""
-        frames, _, _ = self.kinematics.frames(values)
-        result = np.empty((len(frames) + 1, 4, 3, *values.shape[:2]))
-        for node, frame in enumerate((*frames, WORLD)):
-            for row, vector in enumerate(frame):
-                result[node, row] = vector
         return result
 
     def name_pair(self, phase: int, block: int, row: int, column: int) -> tuple[str, str]:

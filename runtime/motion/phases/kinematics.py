@@ -1,7 +1,7 @@
-"""Forward kinematics of many phases of one structure at once, with the twists that give Jacobians.
+"""Forward kinematics of many phases of one structure at once, and how fast joints carry points.
 
-Arrays end in axes `(phases, times)`; vectors come as `(…, 3, phases, times)`. Kinematic constants that are equal in all
-phases are plain numbers, so that their zeros and ones cost nothing.
+Frames are arrays `(nodes + 1, 4, 3, phases, times)`: the axes x, y, z and the origin of every node, last those of the
+world, as node -1.
 """
 
 from __future__ import annotations
@@ -15,35 +15,9 @@ from ...skeleton import Array
 from .balls import Ball
 from .tree import Mount, PhaseTree
 
-Weight = float | Array
 Indices = NDArray[np.intp]
-Frame = tuple[Array, Array, Array, Array]
-"""The axes x, y, z and the origin of a frame."""
-
-
-def _weight(values: Array) -> Weight:
-    """A number when all phases agree on it, else `(phases, 1)`."""
-    return float(values[0]) if np.ptp(values) < 1e-12 else values[:, None]
-
-
-def _take(weight: Weight, index: Indices) -> Weight:
-    return weight if isinstance(weight, float) else weight[index]
-
-
-def _mix(frame: Frame, weights: Sequence[Weight], origin: bool) -> Array:
-    """A combination of a frame's axes, from its origin when `origin`."""
-    total: Array | None = frame[3] if origin else None
-    for axis, weight in zip(frame[:3], weights, strict=True):
-        if isinstance(weight, float) and weight == 0.0:
-            continue
-        term = axis if isinstance(weight, float) and weight == 1.0 else weight * axis
-        total = term if total is None else total + term
-    return np.zeros_like(frame[3]) if total is None else total
-
-
-def cross(a: Array, b: Array) -> Array:
-    """Vector product along the first axis."""
-    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+SAME = 1e-12
+"""Kinematic constants of several phases that differ by less are one."""
 
 
 class Kinematics:
@@ -51,50 +25,54 @@ class Kinematics:
 
     def __init__(self, trees: Sequence[PhaseTree]) -> None:
         first = trees[0]
-        self.parents, self.phases = first.parents, len(trees)
-        self.revolute = [kind == "revolute" for kind in first.kinds]
+        self.parents = first.parents
+        self.revolute = np.array([kind == "revolute" for kind in first.kinds], dtype=bool)
         self.signs = np.array(first.signs)
         before = np.array([t.before for t in trees]).reshape(len(trees), len(first.parents), 4, 4)
-        self.bases = {i: before[:, i, :3].transpose(2, 1, 0)[..., None] for i, p in enumerate(self.parents) if p < 0}
-        """For joints on the world: axes and origin `(4, 3, phases, 1)` before the joint moves."""
-        self.weights = {
-            i: [[_weight(before[:, i, row, column]) for row in range(3)] for column in range(4)]
-            for i, p in enumerate(self.parents)
-            if p >= 0
-        }
+        self.before = np.ascontiguousarray(before.transpose(1, 0, 3, 2))
+        """Columns of what comes before each joint: `(joints, phases, 4, 4)`."""
+        self.shared = [bool(np.ptp(b, axis=0).max() < SAME) for b in self.before]
 
     def take(self, index: Indices) -> Kinematics:
         """The kinematics of some of the phases."""
         result = object.__new__(Kinematics)
         result.parents, result.revolute, result.signs = self.parents, self.revolute, self.signs
-        result.phases = len(index)
-        result.bases = {i: base[:, :, index] for i, base in self.bases.items()}
-        result.weights = {i: [[_take(w, index) for w in c] for c in columns] for i, columns in self.weights.items()}
+        result.before, result.shared = self.before[:, index], self.shared
         return result
 
-    def frames(self, values: Array) -> tuple[list[Frame], list[Array], list[Array]]:
-        """Node frames for joint values `(phases, times, joints)`, and per joint the angular and linear part of its
-        unit twist about the world's origin."""
+    def frames(self, values: Array) -> Array:
+        """Frames for joint values `(phases, times, joints)`."""
         turned = np.ascontiguousarray(values.transpose(2, 0, 1)) * self.signs[:, None, None]
         cos, sin = np.cos(turned), np.sin(turned)
-        frames: list[Frame] = []
-        angular, linear = [], []
+        result = np.empty((len(self.parents) + 1, 4, 3, *values.shape[:2]))
+        result[-1] = np.eye(4, 3)[:, :, None, None]
         for i, parent in enumerate(self.parents):
+            own = result[i]
             if parent < 0:
-                x, y, z, p = self.bases[i]
+                own[...] = self.before[i, :, :, :3].transpose(1, 2, 0)[..., None]
+            elif self.shared[i]:
+                np.matmul(self.before[i, 0], result[parent].reshape(4, -1), out=own.reshape(4, -1))
             else:
-                x, y, z, p = (_mix(frames[parent], w, k == 3) for k, w in enumerate(self.weights[i]))
-            axis = self.signs[i] * z
+                np.einsum("bcr,rxbt->cxbt", self.before[i], result[parent], out=own)
             if self.revolute[i]:
-                angular.append(axis)
-                linear.append(cross(p, axis))
-                x, y = cos[i] * x + sin[i] * y, cos[i] * y - sin[i] * x
+                x = cos[i] * own[0] + sin[i] * own[1]
+                own[1] = cos[i] * own[1] - sin[i] * own[0]
+                own[0] = x
             else:
-                angular.append(np.zeros_like(axis))
-                linear.append(axis)
-                p = p + turned[i] * z
-            frames.append((x, y, z, p))
-        return frames, angular, linear
+                own[3] += turned[i] * own[2]
+        return result
+
+    def slopes(self, frames: Array, points: Array, normals: Array, phase: Indices, time: Indices) -> Array:
+        """How fast each joint carries points `(m, 3)` along normals `(m, 3)`, as if it moved them all: `(m, joints)`,
+        at some phases and times `(m,)`."""
+        axes, origins = (frames[:-1, row][:, :, phase, time] for row in (2, 3))
+        along = normals.T
+        x, y, z = (points.T - origins).transpose(1, 0, 2)
+        moment = np.empty(axes.shape)
+        moment[:, 0], moment[:, 1] = y * along[2] - z * along[1], z * along[0] - x * along[2]
+        moment[:, 2] = x * along[1] - y * along[0]
+        moment[~self.revolute] = along
+        return np.asarray(np.einsum("jim,jim->mj", axes, moment) * self.signs)
 
 
 class Points:
@@ -111,7 +89,7 @@ class Points:
         for node in np.unique(self.nodes).tolist():
             mine = np.flatnonzero(self.nodes == node)
             spread = np.abs(self.centres[:, mine] - self.centres[:1, mine]).max(initial=0.0)
-            self.groups.append((node, mine, bool(spread < 1e-12)))
+            self.groups.append((node, mine, bool(spread < SAME)))
 
     def some(self, points: Indices) -> Points:
         """Some of the points."""
@@ -126,25 +104,8 @@ class Points:
         result.nodes, result.centres, result.groups = self.nodes, self.centres[index], self.groups
         return result
 
-    def place(self, frames: list[Frame], phases: int, times: int) -> Array:
-        """World positions `(points, 3, phases, times)`."""
-        result = np.empty((len(self.nodes), 3, phases, times))
-        for node, mine, equal in self.groups:
-            centres = self.centres[:, mine]
-            if node < 0:
-                result[mine] = centres.transpose(1, 2, 0)[..., None]
-                continue
-            axes = np.stack([np.broadcast_to(a, result.shape[1:]) for a in frames[node]])
-            if equal:
-                turned = (centres[0] @ axes[:3].reshape(3, -1)).reshape(len(mine), *result.shape[1:])
-            else:
-                turned = np.einsum("bna,aibt->nibt", centres, axes[:3])
-            result[mine] = turned + axes[3]
-        return result
-
     def placed(self, frames: Array) -> Array:
-        """World positions `(points, 3, phases, times)` by frames `(nodes + 1, 4, 3, phases, times)`, the world's
-        last."""
+        """World positions `(points, 3, phases, times)` by the frames."""
         result = np.empty((len(self.nodes), *frames.shape[2:]))
         for node, mine, equal in self.groups:
             axes = frames[node]
@@ -161,9 +122,7 @@ def mounted_poses(tree: PhaseTree, mount: Mount, values: Array) -> Array:
     node, local = mount
     if node < 0:
         return np.broadcast_to(local, (len(values), 4, 4)).copy()
-    frame = Kinematics([tree]).frames(values[None])[0][node]
     result = np.zeros((len(values), 4, 4))
-    for column, axis in enumerate(frame):
-        result[:, :3, column] = np.broadcast_to(axis, (3, 1, len(values)))[:, 0].T
+    result[:, :3] = Kinematics([tree]).frames(values[None])[node, :, :, 0].transpose(2, 1, 0)
     result[:, 3, 3] = 1.0
     return result @ local

@@ -66,7 +66,7 @@ def near_obstacles(geometry: Geometry, points: Array, margin: float) -> tuple[In
 
 def close(geometry: Geometry, values: Array, margin: float) -> Iterator[Close]:
     """All that is nearer than `margin`, metres, for joint values `(phases, times, joints)`, block by block."""
-    frames = geometry.frames(values)
+    frames = geometry.kinematics.frames(values)
     points = geometry.points.placed(frames)
     yield _to_obstacles(geometry, points, margin)
     yield _among_themselves(geometry, points, margin)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...skeleton import Array
 from .batch import Batch, Looks
-from .geometry import WORLD, Geometry
+from .geometry import Geometry
 from .kinematics import Indices
 from .near import near_obstacles
 from .shares import NEVER
@@ -108,53 +108,22 @@ def _missed(batch: Batch, inner: Array, margin: float) -> _Rows:
     values = inner
     if batch.looks.weights is not None:
         values = np.einsum("ts,bsj->btj", batch.looks.weights, batch.with_ends(inner))
-    phases, times, _ = values.shape
     geometry, shares = batch.coarse, margin * batch.looks.shares
-    frames, angular, linear = geometry.kinematics.frames(values)
-    points = geometry.points.place(frames, phases, times)
-    twists = (_stacked(angular, phases, times), _stacked(linear, phases, times))
-    rows = [make(margin, shares, geometry, points, twists) for make in (_obstacle_rows, _pair_rows)]
-    for number, whole in enumerate(geometry.wholes):
-        frame = frames[whole.node] if whole.node >= 0 else WORLD
-        carrier = np.stack([np.broadcast_to(a, points.shape[1:]) for a in frame])
-        rows.append(_whole_rows(margin, shares, geometry, number, carrier, points, twists))
+    frames = geometry.kinematics.frames(values)
+    points = geometry.points.placed(frames)
+    rows = [make(margin, shares, geometry, points, frames) for make in (_obstacle_rows, _pair_rows)]
+    rows += [_whole_rows(margin, shares, geometry, k, points, frames) for k in range(len(geometry.wholes))]
     if batch.fading is not None:
-        points = batch.fading.points.place(frames, phases, times)
-        rows.append(_obstacle_rows(margin, batch.looks.required, batch.fading, points, twists))
+        points = batch.fading.points.placed(frames)
+        rows.append(_obstacle_rows(margin, batch.looks.required, batch.fading, points, frames))
     return _Rows(
         np.concatenate([r.amount for r in rows]), np.concatenate([r.slope for r in rows]),
         np.concatenate([r.place for r in rows]),
     )  # fmt: skip
 
 
-def _stacked(vectors: list[Array], phases: int, times: int) -> Array:
-    result = np.empty((len(vectors), 3, phases, times))
-    for k, vector in enumerate(vectors):
-        result[k] = vector
-    return result
-
-
-def _slopes(
-    twists: tuple[Array, Array], points: Array, normals: Array, phase: Indices, time: Indices, moved_by: Array
-) -> Array:
-    """How fast each joint carries points `(m, 3)` along normals `(m, 3)`: `(m, joints)`; `moved_by` `(m, joints)` tells
-    which of them move the points, and -1 that they move the other side."""
-    angular, linear = (t[:, :, phase, time] for t in twists)
-    moment = _cross(points, normals)
-    slope = np.einsum("jcm,mc->mj", angular, moment) + np.einsum("jcm,mc->mj", linear, normals)
-    return np.asarray(slope * moved_by)
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """Vector products `(m, 3)`."""
-    return np.stack([
-        a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1], a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2],
-        a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0],
-    ], axis=1)  # fmt: skip
-
-
 def _obstacle_rows(
-    margin: float, shares: Array, geometry: Geometry, points: Array, twists: tuple[Array, Array]
+    margin: float, shares: Array, geometry: Geometry, points: Array, frames: Array
 ) -> _Rows:
     times = points.shape[-1]
     a, o, k, t = near_obstacles(geometry, points, margin)
@@ -164,11 +133,11 @@ def _obstacle_rows(
     hit = np.flatnonzero(missed > 0.0)
     a, o, k, t, at = a[hit], o[hit], k[hit], t[hit], at[hit]
     normals = geometry.shapes.normals(offset[hit, :, 0], excess[hit, :, 0], o, k)
-    slope = _slopes(twists, at, normals, k, t, geometry.moved_by[a])
+    slope = geometry.kinematics.slopes(frames, at, normals, k, t) * geometry.moved_by[a]
     return _Rows(missed[hit], -slope, k * times + t)
 
 
-def _pair_rows(margin: float, shares: Array, geometry: Geometry, points: Array, twists: tuple[Array, Array]) -> _Rows:
+def _pair_rows(margin: float, shares: Array, geometry: Geometry, points: Array, frames: Array) -> _Rows:
     times = points.shape[-1]
     first, second = geometry.pairs[:, 0], geometry.pairs[:, 1]
     apart = points[first] - points[second]
@@ -180,25 +149,25 @@ def _pair_rows(margin: float, shares: Array, geometry: Geometry, points: Array, 
     p, k, t, missed = p[hit], k[hit], t[hit], missed[hit]
     normals = normals[hit] / np.maximum(distance[hit], 1e-9)[:, None]
     moved_by = geometry.moved_by[first[p]].astype(float) - geometry.moved_by[second[p]]
-    slope = _slopes(twists, points[first[p], :, k, t], normals, k, t, moved_by)
+    slope = geometry.kinematics.slopes(frames, points[first[p], :, k, t], normals, k, t) * moved_by
     return _Rows(missed, -slope, k * times + t)
 
 
 def _whole_rows(
-    margin: float, shares: Array, geometry: Geometry, number: int, frames: Array, points: Array,
-    twists: tuple[Array, Array],
-) -> _Rows:  # fmt: skip
-    """Of one whole shape; `frames` `(4, 3, phases, times)` are those of its node."""
+    margin: float, shares: Array, geometry: Geometry, number: int, points: Array, frames: Array
+) -> _Rows:
+    """Of one whole shape."""
     whole, kinds, times = geometry.wholes[number], geometry.whole_kinds[number], points.shape[-1]
+    own = frames[whole.node]
     reach = geometry.radius[whole.meets] + whole.extent[:, None] + margin
-    away = points[whole.meets] - whole.origin(frames)
+    away = points[whole.meets] - whole.origin(own)
     near = np.einsum("nikt,nikt->nkt", away, away) < reach**2
     n, k, t = np.nonzero(near & (kinds != NEVER)[..., None])
     a = whole.meets[n]
-    distance, normals = whole.distance_and_normal(frames[:, :, k, t].transpose(2, 0, 1), points[a, :, k, t], k)
+    distance, normals = whole.distance_and_normal(own[:, :, k, t].transpose(2, 0, 1), points[a, :, k, t], k)
     missed = geometry.radius[a, 0, 0] + shares[kinds[n, k], t] - distance
     hit = np.flatnonzero(missed > 0.0)
     k, t, a, missed = k[hit], t[hit], a[hit], missed[hit]
     moved_by = geometry.moved_by[a].astype(float) - geometry.wholes_moved_by[number]
-    slope = _slopes(twists, points[a, :, k, t], normals[hit], k, t, moved_by)
+    slope = geometry.kinematics.slopes(frames, points[a, :, k, t], normals[hit], k, t) * moved_by
     return _Rows(missed, -slope, k * times + t)

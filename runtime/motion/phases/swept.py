@@ -39,7 +39,7 @@ class _Motion:
 
     def __init__(self, geometry: Geometry, values: Array) -> None:
         self.geometry = geometry
-        self.frames = geometry.frames(values)
+        self.frames = geometry.kinematics.frames(values)
         nodes, _, _, phases, times = self.frames.shape
         self._shift = departure(self.frames[:, 3])
         self._turn = departure(self.frames[:, :3].reshape(nodes, 9, phases, times))
