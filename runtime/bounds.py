@@ -83,6 +83,12 @@ class Bounds(Solves):
         sequence = self._sequence(skeleton, self.seed, warm, tries=self.tries)
         return self.motion(skeleton, sequence, motions) if sequence.feasible else Judgement(False)
 
+    def retry(self, skeleton: Skeleton, motions: int) -> Judgement:
+        """As `judge`, for a way that was refused only from the start: with all starts, and others than before. A
+        refusal has no conflicts. Raises OutOfTime."""
+        sequence = self._sequence(skeleton, self.seed + AGAIN, None, tries=None)
+        return self.motion(skeleton, sequence, motions) if sequence.feasible else Judgement(False)
+
     def try_harder(self) -> None:
         """Forget every refusal; from now on each span gets all its starts, and others than before."""
         self.experience.forget()

@@ -28,6 +28,8 @@ from ..skeleton import Configuration, PhasePath, Skeleton, beginning
 from .goals import ordered, parts_of, told, unmet
 from .state import Reached, after, reached_problem
 
+SEVERAL = 3
+"""So many windows long are plans for some parts of the goal at least: later windows then go on along them."""
 LOOKAHEAD = 2
 """P_seq looks so many phases beyond the window."""
 FEW_PARTS = 3
@@ -41,6 +43,8 @@ MOST_REMEMBERED = 4
 """Refused beginnings of a window with up to so many actions are forbidden wherever their robots stand alike."""
 CANDIDATES = 24
 """Plans that are judged for one goal of one window."""
+ALIKE = 3
+"""After so many that are expected to be refused, the one that was refused is tried once more."""
 
 PLANNED, DONE, STUCK, INFEASIBLE = "planned", "done", "stuck", "infeasible"
 
@@ -140,6 +144,8 @@ class _Planner:
         self.refused = self.tree_nodes = self.expanded_nodes = 0
         self.tree: tuple[SearchNode, ...] = ()
         self.proved = self.again = False
+        self.alike = 0
+        self.first: tuple[Candidate, int | None] | None = None
         self.unmet: list[ir.Formula] = []
 
     def run(self) -> Window:
@@ -152,8 +158,8 @@ class _Planner:
         on = self._go_on()
         if on is not None:
             return on
-        for goal in self._goals():
-            found = self._try(goal)
+        for goal, parts in self._goals():
+            found = self._try(goal, parts)
             if found is not None:
                 return replace(
                     found, tree_nodes=self.tree_nodes, expanded_nodes=self.expanded_nodes, tree=self.tree,
@@ -188,26 +194,27 @@ class _Planner:
         seen = beginning(skeleton, self.horizon + self.lookahead)
         return replace(seen, coming=self._coming()), min(self.horizon, len(skeleton))
 
-    def _goals(self) -> Iterator[ir.Formula]:
-        """What is planned for: the whole goal where that is short, else what holds already and the next parts of it, in
-        growing groups."""
+    def _goals(self) -> Iterator[tuple[ir.Formula, int]]:
+        """What is planned for, and how many unmet parts that are: the whole goal where that is short, else what holds
+        already and the next parts of it, in growing groups."""
         count = len(self.unmet)
         if count <= FEW_PARTS:
-            yield self.problem.goal
+            yield self.problem.goal, count
         size = min(self.memory.group, count)
         while size < count:
-            yield self._protected(self.unmet[:size])
+            yield self._protected(self.unmet[:size]), size
             size = min(2 * size, count)
         if count > FEW_PARTS:
-            yield self._protected(self.unmet)
+            yield self._protected(self.unmet), count
 
     def _protected(self, parts: Sequence[ir.Formula]) -> ir.Formula:
         """The parts of the goal that hold, and some that do not yet."""
         held = [part for part in self.memory.order if part not in self.unmet]
         return ir.And((*held, *parts))
 
-    def _try(self, goal: ir.Formula) -> Window | None:
-        """Candidates for one goal until one gets its motion; hurried ones once the cheapest takes long."""
+    def _try(self, goal: ir.Formula, parts: int) -> Window | None:
+        """Candidates for a goal of so many unmet parts until one gets its motion; hurried ones once the cheapest takes
+        long."""
         clock = self.memory.bounds.clock
         with clock("compile"):
             problem = replace(self.problem, goal=goal)
@@ -222,19 +229,20 @@ class _Planner:
         search.charge(surcharge)
         for actions in self.forbidden:
             forbid(search, actions)
-        self.again = False
+        self.again, self.first, self.alike = False, None, 0
         try:
             for _ in range(CANDIDATES):
                 with clock("search"):
                     candidate = self._next(search)
+                if self.first is not None and (candidate is None or self.alike >= ALIKE):
+                    found = self._once_more(search, *self.first)
+                    if found is not None:
+                        return found
                 if candidate is None:
-                    self.proved = search.status == "infeasible" and not self.forbidden
-                    if search.status != "exhausted" or self.again or not search.readmit():
+                    if not self._widen(search):
                         return None
-                    self.again = True
-                    self.memory.bounds.try_harder()
                     continue
-                if self._too_short(candidate, goal):
+                if self._too_short(candidate, parts):
                     return None
                 found = self._judge(search, strain, surcharge, candidate)
                 if found is not None:
@@ -246,22 +254,40 @@ class _Planner:
         return None
 
     def _next(self, search: SkeletonSearch) -> Candidate | None:
-        """The next candidate; where the cheapest takes too many nodes, the search goes on hurried, with more."""
+        """The next candidate, if it takes few nodes or the search is hurried already."""
         self.budget.check()
         self.memory.bounds.tell("search", f"searching for a way, with {len(self.unmet)} parts of the goal to come")
-        candidate = search.next()
-        if candidate is None and search.status == "budget":
+        if search.node_limit != MORE_NODES:
+            search.node_limit = search.expanded_nodes + NODES
+        return search.next()
+
+    def _widen(self, search: SkeletonSearch) -> bool:
+        """Let a search that has found nothing go on: hurried, with more nodes; or once with all that was refused
+        allowed again, and tried harder. Whether there is more to find."""
+        if search.status == "budget" and search.node_limit != MORE_NODES:
             search.node_limit = MORE_NODES
             search.method = "wastar" if search.method == "astar" else search.method
-            candidate = search.next()
-        return candidate
-
-    def _too_short(self, candidate: Candidate, goal: ir.Formula) -> bool:
-        """Whether a plan for some parts of the goal ends before the window does; then more parts are planned for."""
-        rest = isinstance(goal, ir.And) and any(part not in goal.operands for part in self.unmet)
-        if not rest or goal == self.problem.goal or len(candidate.actions) >= self.horizon + self.lookahead:
+            return True
+        self.proved = search.status == "infeasible" and not self.forbidden
+        if search.status != "exhausted" or self.again or not search.readmit():
             return False
-        self.memory.group = min(len(self.unmet), self.memory.group + 1)
+        self.again = True
+        self.memory.bounds.try_harder()
+        return True
+
+    def _once_more(self, search: SkeletonSearch, candidate: Candidate, length: int | None) -> Window | None:
+        """The first candidate that was refused from the start only, with more starts of P_seq; or as far as P_seq could
+        follow it, where that is beyond the window."""
+        self.first, self.alike = None, 0
+        seen, count = self._seen(build_skeleton(self.problem, candidate.actions, search.successors))
+        judgement = self.memory.bounds.retry(seen if length is None else beginning(seen, length), count)
+        return self._accepted(search, candidate, seen, count, judgement) if judgement.accepted else None
+
+    def _too_short(self, candidate: Candidate, parts: int) -> bool:
+        """Whether a plan for some parts of the goal is so short that more parts are planned for."""
+        if parts == len(self.unmet) or len(candidate.actions) >= SEVERAL * self.horizon + self.lookahead:
+            return False
+        self.memory.group = max(self.memory.group, 2 * parts)
         return True
 
     def _judge(
@@ -270,9 +296,13 @@ class _Planner:
         seen, count = self._seen(build_skeleton(self.problem, candidate.actions, search.successors))
         judgement = self.memory.bounds.judge(seen, strain.along(candidate.numbers[: len(seen)]), count)
         if judgement.accepted:
-            cost = sum(search.successors.cost(number) for number in candidate.numbers[:count])
-            return self._planned(candidate.actions, cost, beginning(seen, count), judgement)
+            return self._accepted(search, candidate, seen, count, judgement)
         self.refused += 1
+        expected = all(conflict.bound == EXPECTED for conflict in judgement.conflicts)
+        self.alike = self.alike + 1 if expected else 0
+        if self.refused == 1 and all(conflict.from_start and conflict.last for conflict in judgement.conflicts):
+            least = min(conflict.last for conflict in judgement.conflicts)
+            self.first = candidate, least if least >= count else None
         for conflict in judgement.conflicts:
             if conflict.bound != EXPECTED:
                 self.memory.refusals.add(replace(seen, problem=self.memory.refusals.problem), conflict)
@@ -281,6 +311,12 @@ class _Planner:
             search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start and not short)
         search.charge(surcharge)
         return None
+
+    def _accepted(
+        self, search: SkeletonSearch, candidate: Candidate, seen: Skeleton, count: int, judgement: Judgement
+    ) -> Window:
+        cost = sum(search.successors.cost(number) for number in candidate.numbers[:count])
+        return self._planned(candidate.actions, cost, beginning(seen, count), judgement)
 
     def _coming(self) -> tuple[tuple[str, str], ...]:
         """Bodies of unmet parts of the goal with what may have to be put down on them."""

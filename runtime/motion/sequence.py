@@ -45,7 +45,7 @@ def solve_sequence(
         result = span.search(warm, tries or min(TRIES, 4 + last))
         if not result.feasible and span.reached and len(skeleton) > WINDOW and warm is None and tries is None:
             result = solve_windows(skeleton, settings, random, budget, origin, FEW)
-        elif result.feasible and warm is None:
+        elif result.feasible:
             result, spent = led_around(skeleton, 0, last, settings, random, budget, result)
             span.iterations += spent
     if result.feasible and len(skeleton) > LONGEST and warm is None and not places(skeleton):

@@ -15,7 +15,6 @@ from ...compiler.extents import box_sides
 from ...compiler.ir import ModuleType, Vec3
 from ...compiler.motion.collision import module_spheres, pose_matrix
 from ..skeleton import Array, Configuration, Skeleton
-from .mending import unmoved
 from .movement import followers
 from .starts import to_tuple
 
@@ -59,14 +58,15 @@ def _slid(type_: ModuleType, before: Array, after: Array) -> Array | None:
     return np.array([_centres(type_, slot) for slot in slots])
 
 
-def pierced(skeleton: Skeleton, phase: int, before: Configuration, after: Configuration) -> bool:
-    """Whether, on the straight way between the switches of a phase, most of something that slides is somewhere within
-    a body at rest."""
+def reach(skeleton: Skeleton, phase: int, before: Configuration, after: Configuration) -> float:
+    """The share of the straight way between the switches of a phase up to where something that slides first touches
+    the body at rest in which most of it then is somewhere; 1 where it goes through none."""
     world = skeleton.problem.world
     ways = (_slid(m.type, before.modules[name], after.modules[name]) for name, m in world.modules.items())
     slid = [points for points in ways if points is not None]
+    least = LOOKS
     if not slid:
-        return False
+        return 1.0
     carried = followers(skeleton.problem, skeleton.phases[phase].mode)
     for name, body in world.bodies.items():
         if name in carried or body.shape.kind not in ("box", "convex"):
@@ -75,21 +75,30 @@ def pierced(skeleton: Skeleton, phase: int, before: Configuration, after: Config
         for points in slid:
             within = (np.abs((points - frame[:3, 3]) @ frame[:3, :3]) < half).all(axis=2)
             if within.mean(axis=1).max() > THROUGH:
-                return True
-    return False
+                least = min(least, int(np.flatnonzero(within.sum(axis=1))[0]))
+    return least / LOOKS
 
 
 def all_pierced(skeleton: Skeleton, first: int, configurations: Sequence[Configuration]) -> list[int]:
     """Such phases from `first` on, between switch configurations that begin with the state before it."""
     pairs = pairwise(configurations)
-    return [first + k for k, (before, after) in enumerate(pairs) if pierced(skeleton, first + k, before, after)]
+    return [first + k for k, (before, after) in enumerate(pairs) if reach(skeleton, first + k, before, after) < 1.0]
 
 
-def held_back(configurations: Sequence[Configuration], phases: Sequence[int]) -> list[Configuration]:
-    """Switch configurations as a start in which such phases, by their number in it, end where they begin; of two that
-    follow each other the first, as it leads to where the second has to come from."""
-    held: list[int] = []
+def held_back(
+    skeleton: Skeleton, first: int, configurations: Sequence[Configuration], phases: Sequence[int]
+) -> list[Configuration]:
+    """Switch configurations as a start in which modules end such phases, by their number in the skeleton, before
+    what they would go through; of two that follow each other the first, as it leads to where the second has to come
+    from. Configurations begin with the state before phase `first`."""
+    held = [configuration.copy() for configuration in configurations]
+    last = -2
     for phase in phases:
-        if phase - 1 not in held:
-            held.append(phase)
-    return unmoved(configurations, held)
+        if phase - 1 == last:
+            continue
+        last, k = phase, phase - first
+        share = reach(skeleton, phase, configurations[k], configurations[k + 1])
+        for name, slot in held[k + 1].modules.items():
+            slot[:] = (1.0 - share) * configurations[k].modules[name] + share * slot
+            slot[3:7] /= np.linalg.norm(slot[3:7])
+    return held

@@ -128,7 +128,7 @@ def led_around(
     for _ in range(AROUND):
         if not bad:
             break
-        warm = held_back(found.configurations, [phase - first for phase in bad])
+        warm = held_back(skeleton, first, found.configurations, bad)
         again = solve_span(
             skeleton, first, last, settings, random, budget, found.configurations[0], warm[1:], tries=1
         )  # fmt: skip

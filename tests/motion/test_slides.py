@@ -50,11 +50,12 @@ def test_ways_right_through_a_tray_are_told_from_those_beside_it(
     assert all_pierced(skeleton, 0, [start, _driven(start, x, y)]) == ([0] if through else [])
 
 
-def test_the_first_of_two_such_phases_is_held_back(tmp_path: Path) -> None:
+def test_the_first_of_two_such_phases_is_held_back_before_what_it_would_go_through(tmp_path: Path) -> None:
     skeleton, start = _scene(tmp_path, 3)
     across = _driven(start, 2.0, 0.0)
     slices = [start, across, start, _driven(start, 0.2, 0.0)]
     assert all_pierced(skeleton, 0, slices) == [0, 1]
-    held = held_back(slices, [0, 1])
+    held = held_back(skeleton, 0, slices, [0, 1])
     assert all_pierced(skeleton, 0, held) == []
+    assert 0.5 < held[1].modules["plate"][7] < 0.8
     assert all((a.modules["plate"] == b.modules["plate"]).all() for a, b in zip(held[2:], slices[2:], strict=True))
