@@ -25,6 +25,9 @@ from .nearby import NO_PAIRS, Blocks, Edges, Pairs
 NEAR = 0.3
 """Metres: pairs closer than this at the start of a solve take part in it; the others are looked at afterwards."""
 
+Solids = tuple[Array, Array, Array]
+"""Rotations (3, 3, N), positions (3, N) and half sizes (3, N) of boxes, by coordinates."""
+
 
 class _Block:
     """All slots of one kind, and the numbers of their spheres."""
@@ -230,6 +233,14 @@ def _lengths(vectors: Array) -> Array:
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors) + SMOOTH))
 
 
+def _length(squares: Array) -> Array:
+    """Smooth lengths (N,) of vectors by the squares (3, N) of their coordinates."""
+    total = squares[0] + squares[1]
+    total += squares[2]
+    total += SMOOTH
+    return np.asarray(np.sqrt(total, out=total))
+
+
 class ClearanceGroup:
     """Rows wanted distance − distance <= 0, between sphere `first` and sphere or rounded box `second`."""
 
@@ -255,6 +266,7 @@ class ClearanceGroup:
         if not self.boxes:
             parts.append(self.cloud.places(self.second))
         self._places = np.concatenate(parts, axis=1)
+        self._taken = self._solids(pairs.second)
 
     def _reached(self, pairs: Pairs) -> Array:
         """The distances to keep between centres and boxes, or centres."""
@@ -267,20 +279,37 @@ class ClearanceGroup:
         already do. Returns whether one of the new ones is violated."""
         edges = self.cloud.edges(z)
         pairs, taking_part = self.pairs.joined(self._blocks.near(edges, self._edges or edges, near))
-        value = self._reached(pairs) - self._distances(z, pairs.first, pairs.second)
+        value = self._reached(pairs) - self._distances(z, pairs.first, pairs.second, self._solids(pairs.second))
         close = taking_part | (value > -near)
         broken = bool((value[close & ~taking_part] > 1e-4).any())
         self._use(pairs[np.flatnonzero(close)])
         return broken
 
-    def _distances(self, z: Array, first: Indices, second: Indices) -> Array:
+    def _distances(self, z: Array, first: Indices, second: Indices, solids: Solids | None) -> Array:
+        """Signed distances (N,) from centres to boxes, or to centres. By coordinates, as sums over three numbers a row
+        take longer than all else."""
         centres = self.cloud.centres(z)
+        if solids is None:
+            apart = centres.take(first, axis=0) - centres.take(second, axis=0)
+            return _length(np.square(apart, out=apart).T)
+        rotations, positions, halves = solids
+        offset = np.ascontiguousarray(centres.take(first, axis=0).T)
+        offset -= positions
+        excess = rotations[0] * offset[0]
+        excess += rotations[1] * offset[1]
+        excess += rotations[2] * offset[2]
+        np.abs(excess, out=excess)
+        excess -= halves
+        deep = np.minimum(np.maximum(np.maximum(excess[0], excess[1]), excess[2]), 0.0)
+        np.maximum(excess, 0.0, out=excess)
+        deep += _length(np.square(excess, out=excess))
+        return np.asarray(deep)
+
+    def _solids(self, second: Indices) -> Solids | None:
         if not self.boxes:
-            difference = centres[first] - centres[second]
-            return _lengths(difference)
-        excess, _ = self._excess(centres, first, second)
-        outside = np.maximum(excess, 0.0)
-        return np.asarray(_lengths(outside) + np.minimum(excess.max(1, initial=-1e9), 0.0))
+            return None
+        rotations, positions, halves, _ = (part[second] for part in self.boxes)
+        return rotations.transpose(1, 2, 0).copy(), positions.T.copy(), halves.T.copy()
 
     def _excess(self, centres: Array, first: Indices, second: Indices) -> tuple[Array, Array]:
         assert self.boxes is not None
@@ -310,7 +339,7 @@ class ClearanceGroup:
         return self.label_of(self.pairs.tags[instance])
 
     def residuals(self, z: Array) -> Array:
-        values: Array = self.wanted - self._distances(z, self.first, self.second)
+        values: Array = self.wanted - self._distances(z, self.first, self.second, self._taken)
         return values[:, None]
 
     def jacobians(self, z: Array, chosen: Chosen) -> tuple[Array, Indices]:
