@@ -27,10 +27,10 @@ CUTS = (8, 16)
 """How often corners of a sampled polyline are cut for each of the starts along it."""
 REPAIRED = 0.06
 """A path that misses its clearance by less, metres, is pushed away once more."""
-WIDER = Schedule(widening=1.6, iterations=25)
+WIDER = Schedule(widening=1.6, iterations=15)
 LOOKS = (2, 4)
 """How often per slice it is then looked at, one time after the other."""
-NEARER = Schedule(weight=1e5, widening=1.15, iterations=15, tolerance=1e-4)
+NEARER = Schedule(weight=1e5, widening=1.15, iterations=8, tolerance=1e-4)
 TO_THE_END = Schedule(weight=1e5, iterations=100, tolerance=1e-5)
 HOPELESS = 5e-3
 """A path on which the optimiser's spheres, which lie within the shapes, overlap by more, metres, is not checked."""

@@ -33,8 +33,8 @@ class Schedule:
     weight: float = 1e3
     greatest: float = 1e5
     every: int = 5
-    iterations: int = 60
-    tolerance: float = 1e-3
+    iterations: int = 40
+    tolerance: float = 3e-3
     largest_step: float = 0.5
     widening: float = 1.0
 
