@@ -12,6 +12,7 @@ from ..library import VALUE_TYPE_NAMES
 from .context import Context
 from .kinds import NUMBER, UNKNOWN, VALUE_TYPES, Kind
 from .names import Entry, Scope, Typed
+from .scalars import check_scalar
 
 LARGEST_LOOP = 20_000
 
@@ -53,8 +54,6 @@ def check_type(context: Context, scope: Scope, node: syntax.Type) -> tuple[ir.Ty
 
 
 def _check_range(context: Context, scope: Scope, node: syntax.RangeType) -> ir.RangeType:
-    from .terms import check_scalar
-
     first = check_scalar(context, scope, node.first, NUMBER, "the first value of a range")
     last = check_scalar(context, scope, node.last, NUMBER, "the last value of a range")
     return ir.RangeType(first.term, last.term)
@@ -121,8 +120,6 @@ def unrolled(
 
 
 def _whole(context: Context, scope: Scope, term: syntax.Term) -> int | None:
-    from .terms import check_scalar
-
     typed = check_scalar(context, scope, term, NUMBER, "a bound of a range")
     if typed.value is None or not typed.kind.known:
         return None

@@ -15,7 +15,7 @@ from .effects import check_effects
 from .formulas import TRUE, check_formula
 from .kinds import NUMBER
 from .names import Scope
-from .terms import check_scalar
+from .scalars import check_scalar
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from ...langs import syntax
 from .. import ir
 from ..library import VALUE_TYPE_NAMES, Library, Signature
 from .findings import Findings
+from .names import Scope, Typed
 
 
 @dataclass(slots=True)
 class Context:
     """`logic` and `motion` hold the signatures of the two kinds of predicates. `random` is None while nothing is
     evaluated; then it is drawn from in the order of the scene's text. `open_functions` are those whose bodies are being
-    read."""
+    read. Terms hold formulas and formulas hold terms, each within declared functions and binders, too: how they are
+    checked stands here for all that lies between."""
 
     library: Library
     findings: Findings
+    check_term: Callable[[Context, Scope, syntax.Term], Typed]
+    check_formula: Callable[[Context, Scope, syntax.Formula], ir.Formula]
     logic: Mapping[str, Signature] = field(default_factory=dict)
     motion: Mapping[str, Signature] = field(default_factory=dict)
     random: random.Random | None = None
@@ -41,9 +45,14 @@ class Context:
         return node.name
 
 
-def build_context(library: Library, findings: Findings) -> Context:
+def build_context(
+    library: Library,
+    findings: Findings,
+    check_term: Callable[[Context, Scope, syntax.Term], Typed],
+    check_formula: Callable[[Context, Scope, syntax.Formula], ir.Formula],
+) -> Context:
     """A context with the signatures of all predicates of `library`; checks their parameters on the way."""
-    context = Context(library, findings)
+    context = Context(library, findings, check_term, check_formula)
     logic: dict[str, Signature] = {}
     for predicate in library.predicates.values():
         logic[predicate.name] = Signature(

@@ -8,7 +8,6 @@ from ...langs import syntax
 from ..builtins import FUNCTIONS
 from .context import Context
 from .names import BROKEN, Entry, Scope, Typed
-from .terms import check_term
 from .values import bind_arguments, parameter_entries
 
 
@@ -24,7 +23,7 @@ def check_functions(context: Context) -> None:
         if any(isinstance(n, syntax.Previous) for n in _nodes(function.body)):
             continue
         context.open_functions.append(function.name)
-        check_term(context, Scope(_place(function.body)).with_entries(entries.items()), function.body)
+        context.check_term(context, Scope(_place(function.body)).with_entries(entries.items()), function.body)
         context.open_functions.pop()
 
 
@@ -42,7 +41,7 @@ def apply_function(context: Context, scope: Scope, call: syntax.Call, function: 
     if entries is None or findings.errors > before:
         return BROKEN
     context.open_functions.append(function.name)
-    typed = check_term(context, _inner(scope, entries), function.body)
+    typed = context.check_term(context, _inner(scope, entries), function.body)
     context.open_functions.pop()
     return typed
 

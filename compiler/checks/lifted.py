@@ -17,9 +17,11 @@ from .check_motion import check_motions
 from .check_usage import check_usage
 from .context import Context, build_context
 from .findings import Findings
+from .formulas import check_formula
 from .functions import check_functions
 from .incomplete import keep_certain
 from .names import Scope
+from .terms import check_term
 from .values import parameter_entries
 
 
@@ -60,7 +62,7 @@ class Lifted:
 def check_declarations(library: Library, findings: Findings, parsed: bool) -> Lifted:
     """Check every declaration. After errors of syntax or imports only those findings are kept that do not follow from
     what is missing."""
-    context = build_context(library, findings if parsed else Findings(library.sources))
+    context = build_context(library, findings if parsed else Findings(library.sources), check_term, check_formula)
     predicates, derived = lower_predicates(context), check_derived(context)
     motions, rules, placements = check_motions(context), check_rules(context), check_placements(context)
     check_functions(context)

@@ -6,9 +6,11 @@ from ...langs import syntax
 from ...langs.source import Span
 from .. import ir
 from ..builtins import FUNCTIONS
-from ..scenes.evaluate import EvaluationError, arithmetic, function_value
+from ..scenes.evaluate import EvaluationError, arithmetic, function_value, truth
+from .binders import bind
 from .context import Context
-from .kinds import EXAMPLES, LENGTH, NUMBER, UNKNOWN, VECTOR, Kind, added, divided, multiplied
+from .functions import apply_function
+from .kinds import LENGTH, NUMBER, UNKNOWN, VECTOR, Kind, added, divided, multiplied
 from .names import BROKEN, Scope, Typed
 from .objects import check_attribute, check_index, check_name
 
@@ -47,40 +49,6 @@ def check_term(context: Context, scope: Scope, term: syntax.Term) -> Typed:
             return _check_aggregate(context, scope, term)
 
 
-def check_scalar(
-    context: Context, scope: Scope, term: syntax.Term, kind: Kind, what: str, lenient: bool = False
-) -> Typed:
-    """A term that must be of scalar `kind`; `what` names its place in messages. With `lenient`, a plain number passes
-    for a length."""
-    typed = check_term(context, scope, term)
-    expect_kind(context, typed, kind, term, what, lenient)
-    return typed
-
-
-def expect_kind(
-    context: Context, typed: Typed, kind: Kind, term: syntax.Term, what: str, lenient: bool = False
-) -> bool:
-    """Whether `typed` passes for `kind`; reports otherwise."""
-    if not typed.kind.known or not kind.known or typed.kind == kind or typed.is_zero:
-        return True
-    if typed.kind == NUMBER and kind == LENGTH and (lenient or typed.literal):
-        return True
-    code = "E0203" if typed.kind.is_scalar and kind.is_scalar else "E0208"
-    help = None
-    if typed.kind == NUMBER and kind.name in EXAMPLES:
-        help = f"give it a unit, such as `{_with_unit(context, term, typed, kind)}`"
-    elif kind == NUMBER and typed.kind == LENGTH:
-        help = "divide it by a length such as `1 m`"
-    context.findings.report(code, term.span, f"{what} must be {kind}, not {typed.kind}", help=help)
-    return False
-
-
-def _with_unit(context: Context, term: syntax.Term, typed: Typed, kind: Kind) -> str:
-    text = context.findings.text(term.span) if typed.literal else "2"
-    unit = "deg" if kind.name == "angle" and abs(typed.value or 0) > 6.3 else EXAMPLES[kind.name]
-    return f"{text} {unit}"
-
-
 def _check_wildcard(context: Context, scope: Scope, term: syntax.Wildcard) -> Typed:
     if not scope.wildcard:
         context.findings.report(
@@ -93,8 +61,6 @@ def _check_wildcard(context: Context, scope: Scope, term: syntax.Wildcard) -> Ty
 
 
 def _check_call(context: Context, scope: Scope, term: syntax.Call) -> Typed:
-    from .functions import apply_function
-
     findings = context.findings
     builtin = FUNCTIONS.get(term.function)
     name_span = findings.word(term.span, term.function)
@@ -263,10 +229,7 @@ def _check_vector(context: Context, scope: Scope, term: syntax.Vector) -> Typed:
 
 
 def _check_conditional(context: Context, scope: Scope, term: syntax.Conditional) -> Typed:
-    from ..scenes.evaluate import truth
-    from .formulas import check_formula
-
-    condition = check_formula(context, scope, term.condition)
+    condition = context.check_formula(context, scope, term.condition)
     then, otherwise = check_term(context, scope, term.then), check_term(context, scope, term.otherwise)
     chosen = truth(condition)
     if chosen is not None and scope.values_known:
@@ -288,8 +251,6 @@ def _check_conditional(context: Context, scope: Scope, term: syntax.Conditional)
 
 
 def _check_aggregate(context: Context, scope: Scope, term: syntax.Aggregate) -> Typed:
-    from .binders import bind
-
     if scope.place == "motion":
         context.findings.report(
             "E0311", term.span, f"`{term.operator}` over objects cannot stand in a motion predicate"

@@ -10,7 +10,7 @@ from .. import ir
 from .context import Context
 from .kinds import EXAMPLES, LENGTH, UNKNOWN, VALUE_TYPES, Kind
 from .names import BROKEN, Entry, Scope, Typed
-from .terms import check_scalar, check_term, expect_kind
+from .scalars import check_scalar, expect_kind
 
 LONGEST = 1e6
 """Metres: no size or place in a scene is larger; beyond, double precision does not hold what motions need."""
@@ -23,7 +23,7 @@ def number(
     """The value in SI, or None where it is not known yet or wrong."""
     if term is None:
         return None
-    typed = check_term(context, scope, term)
+    typed = context.check_term(context, scope, term)
     if not expect_kind(context, typed, kind, term, what, lenient) or not typed.kind.known:
         return None
     if kind == LENGTH and typed.value is not None and abs(typed.value) > LONGEST:
@@ -37,7 +37,7 @@ def vector(
 ) -> tuple[float, ...] | None:
     """`count` numbers of one kind; a plain number passes for a length."""
     if not isinstance(term, syntax.Vector):
-        typed = check_term(context, scope, term)
+        typed = context.check_term(context, scope, term)
         if typed.kind.known:
             context.findings.report("E0208", term.span, f"{what} is a vector of {count} components, not {typed.kind}")
         return None
@@ -132,7 +132,7 @@ def outside(parameter: syntax.Parameter, value: float) -> str | None:
 def _value_of(context: Context, scope: Scope, parameter: syntax.Parameter, term: syntax.Term, kind: Kind) -> Typed:
     what = f"parameter `{parameter.name}`"
     if kind.name == "object":
-        typed = check_term(context, scope, term)
+        typed = context.check_term(context, scope, term)
         fits = typed.kind.name == "object" and context.library.is_a(typed.kind.type, kind.type)
         if typed.kind.known and not fits:
             context.findings.report("E0202", term.span, f"{what} must be {kind}, not {typed.kind}")

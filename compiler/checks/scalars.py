@@ -1,0 +1,42 @@
+"""Terms that must be scalars: numbers, lengths, angles and the like."""
+
+from __future__ import annotations
+
+from ...langs import syntax
+from .context import Context
+from .kinds import EXAMPLES, LENGTH, NUMBER, Kind
+from .names import Scope, Typed
+
+
+def check_scalar(
+    context: Context, scope: Scope, term: syntax.Term, kind: Kind, what: str, lenient: bool = False
+) -> Typed:
+    """A term that must be of scalar `kind`; `what` names its place in messages. With `lenient`, a plain number passes
+    for a length."""
+    typed = context.check_term(context, scope, term)
+    expect_kind(context, typed, kind, term, what, lenient)
+    return typed
+
+
+def expect_kind(
+    context: Context, typed: Typed, kind: Kind, term: syntax.Term, what: str, lenient: bool = False
+) -> bool:
+    """Whether `typed` passes for `kind`; reports otherwise."""
+    if not typed.kind.known or not kind.known or typed.kind == kind or typed.is_zero:
+        return True
+    if typed.kind == NUMBER and kind == LENGTH and (lenient or typed.literal):
+        return True
+    code = "E0203" if typed.kind.is_scalar and kind.is_scalar else "E0208"
+    help = None
+    if typed.kind == NUMBER and kind.name in EXAMPLES:
+        help = f"give it a unit, such as `{_with_unit(context, term, typed, kind)}`"
+    elif kind == NUMBER and typed.kind == LENGTH:
+        help = "divide it by a length such as `1 m`"
+    context.findings.report(code, term.span, f"{what} must be {kind}, not {typed.kind}", help=help)
+    return False
+
+
+def _with_unit(context: Context, term: syntax.Term, typed: Typed, kind: Kind) -> str:
+    text = context.findings.text(term.span) if typed.literal else "2"
+    unit = "deg" if kind.name == "angle" and abs(typed.value or 0) > 6.3 else EXAMPLES[kind.name]
+    return f"{text} {unit}"
