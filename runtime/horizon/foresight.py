@@ -21,7 +21,7 @@ from ..resampling import kept_pairs
 from ..skeleton import Array, Configuration, Skeleton
 from ..touching import touching
 from ..transforms import compose, inverse, rotate
-from .drift import clearances
+from .drift import clearances, signed_distance
 from .state import Reached, placed, reached_problem
 from .world import carried
 
@@ -47,16 +47,16 @@ def foreseen_problem(
     if not expected:
         return reached_problem(problem, reached)
     now = reached.configuration
-    joints = {name: state[None, 7:] for name, state in now.modules.items()}
-    own = {name: pose[None, :] for name, pose in expected.items()}
-    poses = carried(problem, reached.mode, joints, now, own)
-    modules = {name: np.concatenate([poses[name][0], state[7:]]) for name, state in now.modules.items()}
-    bodies = {name: poses[name][0] for name in now.bodies}
+    poses = _then(problem, reached, expected)
+    modules = {name: np.concatenate([poses[name], state[7:]]) for name, state in now.modules.items()}
+    bodies = {name: poses[name].copy() for name in now.bodies}
     for end, body in touched(problem, reached, met):
         module = carrier(problem, end)
         shift = compose(modules[module][:7], inverse(now.modules[module][:7]))
-        bodies[body] = compose(shift, now.bodies[body])
-        bodies[body][:3] += AWAY * _outward(problem, end, modules[module])
+        seen = compose(shift, now.bodies[body])
+        seen[:3] += AWAY * _outward(problem, end, modules[module], body, seen)
+        for other in _kept_with(problem, reached.mode, body) - met:
+            bodies[other] = compose(compose(seen, inverse(poses[body])), poses[other])
     let_go = {body for _, body in touched(problem, reached, met)}
     then = Configuration(modules, bodies)
     coming = _coming(problem, reached, then)
@@ -96,19 +96,45 @@ def _close(problem: ir.Problem, configuration: Configuration) -> frozenset[Pair]
     return frozenset(pair(module, body) for module, body in near if body not in kept)
 
 
-def _outward(problem: ir.Problem, end: str, state: Array) -> Array:
-    """The outward normal `(3,)` of an effector, for the state `(7 + n,)` of its module."""
+def _then(problem: ir.Problem, reached: Reached, expected: Mapping[str, Array]) -> dict[str, Array]:
+    """The poses `(7,)` of everything when bodies are at their `expected` ones, and what is kept to them goes along."""
+    now = reached.configuration
+    joints = {name: state[None, 7:] for name, state in now.modules.items()}
+    own = {name: pose[None, :] for name, pose in expected.items()}
+    return {name: rows[0] for name, rows in carried(problem, reached.mode, joints, now, own).items()}
+
+
+def _kept_with(problem: ir.Problem, mode: frozenset[ir.Fact], body: str) -> frozenset[str]:
+    """A body, and those that are kept to it, directly or through others, but not to a robot."""
+    robots, found = _of_robots(problem, mode), {body}
+    pairs = [pair for pair in kept_pairs(problem, mode) if robots.isdisjoint(pair)]
+    grew = True
+    while grew:
+        more = {name for pair in pairs if not found.isdisjoint(pair) for name in pair} - found
+        grew, found = bool(more), found | more
+    return frozenset(found)
+
+
+def _outward(problem: ir.Problem, end: str, state: Array, body: str, pose: Array) -> Array:
+    """The direction `(3,)` in which an effector sees a body at `pose`, for the state `(7 + n,)` of its module."""
     found = problem.world.effector(end)
     assert found is not None
     module, effector = found
     frames = joint_frames(module.type, tuple(state[:7].tolist()), state[7:].tolist())
-    frame = compose(np.array(frames[effector.joint]), np.array(effector.placement))
-    return rotate(frame[3:], np.array([0.0, 0.0, 1.0]))
+    centre = compose(np.array(frames[effector.joint]), np.array(effector.placement))[:3]
+    local = compose(inverse(pose), np.array([*centre, 0.0, 0.0, 0.0, 1.0]))[:3]
+    around = local + SAME * np.vstack([np.eye(3), -np.eye(3)])
+    distances = signed_distance(problem.world.bodies[body].shape, around)
+    away = rotate(pose[3:], distances[3:] - distances[:3])
+    return np.asarray(away / max(float(np.linalg.norm(away)), 1e-12))
 
 
-def displaced(problem: ir.Problem, reached: Reached, expected: Mapping[str, Array]) -> frozenset[str]:
-    """The bodies that a foreseen problem has elsewhere than they are expected, as a robot lets go of them."""
-    at = {**reached.configuration.bodies, **expected}
+def displaced(
+    problem: ir.Problem, base: ir.Problem, reached: Reached, expected: Mapping[str, Array]
+) -> frozenset[str]:
+    """The bodies that a foreseen problem has elsewhere than they are expected, as a robot lets go of them; `base` is
+    the task without what has left."""
+    at = _then(base, reached, expected)
     bodies = problem.world.bodies.items()
     return frozenset(n for n, b in bodies if np.linalg.norm(at[n][:3] - np.array(b.pose[:3])) > SAME)
 

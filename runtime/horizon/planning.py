@@ -25,6 +25,9 @@ from .windows import LOOKAHEAD, PLANNED, plan_window, remember
 SHORTER = ((2, -0.005), (2, -0.01))
 """After a first try while things move: so many actions, as what comes later may be in reach by then, and so
 many metres added to margins, as a robot that stands a little off may be nearer to things than it should."""
+FARTHER = 3
+"""Actions that are looked at beyond others for every time that the run has been in the same state before: it goes in
+circles when what is refused lies behind what it looks at."""
 FRESH = 100
 """Between the seeds of one failure and the next."""
 
@@ -47,12 +50,14 @@ class Window:
 class Planner:
     """Plans windows for one run. `status` says, after no way was found, why: "stuck" or "infeasible"; `refusals`
     explain it. `failures` counts windows that were not found, one after the other: the next tries are others.
+    `returns` says how often the run has been in the present state before: the more often, the farther P_seq looks.
     `blamed` maps bodies that were in the way of the first phase of the last one to the modules that they stopped."""
 
     def __init__(self, options: SolveOptions) -> None:
         self.options = options
         self.status = "running"
         self.failures = 0
+        self.returns = 0
         self.blamed: dict[str, str] = {}
         self.refusals: Refusals | None = None
 
@@ -61,14 +66,15 @@ class Planner:
         budget: Budget,
     ) -> Window | None:  # fmt: skip
         """A window on a way that is known, without a search; None when it is not possible so. Raises OutOfTime."""
-        skeleton = self.skeleton(problem, actions[: horizon + LOOKAHEAD])
+        skeleton = self.skeleton(problem, actions[: horizon + LOOKAHEAD + self.returns * FARTHER])
         if skeleton is None:
             return None
         moving = concerned(beginning(skeleton, horizon), moving)
         motions = 1 if moving else horizon
-        shorter = [(min(horizon, count), margin) for count, margin in SHORTER]
-        shorter += [(1, SHORTER[-1][1])] if self.failures else []
-        seen = horizon if moving else horizon + LOOKAHEAD
+        far = horizon + self.returns * FARTHER
+        shorter = [(far if self.returns else min(horizon, count), margin) for count, margin in SHORTER]
+        shorter += [(1, SHORTER[-1][1])] if self.failures and not self.returns else []
+        seen = far if moving else horizon + LOOKAHEAD
         tries = [(seen, 0.0), *(shorter if moving else [(horizon, SHORTER[0][1])])]
         for attempt, (count, margin) in enumerate(tries):
             settings = motion_settings(problem, self.options).wider(wider + margin)
@@ -95,7 +101,7 @@ class Planner:
         memory.bounds.settings = memory.bounds.settings.wider(wider + (SHORTER[-1][1] if moving else 0.0))
         begin = replace(start(problem), previous=previous)
         if moving:
-            beyond = 0 if self.failures else 1
+            beyond = FARTHER * self.returns + (0 if self.failures and not self.returns else 1)
             found = plan_window(problem, begin, self.options, SHORTER[0][0], budget, memory, lookahead=beyond)
         else:
             found = plan_window(problem, begin, self.options, horizon, budget, memory)

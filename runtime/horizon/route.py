@@ -64,6 +64,7 @@ class Route:
     way: tuple[ir.Action, ...] = ()
     planner: Planner = field(init=False)
     _seconds: dict[str, float] = field(default_factory=dict)
+    _visits: dict[tuple[frozenset[ir.Fact], frozenset[ir.Fact], int], int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.planner = Planner(self.options)
@@ -99,9 +100,12 @@ class Route:
         self.way = window.actions
         self.lookout.expect(world.time, self.lookout.look(world))
 
-    def done(self) -> None:
+    def done(self, world: World) -> None:
         """The first action of the way took place."""
         self.way = self.way[1:]
+        here = world.reached.facts, world.reached.mode, len(self.failures.locked | self.failures.gone)
+        self.planner.returns = self._visits.get(here, 0)
+        self._visits[here] = self.planner.returns + 1
 
     def _timed(self, world: World, seconds: float, *, search: bool) -> Window | None:
         """A window whose first phase ends when its scene is the foreseen one."""
@@ -124,7 +128,7 @@ class Route:
             self.way, search = window.actions, False
             first = window.skeleton.phases[0]
             named = frozenset(a for literal in first.added for a in literal[1:])
-            elsewhere = named & displaced(problem, world.reached, expected)
+            elsewhere = named & displaced(problem, base, world.reached, expected)
             if elsewhere:
                 met |= elsewhere
                 passed = {body: module for body, module in passed.items() if body not in elsewhere}

@@ -273,7 +273,7 @@ class Run:
             return found
         if failure is not None and failure.time < begin + path.duration:
             if failure.time - begin > INSTANT:
-                self._perform(phase, stopped(path, failure.time - begin), completed=False)
+                self._perform(phase, path, completed=False)
             self.world.time = self._asked = max(self.world.time, failure.time)
             return f"{failure.module} is {failure.kind}"
         self._perform(phase, path, completed=completed)
@@ -312,7 +312,11 @@ class Run:
         return f"{body} is {1000 * strayed[body]:.1f} mm from where it was expected"
 
     def _perform(self, phase: Phase, path: PhasePath, *, completed: bool) -> None:
-        """Carry out a motion. Raises Struck where something that moves goes right through a robot meanwhile."""
+        """Carry out a motion until it ends, or until something breaks down that it moves. Raises Struck where something
+        that moves goes right through a robot meanwhile."""
+        failure = self._failures.next_of(phase, self.world.time)
+        if failure is not None and INSTANT < failure.time - self.world.time < path.duration:
+            path, completed = stopped(path, failure.time - self.world.time), False
         hit = first_hit(self.problem, self.world, phase, path)
         if hit is None:
             self._take_place(phase, path, completed=completed)
@@ -342,7 +346,7 @@ class Run:
         self._places.update(outcome.places)
         self.world.reached = replace(reached, facts=outcome.facts, mode=outcome.motion, previous=action)
         self.world.begin(outcome.motion)
-        self._route.done()
+        self._route.done(self.world)
 
     # --- the outcome ---------------------------------------------------------------------------------------------
 

@@ -79,8 +79,8 @@ class Sensing:
 
     def look(self, time: float, poses: dict[str, Array]) -> dict[str, Array]:
         """Sense the poses `(7,)` of bodies at a time; gives the sensed positions `(3,)`. A body that is not where the
-        looks before would have it has changed its way: from then on only the last look before still counts, and not even
-        that after a push."""
+        looks before would have it has changed its way: from then on only the last look before still counts, and not
+        even that after a push."""
         found = {}
         for name, pose in poses.items():
             position = pose[:3] + (self._random.normal(0.0, self.sigma, 3) if self.sigma else 0.0)
