@@ -16,7 +16,7 @@ from .solver import Options
 from .starts import guess
 from .switches import SwitchProgram, run
 
-SEQUENCE = Options()
+SEQUENCE = Options(inner_tolerance=3e-2)
 NOISE = 0.3
 TRIES = 8
 MORE = 6

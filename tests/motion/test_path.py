@@ -90,8 +90,8 @@ def test_bodies_move_only_while_held(solved: Solved) -> None:
 def test_pinned_obstacles_stand_where_they_were_put_down() -> None:
     """The second box must keep clear of the first one's new place on the tray, not of its old one on the table."""
     skeleton = pick_and_place(2)
-    sequence = solve_sequence(skeleton, SETTINGS, 0, Budget(30.0))
-    result = solve_path(skeleton, SETTINGS, 0, Budget(30.0), sequence, pinned=True)
+    sequence = solve_sequence(skeleton, SETTINGS, 1, Budget(30.0))
+    result = solve_path(skeleton, SETTINGS, 1, Budget(30.0), sequence, pinned=True)
     assert result.feasible
     first = sequence.configurations[2].bodies["item[1]"]
     second = result.paths[3].bodies["item[2]"]
