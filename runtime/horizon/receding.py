@@ -31,8 +31,8 @@ from .windows import DONE, INFEASIBLE, LOOKAHEAD, PLANNED, Memory, Window, plan_
 
 HARD = 2
 """So many refused candidates in one window make the adaptive horizon grow."""
-BACKTRACKS = 24
-"""How many windows are undone before the run gives up."""
+STARTS = 4
+"""How often a run begins at least before it gives up."""
 MOTIONS = 2
 """How many motions a beginning gets before it is forbidden; and how often as many windows are undone before more."""
 VISITS = 2
@@ -70,10 +70,11 @@ def solve_receding(
     found: Callable[[Plan], None] | None = None,
     *,
     lookahead: int = LOOKAHEAD,
-    backtracks: int = BACKTRACKS,
+    backtracks: int | None = None,
 ) -> Outcome:
-    """Plan `horizon` actions at a time (None: as many as seem wise) until the goal holds. The plan is one, verified as
-    a whole; when time or Ctrl-C end the run early, it holds what was planned so far and is not `complete`."""
+    """Plan `horizon` actions at a time (None: as many as seem wise) until the goal holds, and undo at most `backtracks`
+    windows (None: any number). The plan is one, verified as a whole; when time or Ctrl-C end the run early, it holds
+    what was planned so far and is not `complete`."""
     return _Run(problem, options, horizon, progress, found, lookahead, backtracks).run()
 
 
@@ -81,7 +82,7 @@ class _Run:
     def __init__(
         self, problem: ir.Problem, options: SolveOptions, horizon: int | None,
         progress: Callable[[Progress], None] | None, found: Callable[[Plan], None] | None,
-        lookahead: int, backtracks: int,
+        lookahead: int, backtracks: int | None,
     ) -> None:  # fmt: skip
         self.problem, self.options = problem, options
         self.horizon = horizon_of(horizon)
@@ -121,19 +122,16 @@ class _Run:
                 return "exhausted"
 
     def _plan(self) -> Window:
-        """The window from the present state; without a look ahead if there is none with it."""
+        """The window from the present state."""
         level = self.levels[-1]
-        for lookahead in dict.fromkeys((self.lookahead, 0)):
-            window = plan_window(
-                self.problem, level.reached, self.options, self.horizon.length, self.budget, self.memory,
-                seed=self.options.seed + SEEDS * level.failures, forbidden=tuple(level.forbidden),
-                lookahead=lookahead, before=self.kept[-1].window if self.kept and not level.failures else None,
-            )  # fmt: skip
-            self.tree_nodes += window.tree_nodes
-            self.expanded_nodes += window.expanded_nodes
-            self.candidates += window.refused + (window.status == PLANNED)
-            if window.status in (PLANNED, DONE, INFEASIBLE):
-                break
+        window = plan_window(
+            self.problem, level.reached, self.options, self.horizon.length, self.budget, self.memory,
+            seed=self.options.seed + SEEDS * level.failures, forbidden=tuple(level.forbidden),
+            lookahead=self.lookahead, before=self.kept[-1].window if self.kept and not level.failures else None,
+        )  # fmt: skip
+        self.tree_nodes += window.tree_nodes
+        self.expanded_nodes += window.expanded_nodes
+        self.candidates += window.refused + (window.status == PLANNED)
         return window
 
     def _keep(self, window: Window) -> None:
@@ -161,15 +159,16 @@ class _Run:
         allowed again, with other motions. False when nothing is left to try or too many were undone."""
         self.horizon.adapt(True)
         self.reason = "dead end"
-        if self.undone >= self.backtracks:
+        if self.backtracks is not None and self.undone >= self.backtracks:
             return False
         self.undone += 1
         depth = len(self.kept)
         if depth == 0:
             level = self.levels[0]
             forgotten, level.forbidden = bool(level.forbidden), []
+            self.deepest = self.setbacks = 0
             level.failures += 1
-            return forgotten
+            return forgotten or level.failures < STARTS
         if depth > self.deepest:
             self.deepest, self.setbacks = depth, 0
         back = min(1 + self.setbacks // MOTIONS, depth)
