@@ -144,7 +144,8 @@ class Meetings:
         owners, owner = np.unique([b.owner for b in balls], return_inverse=True)
         fixed = [b.node < 0 for b in balls]
         features = np.column_stack([above, lineage.held_still(balls), owner, fixed])
-        kinds, self._kind = np.unique(features, axis=0, return_inverse=True)
+        _, place, self._kind = np.unique([row.tobytes() for row in features], return_index=True, return_inverse=True)
+        kinds = features[place]
         carried = np.array([owners[k] in lineage.tree.bodies for k in kinds[:, -2]])
         self._may = _may_meet(kinds, carried, joints, bodies)
         self._one_robot = _one_robot(kinds, joints)

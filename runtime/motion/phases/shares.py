@@ -50,11 +50,12 @@ def required_table(times: Array, slices: int) -> Array:
 
 def cross_kinds(contact: PhaseContacts, first: Sequence[str | None], second: Sequence[str | None]) -> Kinds:
     """The kinds `(first, second)` of objects; None is no object that contacts name."""
-    names = sorted({t for t in (*first, *second) if t is not None})
-    number = {name: k for k, name in enumerate(names)} | {None: len(names)}
+    names = {t for t in (*first, *second) if t is not None}
+    number: dict[str | None, int] = {name: k for k, name in enumerate(sorted(names))}
+    number[None] = len(names)
     table = np.full((len(names) + 1, len(names) + 1), FULL, np.int8)
-    for i, a in enumerate(names):
-        for j, b in enumerate(names):
-            table[i, j] = kind_of(contact, a, b)
+    for a, b in contact.during | contact.start | contact.end:
+        if a in names and b in names:
+            table[number[a], number[b]] = table[number[b], number[a]] = kind_of(contact, a, b)
     rows, columns = ([number[t] for t in tags] for tags in (first, second))
     return np.asarray(table[np.ix_(rows, columns)])

@@ -11,6 +11,7 @@ import math
 from collections import deque
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import lru_cache
 
 import numpy as np
 
@@ -94,8 +95,10 @@ def _motion(kind: str, value: float) -> Array:
     return result
 
 
+@lru_cache(maxsize=256)
 def _to_axis(axis: Vec3) -> Array:
-    """A rotation that takes the z-axis to `axis`; a permutation for the coordinate axes, so that zeros stay zeros."""
+    """A rotation that takes the z-axis to `axis`, not to be written to; a permutation for the coordinate axes, so that
+    zeros stay zeros."""
     z = np.array(axis) / math.hypot(*axis)
     k = int(np.argmax(np.abs(z)))
     result = np.eye(4)
