@@ -13,7 +13,7 @@ from ..motion.movement import carrier, followers
 from ..resampling import kept_pairs
 from ..skeleton import Array, Configuration, Phase, PhasePath
 from ..transforms import inverse, joint_frames, rotate
-from .world import carried, sampled
+from .world import carried, moves, sampled
 
 LOOKS = 101
 """Instants of a phase that are looked at."""
@@ -28,7 +28,7 @@ def deepest(
     """How deep, in metres, a module whose joints move (or, with `everyone`, any), or a body that is held, gets into a
     body that the phase does not keep it to; negative when it stays clear. Arguments are those of `nearest`."""
     found = nearest(problem, before, phase, path, own)
-    resting = {m for m, rows in path.modules.items() if not everyone and not np.ptp(rows[:, 7:], axis=0).any()}
+    resting = {m for m, rows in path.modules.items() if not everyone and not moves(rows)}
     return -min((distance for (name, _), distance in found.items() if name not in resting), default=np.inf)
 
 

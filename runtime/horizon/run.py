@@ -36,7 +36,7 @@ from .route import Route
 from .sensing import PERIOD, Sensing
 from .steering import Steering
 from .terms import RunOptions, RunOutcome, RunProgress
-from .world import Interval, World
+from .world import Interval, World, moves
 
 BACK, SHORT = 0.5, 0.4
 """Share of a broken-off motion that is gone back where nothing leads on from its end; one of so many seconds is gone
@@ -183,6 +183,7 @@ class Run:
         path = self._way_out(phase)
         if path is None:
             return False
+        path = self._failures.whole(path, self.world.reached.configuration)
         near = self._route.near(self.world)
         if self._watched(phase, path, near, frozenset(), completed=False) is not None:
             self._trail = []
@@ -212,7 +213,7 @@ class Run:
         last = self._trail.pop()
         share = BACK if last.duration > SHORT else 1.0
         path = reversed_path(self.problem.world, last, share)
-        stuck = any(np.ptp(last.modules[name][:, 7:], axis=0).any() for name in self._failures.locked)
+        stuck = any(moves(last.modules[name]) for name in self._failures.locked)
         if not stuck and self._route.is_clear(self.world, phase, path):
             self._trail += [first_part(last, 1.0 - share)] if share < 1.0 else []
             return path

@@ -21,7 +21,7 @@ from ..resampling import effector_poses, kept_pairs
 from ..skeleton import Array, Configuration, Phase, PhasePath
 from ..transforms import compose, inverse
 from .braking import KNOT, at_times, within_limits
-from .world import carried
+from .world import carried, moves
 
 FARTHEST = 0.01
 """Metres that what is met may be off; beyond, a window is planned anew."""
@@ -57,7 +57,7 @@ class Steering:
         self._problem = problem
         self._phase = phase
         self._before = before
-        self._moving = [name for name, rows in sorted(path.modules.items()) if np.ptp(rows[:, 7:], axis=0).any()]
+        self._moving = [name for name, rows in sorted(path.modules.items()) if moves(rows)]
         pairs = _pairs(problem, phase)
         self._meeting = Meeting(pairs, self._relative(pairs, _last(path), expected))
 

@@ -21,6 +21,9 @@ from ..splines import ClampedSpline
 from .drives import EXACT, Noise, missed
 from .state import Reached, start
 
+STILL = 1e-9
+"""Radians or metres that are no motion."""
+
 
 @dataclass(frozen=True, slots=True)
 class Interval:
@@ -108,11 +111,16 @@ class World:
         found = {}
         for name, rows in path.modules.items():
             error = self.reached.configuration.modules[name][7:] - rows[0, 7:]
-            moves = bool(np.ptp(rows[:, 7:], axis=0).any()) and self.noise != EXACT
+            driven = moves(rows) and self.noise != EXACT
             found[name] = (
-                missed(self.noise, self._random, error, times) if moves else np.tile(error, (len(times), 1))
+                missed(self.noise, self._random, error, times) if driven else np.tile(error, (len(times), 1))
             )
         return found
+
+
+def moves(rows: Array) -> bool:
+    """Whether joints move along `rows` `(S + 1, 7 + n)` of a motion; resampling leaves traces where they rest."""
+    return bool(np.ptp(rows[:, 7:], axis=0).max(initial=0.0) > STILL)
 
 
 def missing(path: PhasePath, errors: Mapping[str, Array], *, settled: bool) -> PhasePath:
@@ -122,7 +130,7 @@ def missing(path: PhasePath, errors: Mapping[str, Array], *, settled: bool) -> P
     for name, rows in path.modules.items():
         share = np.linspace(0.0, 1.0, len(rows))[:, None]
         first, last = errors[name][0], errors[name][-1]
-        if settled and np.ptp(rows[:, 7:], axis=0).any():
+        if settled and moves(rows):
             last = np.zeros_like(last)
         values = rows[:, 7:] + first + (3.0 * share**2 - 2.0 * share**3) * (last - first)
         modules[name] = np.hstack([rows[:, :7], values])

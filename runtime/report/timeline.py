@@ -72,20 +72,35 @@ class Timeline:
     brackets: list[Bracket]
     ticks: list[tuple[float, str]]
     marks: list[Mark]
+    happenings: list[Mark]
 
 
 ROUTINE = ("start", "next window")
-"""Reasons of windows that nothing unexpected brought about."""
+"""How reasons of windows begin that nothing unexpected brought about."""
 
 
 def marks(plan: Plan, scale: float) -> list[Mark]:
     """The windows of a run, each with its reason and how long it took to plan."""
     return [
         Mark(
-            w.time * scale, w.time, f"{w.time:.2f} s: {w.reason}; planned in {w.seconds:.2f} s", w.reason not in ROUTINE
+            w.time * scale,
+            w.time,
+            f"{w.time:.2f} s: {w.reason}; planned in {w.seconds:.2f} s",
+            not w.reason.startswith(ROUTINE),
         )
         for w in plan.windows
     ]
+
+
+def happenings(plan: Plan, scale: float) -> list[Mark]:
+    """What happens to the scene by itself until the end: modules that fail, bodies that are moved at once (`anew`), and
+    bodies that begin to move."""
+    found = [(b.time, f"{b.module} is {b.kind}", True) for b in plan.breakdowns]
+    for course in plan.courses:
+        what = "begins to move" if course.speed else "is moved all at once"
+        found.append((course.start, f"{course.body} {what}", not course.speed))
+    end = total_time(plan)
+    return [Mark(time * scale, time, f"{time:.2f} s: {what}", now) for time, what, now in sorted(found) if time <= end]
 
 
 def total_time(plan: Plan) -> float:
@@ -183,7 +198,10 @@ def build_timeline(plan: Plan) -> Timeline:
             rows.append(TimelineRow(body.name, "body", [block(i, body.name, ACCENT) for i in count]))
     brackets = [bracket(i, r) for i in count for r in robots[i] if len(r.modules) > 1]
     actions = [block(i, "", "") for i in count]
-    return Timeline(total, list(colours.items()), actions, rows, brackets, ticks(total), marks(plan, scale))
+    return Timeline(
+        total, list(colours.items()), actions, rows, brackets, ticks(total), marks(plan, scale),
+        happenings(plan, scale),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

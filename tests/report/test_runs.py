@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from tamplang.runtime.plan import BreakdownRecord, Plan, WindowRecord
+from tamplang.runtime.plan import BreakdownRecord, CourseRecord, Plan, WindowRecord
 from tamplang.runtime.report import render_report, write_report
 
 from .conftest import Opener
@@ -35,6 +35,18 @@ def test_the_page_tells_windows_and_what_was_broken_off(run: Plan) -> None:
     assert "the action did not take place" in page and "not reached" in page
     assert "125 ms" in page or "0.125 s" in page
     assert 'id="planning"' not in render_report(climb_plan())
+
+
+def test_the_page_tells_what_happens_by_itself(run: Plan) -> None:
+    middle = run.phases[0].end
+    pushed = CourseRecord("target", middle, [[0.0, 0.0, 1.0]], 0.0, False)
+    drifts = CourseRecord("stair[1]", 0.0, [[0.0, 0.0, 1.0]], 0.01, True)
+    later = CourseRecord("stair[2]", 1e6, [[0.0, 0.0, 1.0]], 0.01, True)
+    window = replace(run.windows[1], reason="next window; the last motion was steered by 3.0 mm")
+    page = render_report(replace(run, courses=[pushed, drifts, later], windows=[run.windows[0], window]))
+    assert page.count('class="window happens anew"') == 2 and page.count('class="window happens"') == 1
+    assert f"{middle:.2f} s: target is moved all at once" in page and "stair[2] begins" not in page
+    assert page.count('class="window"') == 2  # a window after a steered motion is planned in turn
 
 
 def test_a_module_that_left_is_out_of_sight(run: Plan, open_report: Opener, tmp_path: Path) -> None:
