@@ -93,8 +93,7 @@ class Blocks:
     def _tables(self) -> tuple[Indices, Array]:
         if self._finished is None:
             self._finished = (np.concatenate(self._rows), np.concatenate(self._margins))
-            rows = self._finished[0]
-            self._runs = [np.unique(rows[:, at : at + 2], axis=0, return_inverse=True) for at in (2, 4)]
+            self._runs = [_distinct(self._finished[0][:, at : at + 2]) for at in (2, 4)]
         return self._finished
 
     def near(self, first: Edges, second: Edges, near: float) -> Pairs:
@@ -104,7 +103,7 @@ class Blocks:
         if not len(rows):
             return NO_PAIRS
         (low, high), (other_low, other_high) = (
-            tuple(side[which.ravel()] for side in _around(edges, runs))
+            tuple(side[which] for side in _around(edges, runs))
             for edges, (runs, which) in zip((first, second), self._runs, strict=True)
         )
         apart = np.maximum(np.maximum(low - other_high, other_low - high), 0.0)
@@ -115,6 +114,13 @@ class Blocks:
 def _before(runs: Runs) -> Indices:
     """How many things come before each run."""
     return np.cumsum(runs[:, 1]) - runs[:, 1]
+
+
+def _distinct(runs: Indices) -> tuple[Indices, Indices]:
+    """The distinct ones among runs `(K, 2)`, and which of them each is."""
+    width = int(runs[:, 1].max(initial=0)) + 1
+    found, which = np.unique(runs[:, 0] * width + runs[:, 1], return_inverse=True)
+    return np.stack(np.divmod(found, width), axis=1), which
 
 
 def _around(edges: Edges, runs: Indices) -> Edges:
