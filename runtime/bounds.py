@@ -77,11 +77,15 @@ class Bounds(Solves):
     def go_on(self, skeleton: Skeleton, motions: int, ahead: Sequence[Configuration]) -> Judgement:
         """As `judge`, for a way that was seen before: `ahead` holds its first switch configurations as they were
         expected then. A refusal has no conflicts. Raises OutOfTime."""
+        sequence = self._onward(skeleton, ahead)
+        return self.motion(skeleton, sequence, motions) if sequence.feasible else Judgement(False)
+
+    def _onward(self, skeleton: Skeleton, ahead: Sequence[Configuration]) -> BoundResult:
+        """P_seq from the first switch configurations `ahead`, and guesses behind them."""
         random = np.random.default_rng(self.seed)
         rest = range(len(ahead), len(skeleton))
         warm = [*ahead[: len(skeleton)], *guess(skeleton, rest, ahead[-1], random, NOISE)]
-        sequence = self._sequence(skeleton, self.seed, warm, tries=self.tries)
-        return self.motion(skeleton, sequence, motions) if sequence.feasible else Judgement(False)
+        return self._sequence(skeleton, self.seed, warm, tries=self.tries)
 
     def retry(self, skeleton: Skeleton, motions: int) -> Judgement:
         """As `judge`, for a way that was refused only from the start: with all starts, and others than before. A
@@ -175,8 +179,10 @@ class Bounds(Solves):
     def _whole(self, skeleton: Skeleton) -> tuple[BoundResult, int]:
         """P_seq of a skeleton; where it is refused, of the shortest beginning that is, and how long that is. It takes
         long to refuse, the more so what is long: from the phase on that fails after one start of all, beginnings grow
-        until one is refused. The windows of a long skeleton tell it by themselves, exactly once they came far."""
+        until one is refused; the whole then begins where the longest of them ends. The windows of a long skeleton tell
+        it by themselves, exactly once they came far."""
         known, end = self._known(skeleton), len(skeleton)
+        found: BoundResult | None = None
         certain = end > LONGEST
         refused = self._sequence(skeleton, self.seed, None, tries=self.tries if certain else ONCE)
         if certain and refused.violations:
@@ -189,13 +195,16 @@ class Bounds(Solves):
             if not certain and known >= min(blamed + SPAN, end - 1):
                 asked = end
             self._expect_beginnings(skeleton, asked, end)
-            result = self._sequence(beginning(skeleton, asked), self.seed, None, tries=self.tries)
+            if asked == len(skeleton) and found is not None:
+                result = self._onward(skeleton, found.configurations[1:])
+            else:
+                result = self._sequence(beginning(skeleton, asked), self.seed, None, tries=self.tries)
             if not result.feasible:
                 refused, end, certain = result, asked, True
             elif asked == len(skeleton):
                 return result, asked
             else:
-                known = asked
+                known, found = asked, result
                 self._feasible |= {self._beginning_key(skeleton, k) for k in range(1, known + 1)}
         return refused, end
 
