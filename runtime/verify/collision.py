@@ -44,9 +44,10 @@ def check_collisions(
     at_rest = _AtRest({}, set())
     for phase in range(len(plan.phases)):
         begin = float(motion.times[motion.ranges[phase][0]])
-        away = np.array([happenings.away(s.thing, begin) for s in found], dtype=bool)
         check = _PhaseCheck(sampler, phase, found, at_rest)
-        for i, k in near_pairs(check.sweeps, looked_at[~away[looked_at].any(axis=1)]):
+        left = [k for k, solid in enumerate(found) if solid.thing in happenings.gone]
+        away = [k for k in left if happenings.away(found[k].thing, begin)]
+        for i, k in near_pairs(check.sweeps, looked_at[~np.isin(looked_at, away).any(axis=1)] if away else looked_at):
             findings.check_time()
             deepest = check.deepest(int(i), int(k))
             if deepest.depth > 0.0:
@@ -62,8 +63,10 @@ class _AtRest:
     last: dict[int, tuple[bytes, Sweep]]
     measured: set[tuple[int, bytes, int, bytes]]
 
-    def sweep(self, index: int, solid: Solid, frames: Frames) -> Sweep:
-        """The sweep of a solid that rests."""
+    def sweep(self, index: int, solid: Solid, frames: Frames, always: bool) -> Sweep:
+        """The sweep of a solid that rests; `always`: it never does anything else."""
+        if always and index in self.last:
+            return self.last[index][1]
         place = frames.position.tobytes() + frames.rotation.tobytes()
         if index not in self.last or self.last[index][0] != place:
             self.last[index] = place, sweep(solid, frames)
@@ -94,7 +97,7 @@ class _PhaseCheck:
         self.times = placement.times
         frames = [s.frames(placement) for s in found]
         self.sweeps = [
-            sweep(s, f) if len(f) > 1 else at_rest.sweep(k, s, f)
+            sweep(s, f) if len(f) > 1 else at_rest.sweep(k, s, f, s.thing in sampler.fixed)
             for k, (s, f) in enumerate(zip(found, frames, strict=True))
         ]
         self._at_rest = at_rest

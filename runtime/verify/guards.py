@@ -37,6 +37,7 @@ class Guards:
         self._ruler = Ruler()
         self._known: dict[tuple[str, ...], float] = {}
         self._placed: dict[str, list[_Placed]] = {}
+        self._joints: dict[str, dict[int, Frames]] = {}
 
     def distance(self, first: str, second: str) -> float:
         """Smallest distance between two things at the start, 0 when they overlap."""
@@ -102,7 +103,9 @@ class Guards:
             yield _Placed(body.shape, frames(body.pose))
             return
         module = end[0] if end is not None else self._world.modules[name]
-        joints = joint_frames(module)
+        if module.name not in self._joints:
+            self._joints[module.name] = joint_frames(module)
+        joints = self._joints[module.name]
         if end is not None:
             shape = end[1].shape or ir.Shape("sphere", (POINT,))
             yield _Placed(shape, joints[end[1].joint].compose(frames(end[1].placement)))

@@ -183,7 +183,10 @@ def scene_at(problem: ir.Problem, motion: Motion, sample: int) -> ir.Problem:
         n: replace(m, pose=_pose(motion.poses[n][sample]), joints=tuple(motion.joints[n][sample].tolist()))
         for n, m in problem.world.modules.items()
     }
-    bodies = {n: replace(b, pose=_pose(motion.poses[n][sample])) for n, b in problem.world.bodies.items()}
+    bodies = {
+        n: b if motion.rests(n, 0, sample) else replace(b, pose=_pose(motion.poses[n][sample]))
+        for n, b in problem.world.bodies.items()
+    }
     return replace(problem, world=replace(problem.world, modules=modules, bodies=bodies))
 
 

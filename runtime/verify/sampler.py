@@ -49,6 +49,11 @@ class Sampler:
         self._knots = [
             max((len(s.knots) for s in plan.splines if s.phase == p), default=0) for p in range(len(plan.phases))
         ]
+        self.fixed = {
+            name: motion.frames[name][:1]
+            for name in motion.poses
+            if name not in motion.moving and name not in happenings.courses
+        }
         self._carried: dict[tuple[str, int], tuple[str, Spline]] = {}
 
     def grid(self, phase: int, looks: int) -> Array:
@@ -62,10 +67,10 @@ class Sampler:
 
     def at(self, phase: int, times: Array, thing: str | None = None) -> Placement:
         """Everything, or one thing alone, at `times` `(T,)` of a phase. What rests in it has one frame."""
-        names = list(self._motion.poses) if thing is None else [thing]
+        names = [n for n in self._motion.poses if n not in self.fixed] if thing is None else [thing]
         modules = {name: self._module(name, phase, times) for name in names if name in self._kinematics}
         bodies = {name: self._body(name, phase, times) for name in names if name not in self._kinematics}
-        return Placement(times, modules, bodies)
+        return Placement(times, modules, self.fixed | bodies)
 
     def _body(self, name: str, phase: int, times: Array) -> Frames:
         if name in self._happenings.free[phase]:
