@@ -31,7 +31,7 @@ class Placement:
 
 
 class Sampler:
-    """Samples the phases of a plan."""
+    """Samples the phases of a plan. `fixed` holds the one frame `(1,)` of every body that never moves."""
 
     def __init__(
         self, problem: ir.Problem, plan: Plan, motion: Motion, kinematics: Mapping[str, Kinematics],
