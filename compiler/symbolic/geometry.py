@@ -59,7 +59,8 @@ class Geometry:
         self._rows: dict[tuple[str, int, float], list[float]] = {}
         self._asked: dict[tuple[str, int, float], int] = {}
         self._tables: dict[tuple[Any, ...], Array] = {}
-        self._reaches: dict[tuple[str, str, str], float] = {}
+        self._reaches: dict[tuple[str, str], float] = {}
+        self._chain_reaches: dict[Chain, float] = {}
 
     def radius(self, i: Any) -> Any:
         """The radius of a round shape, of the sphere around another one, 0 without shape."""
@@ -75,18 +76,20 @@ class Geometry:
 
     def reach(self, start: str, end: str) -> float:
         """An upper bound on the distance of two effectors of one module: the placements along the path between them."""
-        module, _ = self._effector(start)
-        key = (module.name, start.rpartition(".")[2], end.rpartition(".")[2])
+        key = (start, end)
         if key not in self._reaches:
-            self._reaches[key] = path_length(module, key[1], key[2])
+            module, _ = self._effector(start)
+            self._reaches[key] = path_length(module, start.rpartition(".")[2], end.rpartition(".")[2])
         return self._reaches[key]
 
     def chain_reach(self, chain: Chain) -> float:
         """The modules' reaches from effector to effector, and both radii at every joint between modules."""
-        total = sum(self.reach(enter, leave) for _, enter, leave in chain.modules)
-        for (_, _, leave), (_, enter, _) in zip(chain.modules, chain.modules[1:], strict=False):
-            total += float(self._radius[self.index[leave]] + self._radius[self.index[enter]])
-        return total
+        if chain not in self._chain_reaches:
+            total = sum(self.reach(enter, leave) for _, enter, leave in chain.modules)
+            for (_, _, leave), (_, enter, _) in zip(chain.modules, chain.modules[1:], strict=False):
+                total += float(self._radius[self.index[leave]] + self._radius[self.index[enter]])
+            self._chain_reaches[chain] = total
+        return self._chain_reaches[chain]
 
     def longest_reach(self, modules: int) -> float:
         """No chain of so many of the scene's modules reaches farther."""

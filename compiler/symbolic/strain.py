@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..ir import Chain, Compare
+from ..ir import Chain, Compare, Term
 from .blocks import Block, Step
 from .domains import FlatRule
 from .expressions import Check
@@ -22,6 +22,8 @@ from .successors import Successors
 
 Row = dict[int, list[tuple[float, Step | None]]]
 """By action the strain by every witness, least first, and the step in whose states it is one; None for all states."""
+_Side = tuple[Term, tuple[str, ...]]
+"""A side of a comparison, and its variables."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,17 +42,12 @@ class Strain:
         self._rules: dict[str, list[FlatRule]] = {}
         for flat in successors.domains.rules:
             self._rules.setdefault(flat.rule.name, []).append(flat)
-        self._compares = {id(flat): length_bounds(flat) for flat in successors.domains.rules}
-        self._names = {
-            id(flat): sorted(set().union(*map(free_names, self._compares[id(flat)])))
-            for flat in successors.domains.rules
-        }
-        self._free = {name for name, flats in self._rules.items() if not any(self._compares[id(f)] for f in flats)}
-        self._fixed = self._free | {n for n, flats in self._rules.items() if all(map(self._speaks_of_arguments, flats))}
+        self._sides = {id(flat): [_sides(c) for c in length_bounds(flat)] for flat in successors.domains.rules}
+        self._fixed = {name for name, flats in self._rules.items() if all(map(self._speaks_of_arguments, flats))}
         self._settled: dict[int, float] = {}
         self._sources: dict[tuple[int, int], tuple[_Source, ...]] = {}
         self._rows: dict[tuple[int, Any], Row] = {}
-        self._largest: dict[tuple[Any, ...], float] = {}
+        self._values: dict[tuple[Any, ...], float] = {}
 
     def of(self, state: int, number: int) -> float:
         """The strain of action `number` in a state in which it can be done."""
@@ -123,25 +120,33 @@ class Strain:
 
     def _ratio(self, flat: FlatRule, env: Environment) -> float:
         """The largest ratio of the sides of the comparisons of a rule."""
-        key = (id(flat), *(env.get(name) for name in self._names[id(flat)]))
-        if key not in self._largest:
-            self._largest[key] = max((self._of_sides(c, env) for c in self._compares[id(flat)]), default=0.0)
-        return self._largest[key]
+        return max((self._of_sides(*sides, env) for sides in self._sides[id(flat)]), default=0.0)
 
-    def _of_sides(self, compare: Compare, env: Environment) -> float:
-        number = self.successors.guards.number
-        small, large = compare.left, compare.right
-        if compare.operator in LOWER:
-            small, large = large, small
+    def _of_sides(self, small: _Side, large: _Side, env: Environment) -> float:
         try:
-            below, above = float(number(small, env)), float(number(large, env))
+            below, above = self._value(small, env), self._value(large, env)
         except (Undefined, KeyError):
             return 0.0
         return max(0.0, below / above) if above > 0.0 else 0.0
 
+    def _value(self, side: _Side, env: Environment) -> float:
+        term, names = side
+        key = (id(term), *[env[name] for name in names])
+        known = self._values.get(key)
+        if known is None:
+            known = self._values[key] = float(self.successors.guards.number(term, env))
+        return known
+
     def _speaks_of_arguments(self, flat: FlatRule) -> bool:
         """Whether the arguments of an action alone settle the comparisons."""
-        return {v.name for v in flat.rule.variables} >= set(self._names[id(flat)])
+        names = {v.name for v in flat.rule.variables}
+        return all(names.issuperset(side[1]) for sides in self._sides[id(flat)] for side in sides)
+
+
+def _sides(compare: Compare) -> tuple[_Side, _Side]:
+    """The smaller and the larger side of a comparison."""
+    sides = [(term, tuple(sorted(free_names(term)))) for term in (compare.left, compare.right)]
+    return (sides[1], sides[0]) if compare.operator in LOWER else (sides[0], sides[1])
 
 
 def _check(tests: str) -> Callable[[int], bool]:
