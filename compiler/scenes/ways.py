@@ -18,17 +18,26 @@ MOST_PLACES = 200
 
 
 def check_ways(findings: Findings, world: ir.World, carried: Iterable[tuple[str, str]]) -> None:
-    """Warn of every body whose way leads into a module or a resting body. Pairs that touch at the start, and `carried`
-    pairs (thing, support), may."""
+    """Warn of every body whose way leads into a module or a resting body. Pairs that touch at the start may; what
+    stands on it, by `carried` pairs (thing, support), goes along."""
     if not world.courses:
         return
-    exempt = {frozenset(pair) for pair in carried}
     moving = {c.body for c in world.courses}
     found = list(volumes(world))
     resting = [v for v in found if v.owner not in moving]
+    owners = {v.name: v.owner for v in found}
+    standing = [(owners.get(thing, thing), owners.get(support, support)) for thing, support in carried]
     for volume in (v for v in found if v.owner in moving):
-        near = [v for v in resting if frozenset((v.name, volume.name)) not in exempt]
-        _check_body(findings, world, volume, near)
+        along = _standing_on(volume.owner, standing)
+        _check_body(findings, world, volume, [v for v in resting if v.owner not in along])
+
+
+def _standing_on(body: str, standing: list[tuple[str, str]]) -> set[str]:
+    """What stands on a body, directly or on other things."""
+    found = {body}
+    for _ in standing:
+        found |= {thing for thing, support in standing if support in found}
+    return found - {body}
 
 
 def _check_body(findings: Findings, world: ir.World, volume: Volume, resting: list[Volume]) -> None:

@@ -23,6 +23,10 @@ PUSHED = 0.01
 """Metres off its way after which a body may rest again: no speed is read off this step."""
 SURE = 5.0
 """Standard deviations of the noise that make no difference."""
+LIKELY = 3.0
+"""Standard deviations beyond which a speed is taken for one."""
+RARE = 4.0
+"""Standard deviations that a look is off the way of a body only where that has changed."""
 AGO = (3, 6, 12)
 """Looks before which a body may have changed its way without any look that tells."""
 ENOUGH = 8
@@ -32,17 +36,23 @@ ENOUGH = 8
 @dataclass(frozen=True, slots=True)
 class Line:
     """The way of a body as some looks have it: from `begin` to `end`, at `position` `(3,)` then, with a `velocity`,
-    whose standard deviation is `doubt`, 1/s, times that of a look."""
+    whose standard deviation is `doubt`, 1/s, times that of a look, of which there are `count`."""
 
     begin: float
     end: float
     position: Array
     velocity: Array
     doubt: float
+    count: int
 
     def at(self, times: Array) -> Array:
         """Positions `(T, 3)` at times `(T,)`."""
         return np.asarray(self.position + (times - self.end)[:, None] * self.velocity)
+
+    def blur(self, time: float) -> float:
+        """The standard deviation, times that of a look, by which a look at a time is off this line."""
+        lever = (time - 0.5 * (self.begin + self.end)) * self.doubt
+        return float(np.sqrt(1.0 + 1.0 / self.count + lever**2))
 
 
 @dataclass(slots=True)
@@ -60,10 +70,10 @@ class Sighting:
         chosen = [k for k, time in enumerate(self.times) if begin <= time <= known + SAME_TIME][-MEMORY:] or [0]
         times, positions = (np.array([rows[k] for k in chosen]) for rows in (self.times, self.positions))
         if len(chosen) < 2:
-            return Line(times[0], times[0], positions[0], np.zeros(3), np.inf)
+            return Line(times[0], times[0], positions[0], np.zeros(3), np.inf, 1)
         slope, origin = np.polyfit(times - times[-1], positions, 1)
         doubt = 1.0 / float(np.linalg.norm(times - times.mean()))
-        return Line(times[0], times[-1], np.asarray(origin), np.asarray(slope), doubt)
+        return Line(times[0], times[-1], np.asarray(origin), np.asarray(slope), doubt, len(chosen))
 
 
 class Sensing:
@@ -99,7 +109,7 @@ class Sensing:
         if line is None or line.begin == line.end:
             return
         off = float(np.linalg.norm(line.at(np.array([time]))[0] - position))
-        if off > 0.5 * self.tolerance:
+        if off > 0.5 * TOLERANCE + RARE * self.sigma * line.blur(time):
             sighting.changes.append((time, time if off > PUSHED else sighting.times[-1]))
         elif self.sigma:
             turned = self._turned(sighting, line.begin)
@@ -139,5 +149,5 @@ class Sensing:
 
     def _way(self, body: str, known: float) -> Line:
         line = self._seen[body].line(known)
-        sure = float(np.linalg.norm(line.velocity)) > max(1e-5, SURE * self.sigma * line.doubt)
+        sure = float(np.linalg.norm(line.velocity)) > max(1e-5, LIKELY * self.sigma * line.doubt)
         return line if sure else replace(line, velocity=np.zeros(3))

@@ -89,3 +89,16 @@ def test_a_plan_for_the_start_does_not_see_what_happens_later() -> None:
     assert found is not None and found.code == "W0008" and found.span is not None
     assert found.help is not None and "tamplang run" in found.help
     assert unseen(problem("").world) is None
+
+
+def test_what_stands_on_a_body_that_moves_goes_along() -> None:
+    text = f"""{HEAD}
+    task t() {{
+        base ground: box(2 m, 2 m, 5 cm) at (0, 0, 0)
+        base shelf: box(20 cm, 20 cm, 5 cm) at (0, 0, LOW)
+        moves ground along (5 cm, 5 cm, 10 cm) at 1 cm/s and back
+        crawler c: A on ground at (0.5 m, 0)
+        goal (on ground c.B)
+    }}"""
+    clear, warned = (compile_text(text.replace("LOW", low))[1] for low in ("90 cm", "11 cm"))
+    assert not clear and [d.code for d in warned] == ["W0007"]

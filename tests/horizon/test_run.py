@@ -140,6 +140,35 @@ def test_the_others_finish_the_task(name: str) -> None:
         assert "stuck_rad" in {f.kind for f in verify(msgspec.convert(data, Plan)).failures}
 
 
+PUSHED = """
+import std.crawler
+import std.rules
+
+task human() {
+    base pedestal: box(0.3 m, 0.3 m, 0.05 m) at (0, 0, 0)
+    object table: box(0.4 m, 1.4 m, 0.04 m) at (0.55 m, 0, 0.02 m)
+    object goal_tray: box(0.5 m, 0.3 m, 0.04 m) at (0, -0.6 m, 0.02 m)
+    fact (tray goal_tray)
+    for i in 1 .. 2 {
+        object item[i]: box(0.06 m, 0.06 m, 0.06 m) on table at (0, 0.15 m * (i - 1.5))
+        fact (grippable item[i])
+    }
+    disturb item[1] by (5 cm, 8 cm, 0) at 2 s
+    moves goal_tray along (8 cm, -3 cm, 0) at 6 mm/s and back
+    crawler c: A on pedestal
+    goal  (on goal_tray item[1]), (on goal_tray item[2])
+}
+"""
+
+
+def test_things_that_a_human_moves_come_to_a_tray_that_drifts() -> None:
+    result = Task(compile_text(PUSHED, "human.tamp", "human")[0]).run()
+    record = result.record
+    assert result.status == "solved" and record.verdict is not None and record.verdict.verified
+    assert [p.rule for p in record.phases if p.completed] == ["grasp", "place"] * 2
+    assert any("goal_tray is" in w.reason or "item[1] is" in w.reason for w in record.windows)
+
+
 def test_a_module_that_holds_something_is_lost_with_it() -> None:
     text = DRIFT.replace("HAPPENS", "fail c at 1.5 s: gone").replace("goal (held target)", "goal (on tray target)")
     tray = "base tray: box(0.3 m, 0.3 m, 0.05 m) at (-0.5 m, 0, 0.2 m)\n    fact (tray tray)\n"
