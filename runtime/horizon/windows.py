@@ -40,7 +40,8 @@ WEIGHT = 1.0
 """The surcharge that an action at the limit of its conditions has at least, also before any was refused: windows then
 need fewer candidates, and runs promise no cheapest plan anyway."""
 MOST_REMEMBERED = 4
-"""Refused beginnings of a window with up to so many actions are forbidden wherever their robots stand alike."""
+"""Refused beginnings of a window with two to so many actions are forbidden wherever their robots stand alike; one
+action only in the posture in which the window starts."""
 CANDIDATES = 24
 """Plans that are judged for one goal of one window."""
 ALIKE = 3
@@ -307,7 +308,7 @@ class _Planner:
             if conflict.bound != EXPECTED:
                 self.memory.refusals.add(replace(seen, problem=self.memory.refusals.problem), conflict)
                 surcharge.refused(candidate.numbers, conflict.first, conflict.last)
-            short = not self.again and conflict.bound in ("seq", EXPECTED) and conflict.last < MOST_REMEMBERED
+            short = not self.again and conflict.bound in ("seq", EXPECTED) and 0 < conflict.last < MOST_REMEMBERED
             search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start and not short)
         search.charge(surcharge)
         return None
@@ -315,6 +316,8 @@ class _Planner:
     def _accepted(
         self, search: SkeletonSearch, candidate: Candidate, seen: Skeleton, count: int, judgement: Judgement
     ) -> Window:
+        if self.memory.surcharge is not None:
+            self.memory.surcharge.accepted(candidate.numbers[:count])
         cost = sum(search.successors.cost(number) for number in candidate.numbers[:count])
         return self._planned(candidate.actions, cost, beginning(seen, count), judgement)
 

@@ -10,7 +10,7 @@ from ...compiler.symbolic.strain import Strain, size_of
 POWER = 6
 LEAST, GROWTH, MOST = 0.5, 1.5, 64.0
 """The surcharge of an action at the strain at which it was refused: at first, how it grows, at most."""
-FADING, MOST_INHERITED = 0.7, 2.0
+FADING, FORGETTING, MOST_INHERITED = 0.7, 0.9, 2.0
 """What is left in the next search of a weight, and of how far a limit is below 1; and the most of a weight."""
 
 Kind = tuple[str, int]
@@ -25,18 +25,34 @@ class Surcharge:
         self.strain = strain
         self.weight = 0.0
         self._limits: dict[Kind, float] = {}
+        self._shown: dict[Kind, float] = {}
+        self._accepted = False
         self._kinds: dict[int, Kind] = {}
         self._kinds_of_rules: dict[str, set[Kind]] = {}
         self._settled: dict[int, float] = {}
 
     def inherit(self, other: Surcharge) -> None:
-        """Begin with what another search of the same rules has learnt, which weighs less with each search."""
-        self.weight = min(FADING * other.weight, MOST_INHERITED)
-        self._limits = {key: 1.0 - FADING * (1.0 - limit) for key, limit in other._limits.items()}
+        """Begin with what another search of the same rules has learnt. Once motion has accepted something, that weighs
+        less, and no strain that was accepted is a limit."""
+        self._shown = dict(other._shown)
         self._kinds_of_rules = {rule: set(kinds) for rule, kinds in other._kinds_of_rules.items()}
+        self.weight, self._limits = min(other.weight, MOST_INHERITED), dict(other._limits)
+        if other._accepted:
+            self.weight = min(FADING * other.weight, MOST_INHERITED)
+            self._limits = {
+                kind: max(1.0 - FORGETTING * (1.0 - limit), min(1.0, self._shown.get(kind, 0.0)))
+                for kind, limit in other._limits.items()
+            }
+
+    def accepted(self, numbers: Sequence[int]) -> None:
+        """The first actions of a plan, in a row from the start, got their motion."""
+        self._accepted = True
+        for number, strain in zip(numbers, self.strain.along(numbers), strict=True):
+            kind = self._kind(number)
+            self._shown[kind] = max(strain, self._shown.get(kind, 0.0))
 
     def refused(self, numbers: Sequence[int], first: int, last: int) -> None:
-        """Actions `first` … `last` of a plan were refused one after the other."""
+        """Actions `first` … `last` of a plan were refused one after the other. One alone is forbidden, not dearer."""
         if first == last:
             return
         self.weight = max(LEAST, min(self.weight * GROWTH, MOST))
@@ -46,7 +62,8 @@ class Surcharge:
         strains = self.strain.along(numbers[: last + 1])
         worst = max(range(first, last + 1), key=lambda k: strains[k])
         kind = self._kind(numbers[worst])
-        self._limits[kind] = min(strains[worst], self._limits.get(kind, 1.0))
+        if strains[worst] > 0.0:
+            self._limits[kind] = min(strains[worst], self._limits.get(kind, 1.0))
 
     def of(self, state: int, number: int) -> float:
         """The surcharge of an action."""

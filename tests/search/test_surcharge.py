@@ -1,0 +1,74 @@
+"""What searches learn of strains from what motion refused and accepted."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tamplang.compiler.pipeline import compile_problem
+from tamplang.compiler.symbolic.strain import Strain
+from tamplang.compiler.symbolic.successors import Successors
+from tamplang.runtime.budget import Budget
+from tamplang.runtime.search.best_first import Candidate, SkeletonSearch
+from tamplang.runtime.search.surcharge import Surcharge
+
+EXAMPLES = Path(__file__).parent.parent.parent / "examples"
+
+
+def begun(weight: float = 1.0) -> tuple[SkeletonSearch, Candidate, Surcharge]:
+    """A search for climbing 16 stairs, its first candidate, and a surcharge that knows nothing yet."""
+    problem, _ = compile_problem(EXAMPLES / "climb.tamp", None, {"n": "16", "crawlers": "2"}, 0)
+    search = SkeletonSearch(problem, Successors(problem), "astar", Budget(30.0))
+    candidate = search.next()
+    assert candidate is not None
+    surcharge = Surcharge(Strain(search.successors))
+    surcharge.weight = weight
+    return search, candidate, surcharge
+
+
+def handed_on(surcharge: Surcharge) -> Surcharge:
+    following = Surcharge(surcharge.strain)
+    following.inherit(surcharge)
+    return following
+
+
+def price(surcharge: Surcharge, strain: float) -> float:
+    return float(surcharge.price("stepTogether", strain))
+
+
+def test_no_strain_that_motion_accepted_is_a_limit_in_later_windows() -> None:
+    search, bold, surcharge = begun(weight=8.0)
+    search.charge(surcharge)
+    tame = search.next()
+    assert tame is not None
+    hardest = max(surcharge.strain.along(bold.numbers)[1:-1])
+    assert max(surcharge.strain.along(tame.numbers)[1:-1]) < 0.8 * hardest
+    surcharge.refused(tame.numbers, 1, len(tame.numbers) - 2)
+    assert price(surcharge, hardest) > 2.0 * surcharge.weight
+    surcharge.accepted(bold.numbers)
+    following = handed_on(surcharge)
+    assert price(following, hardest) <= following.weight + 1e-9
+
+
+def test_what_was_refused_weighs_less_only_once_something_was_accepted() -> None:
+    _, candidate, surcharge = begun()
+    surcharge.refused(candidate.numbers, 0, len(candidate.numbers) - 1)
+    assert surcharge.weight == 1.5
+    same = handed_on(surcharge)
+    assert same.weight == 1.5 and price(same, 0.5) == price(surcharge, 0.5)
+    surcharge.accepted(candidate.numbers[:2])
+    assert price(handed_on(surcharge), 0.5) < price(surcharge, 0.5)
+
+
+def test_all_ways_of_doing_an_action_are_dearer_where_it_is_strained() -> None:
+    """Also actions whose strain depends on where their robots stand: none is free of charge, however many are met."""
+    search, candidate, surcharge = begun()
+    search.charge(surcharge)
+    successors, charged = search.successors, 0
+    state = successors.initial
+    for number in candidate.numbers[:6]:
+        for _, other in successors.expand(state):
+            strain = surcharge.strain.of(state, other)
+            assert (surcharge.of(state, other) > 0.0) == (strain > 0.0)
+            charged += strain > 0.0 and not surcharge.strain.settled(other)
+        state = successors.after(state, number)
+    assert charged > 20
