@@ -1,4 +1,4 @@
-"""Clearances of the moving spheres of phases of one structure: to obstacles, among themselves, to whole shapes."""
+"""The moving spheres of phases of one structure, and what they can meet: obstacles, each other, whole shapes."""
 
 from __future__ import annotations
 
