@@ -97,13 +97,13 @@ class Features:
     ) -> None:  # fmt: skip
         arguments_ = [self._resolve(o) for o in objects]
         slots = list(dict.fromkeys(a.slot for a in arguments_ if a.slot))
-        places = [np.concatenate([self.layout.slot(t, s) for s in slots]) for t in slices if slots]
-        if row.when == "keep" and (not slots or np.array_equal(places[0], places[1])):
+        if row.when == "keep" and all(len({self.layout.offset(t, s) for t in slices}) == 1 for s in slots):
             return
         same = (literal[0], number, frozenset(objects) if row.when == "keep" else objects, slices)
         if same in self._done:
             return
         self._done.add(same)
+        places = [np.concatenate([self.layout.slot(t, s) for s in slots]) for t in slices if slots]
         numbers = tuple(slots.index(a.slot) if a.slot else -1 for a in arguments_)
         key = (literal[0], number, tuple(a.key for a in arguments_), numbers, scale)
         if key not in self._instances:

@@ -73,8 +73,12 @@ class Layout:
 
     def slot(self, slice_: int, name: str) -> Indices:
         """The places in z of one slot."""
-        start = (self._pinned[0] if slice_ == ORIGIN else self.slices[slice_])[name]
+        start = self.offset(slice_, name)
         return np.arange(start, start + self.sizes[name])
+
+    def offset(self, slice_: int, name: str) -> int:
+        """Where in z one slot begins."""
+        return (self._pinned[0] if slice_ == ORIGIN else self.slices[slice_])[name]
 
     def is_unknown(self, slice_: int, name: str) -> bool:
         return self.slices[slice_][name] >= self.first_unknown
