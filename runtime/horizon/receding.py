@@ -161,7 +161,6 @@ class _Run:
         self.reason = "dead end"
         if self.backtracks is not None and self.undone >= self.backtracks:
             return False
-        self.undone += 1
         depth = len(self.kept)
         if depth == 0:
             level = self.levels[0]
@@ -169,6 +168,7 @@ class _Run:
             self.deepest = self.setbacks = 0
             level.failures += 1
             return forgotten or level.failures < STARTS
+        self.undone += 1
         if depth > self.deepest:
             self.deepest, self.setbacks = depth, 0
         back = min(1 + self.setbacks // MOTIONS, depth)

@@ -86,6 +86,12 @@ def test_every_horizon_solves_the_task(horizon: int) -> None:
     assert [w.motions for w in plan.windows] == [min(horizon, 4 - k) for k in range(0, 4, horizon)]
 
 
+def test_a_slot_without_room_is_given_up_after_some_starts() -> None:
+    outcome = solve_receding(_slots(length="0.09 m"), _options(), 2)
+    assert outcome.status == "exhausted"
+    assert "0 actions in 0 windows were planned, and 0 windows undone" in outcome.explanation[0].message
+
+
 def test_parts_of_the_goal_drop_out_as_they_are_reached() -> None:
     (plan,) = solve_receding(_slots(), _options(), 2).plans
     assert [len(window.unmet) for window in plan.windows] == [2, 1]
