@@ -159,7 +159,12 @@ class Route:
     ) -> bool:  # fmt: skip
         """Whether a motion that is to be broken off had better be so now, `since` seconds after its begin, than a
         little later or not at all: it comes to rest, and stays there `until` so many seconds after its begin while
-        things move on as they seem to."""
+        things move on as they seem to. One that all but meets what it is to meet soon goes on to its end."""
+        soon = steering if path.duration - since < LATER * PERIOD else None
+        if soon and self._off(world, path, since, soon) < NEARLY and (
+            self._pressed(world, phase, path, since, path.duration) <= DEEP
+        ):
+            return False
         depths: list[float] = []
         for stop in since + PERIOD * np.arange(LATER + 1):
             slowed = path if stop >= path.duration else self.brought_to_rest(world, path, float(stop))
