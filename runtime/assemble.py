@@ -28,7 +28,7 @@ DIGITS = 10
 """Decimals of metres, radians and seconds in the file."""
 Places = Mapping[ir.Fact, Span | None]
 """Where literals are written."""
-LIBRARIES = {"numpy": "numpy", "casadi": "casadi", "coal": "coal", "scipy": "scipy"}
+LIBRARIES = {"numpy": "numpy", "casadi": "casadi", "pinocchio": "pin", "coal": "coal", "scipy": "scipy"}
 """Compiled libraries, and the Python packages that bring them."""
 
 

@@ -211,7 +211,7 @@ class Plan:
         from .runtime.budget import Budget
         from .runtime.verify import verify
 
-        return verify(self.record, Budget(time), repeated=True)
+        return verify(self.record, Budget(time))
 
     def report(self, path: str | PathLike[str]) -> None:
         """Write the report: one HTML file that works offline. Raises OSError."""

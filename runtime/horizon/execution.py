@@ -30,7 +30,7 @@ def execute(
     noise = noise or Noise()
     moves = problem.world.courses or problem.world.breakdowns
     if plan is not None and (plan.courses or plan.breakdowns or not moves):
-        plan = msgspec.structs.replace(plan, verdict=verify(plan, repeated=True))
+        plan = msgspec.structs.replace(plan, verdict=verify(plan))
         assert plan.verdict is not None
         status = "solved" if plan.verdict.verified and plan.complete else "refused"
         if not plan.verdict.verified:

@@ -363,7 +363,7 @@ class Run:
         plan = plan_of_run(
             self.problem, self.steps, reached.mode, self._places, self.windows, statistics, status == "solved"
         )
-        plan = msgspec.structs.replace(plan, verdict=verify(plan, repeated=True))
+        plan = msgspec.structs.replace(plan, verdict=verify(plan))
         assert plan.verdict is not None
         if status == "solved" and not plan.verdict.verified:
             status = "refused"

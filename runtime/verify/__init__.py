@@ -5,7 +5,7 @@ It shares no code with solver, search or constraint builder; of the compiler it 
     replay.py      carries out every action by the rules' text
     scene.py       builds the task anew from the stored sources and compares modules and bodies
     structure.py   sizes, finite numbers, unit quaternions, time stamps
-    kinematics.py  forward kinematics of every sample; on demand repeated by Pinocchio at some
+    kinematics.py  forward kinematics of every sample, repeated by Pinocchio at some
     constraints.py motion predicates at switches, during intervals, and what they keep constant
     motion.py      start, continuity, splines, joint limits, rest
     rates.py       speeds and accelerations of joints

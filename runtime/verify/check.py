@@ -20,14 +20,14 @@ from .scene import check_scene, check_sources
 from .structure import check_structure
 
 
-def verify(plan: Plan, budget: Budget | None = None, repeated: bool = False) -> VerdictRecord:
-    """The verdict on a plan, from nothing but what stands in it; `repeated`: Pinocchio, which is slow to load, repeats
-    the kinematics at some samples. Raises MissingLibrary, and OutOfTime once the budget is spent."""
+def verify(plan: Plan, budget: Budget | None = None) -> VerdictRecord:
+    """The verdict on a plan, from nothing but what stands in it. Raises MissingLibrary, and OutOfTime once the budget
+    is spent."""
     findings = Findings(budget)
     if not check_sources(plan, findings):
         return findings.verdict()
     problem = _problem(plan, findings)
-    return findings.verdict() if problem is None else _examine(plan, problem, findings, repeated)
+    return findings.verdict() if problem is None else _examine(plan, problem, findings)
 
 
 def check(plan: Plan, problem: ir.Problem) -> VerdictRecord:
@@ -82,7 +82,7 @@ def parameter_texts(plan: Plan, sources: list[Source]) -> dict[str, str]:
     return {name: f"{value!r}{units.get(kinds.get(name, ''), '')}" for name, value in plan.task.parameters.items()}
 
 
-def _examine(plan: Plan, problem: ir.Problem, findings: Findings, repeated: bool = False) -> VerdictRecord:
+def _examine(plan: Plan, problem: ir.Problem, findings: Findings) -> VerdictRecord:
     samples = check_structure(plan, findings)
     same = check_scene(plan, problem, findings) and check_happenings(plan, problem, findings)
     if samples is None or not same:
@@ -90,8 +90,7 @@ def _examine(plan: Plan, problem: ir.Problem, findings: Findings, repeated: bool
         return findings.verdict()
     kinematics = {m.name: Kinematics(m) for m in plan.modules}
     motion = motion_of(plan, kinematics, samples)
-    if repeated:
-        check_kinematics(motion, kinematics, findings)
+    check_kinematics(motion, kinematics, findings)
     story = replay(problem, plan, findings, motion)
     happenings = happenings_of(problem, plan, story.modes)
     check_motion(problem, plan, story, motion, happenings, findings)

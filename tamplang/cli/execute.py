@@ -92,7 +92,7 @@ def run(
     if report is not None and report.absolute() == out.absolute():
         raise click.UsageError(f"--out and --report are the same file: {report}")
     with needing_libraries():
-        load_libraries(repeated=True)
+        load_libraries()
         with kept_interrupt() as check:
             result = loaded.run(
                 plan=plan, horizon=horizon, noise=Noise(**noise), latency=latency, time=seconds, seed=seed,

@@ -19,11 +19,10 @@ def needing_libraries() -> Iterator[None]:
         raise click.ClickException(f"{error}\n  help: {error.hint}") from error
 
 
-def load_libraries(repeated: bool = False) -> None:
-    """Load what the verifier will need, also where Pinocchio is to have the kinematics `repeated`, so that a missing
-    library is told before the planner works. Raises MissingLibrary."""
+def load_libraries() -> None:
+    """Load what the verifier will need, so that a missing library is told before the planner works. Raises
+    MissingLibrary."""
     from ..runtime.native import load_coal, load_pinocchio
 
-    if repeated:
-        load_pinocchio()
+    load_pinocchio()
     load_coal()

@@ -39,7 +39,7 @@ def verify(file: Path, seconds: float, as_json: bool) -> int:
 
         check()
         try:
-            verdict = verified(plan, Budget(seconds), repeated=True)
+            verdict = verified(plan, Budget(seconds))
         except OutOfTime as error:
             raise Unchecked(f"{seconds:g} s are spent, and the plan is not checked to its end") from error
         check()
