@@ -20,7 +20,7 @@ from ..verify.formulas import ReplayError
 from ..verify.replay import Interpreter
 from .foresight import concerned
 from .state import start
-from .windows import LOOKAHEAD, PLANNED, STUCK, plan_window, remember
+from .windows import LOOKAHEAD, PLANNED, plan_window, remember
 
 SHORTER = ((2, -0.005), (2, -0.01))
 """After a first try while things move: so many actions, as what comes later may be in reach by then, and so
@@ -100,13 +100,10 @@ class Planner:
         begin = replace(start(problem), previous=previous)
         short = bool(self.failures) and not self.returns
         seen = LOOKAHEAD if not moving else FARTHER * self.returns + (0 if short else 1)
-        for seed in (self.options.seed, self.options.seed + FRESH):
-            memory = remember(problem, self.options, budget)
-            memory.bounds.settings = memory.bounds.settings.wider(wider + (SHORTER[-1][1] if moving else 0.0))
-            count = SHORTER[0][0] if moving else horizon
-            found = plan_window(problem, begin, self.options, count, budget, memory, seed=seed, lookahead=seen)
-            if found.status != STUCK:
-                break
+        memory = remember(problem, self.options, budget)
+        memory.bounds.settings = memory.bounds.settings.wider(wider + (SHORTER[-1][1] if moving else 0.0))
+        count = SHORTER[0][0] if moving else horizon
+        found = plan_window(problem, begin, self.options, count, budget, memory, lookahead=seen)
         if found.status != PLANNED:
             self.status, self.refusals = found.status, memory.refusals
             return None

@@ -308,8 +308,10 @@ class _Planner:
             if conflict.bound != EXPECTED:
                 self.memory.refusals.add(replace(seen, problem=self.memory.refusals.problem), conflict)
                 surcharge.refused(candidate.numbers, conflict.first, conflict.last)
-            short = not self.again and conflict.bound in ("seq", EXPECTED) and 0 < conflict.last < MOST_REMEMBERED
-            search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start and not short)
+            for_good = conflict.bound not in ("seq", EXPECTED)
+            short = not self.again and not for_good and 0 < conflict.last < MOST_REMEMBERED
+            from_start = conflict.from_start and not short
+            search.forbid_actions(candidate, conflict.first, conflict.last, from_start, for_good)
         search.charge(surcharge)
         return None
 
