@@ -61,7 +61,8 @@ def solve(file: str, parameters: Parameters, seed: int, limit: float, plan: Path
     watcher.join()
     answer = json.loads(output) if output.startswith("{") else {"status": "error"}
     run: Run = {"wall": round(wall, 3), "cpu": round(usage.ru_utime + usage.ru_stime, 3)}
-    run |= {"peak_mb": round(usage.ru_maxrss / 1024), **{key: answer.get(key) for key in KEPT}}
+    peak = max((memory for _, memory in looks), default=usage.ru_maxrss / 1024)
+    run |= {"peak_mb": round(peak), **{key: answer.get(key) for key in KEPT}}
     begin = wall - seconds(run, "total") + seconds(run, "first_motion")
     end = wall - seconds(run, "verify")
     half = (begin + end) / 2
