@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 from pathlib import Path
 
@@ -81,14 +82,14 @@ def test_a_folder_that_is_not_there_is_told_before_the_run(option: str, capsys: 
 @pytest.mark.parametrize(
     ("arguments", "seen"),
     [
-        (["run", EXAMPLES / "moving_stairs.tamp", "-p", "n=8"], "2 done"),
-        (["solve", EXAMPLES / "climb.tamp", "-p", "n=100", "--horizon", "2"], "4 actions done"),
+        (["run", EXAMPLES / "moving_stairs.tamp", "-p", "n=8"], r"[1-9]\d* done"),
+        (["solve", EXAMPLES / "climb.tamp", "-p", "n=100", "--horizon", "2"], r"[1-9]\d* actions done"),
     ],
 )
 def test_ctrl_c_in_mid_run_writes_what_was_carried_out(tmp_path: Path, arguments: list[object], seen: str) -> None:
     process = begin(tmp_path, "-m", "tamplang", *arguments, "--out", "p.json", "--report", "p.html")
     assert process.stderr is not None
-    while seen not in (line := process.stderr.readline()):
+    while not re.search(seen, line := process.stderr.readline()):
         assert line
     process.send_signal(signal.SIGINT)
     output, errors = process.communicate(timeout=60)
