@@ -17,7 +17,7 @@ from .starts import guess
 from .switches import SwitchProgram, run
 
 SEQUENCE, SINGLE = Options(inner_tolerance=3e-2), Options()
-"""For several phases and for one. Multipliers that are taken up soon save a fourth of the steps of several; one phase
+"""For several phases and for one. Multipliers that are taken up soon save a fifth of the steps of several; one phase
 has them lead astray more often: grasps from unknown postures are then refused in 10 % of draws instead of none."""
 NOISE = 0.3
 TRIES = 8
