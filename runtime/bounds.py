@@ -54,7 +54,7 @@ class Bounds(Solves):
 
     def judge(self, skeleton: Skeleton, strains: Sequence[float], motions: int | None = None) -> Judgement:
         """Take a skeleton through the bounds; `strains` tells how close the conditions of each action are to their
-        limits (`search.roomy`). With `motions` only so many phases get their motion, and P_seq looks farther ahead.
+        limits (`symbolic.strain`). With `motions` only so many phases get their motion, and P_seq looks farther ahead.
         Raises OutOfTime."""
         self.ahead.forget()
         expected = self.experience.expected_refusals(skeleton.phases, strains)
@@ -77,8 +77,7 @@ class Bounds(Solves):
     def go_on(self, skeleton: Skeleton, motions: int, ahead: Sequence[Configuration]) -> Judgement:
         """As `judge`, for a way that was seen before: `ahead` holds its first switch configurations as they were
         expected then. A refusal has no conflicts. Raises OutOfTime."""
-        sequence = self._onward(skeleton, ahead)
-        return self.motion(skeleton, sequence, motions) if sequence.feasible else Judgement(False)
+        return self.motion(skeleton, self._onward(skeleton, ahead), motions)
 
     def _onward(self, skeleton: Skeleton, ahead: Sequence[Configuration]) -> BoundResult:
         """P_seq from the first switch configurations `ahead`, and guesses behind them."""
@@ -90,8 +89,7 @@ class Bounds(Solves):
     def retry(self, skeleton: Skeleton, motions: int) -> Judgement:
         """As `judge`, for a way that was refused only from the start: with all starts, and others than before. A
         refusal has no conflicts. Raises OutOfTime."""
-        sequence = self._sequence(skeleton, self.seed + AGAIN, None, tries=None)
-        return self.motion(skeleton, sequence, motions) if sequence.feasible else Judgement(False)
+        return self.motion(skeleton, self._sequence(skeleton, self.seed + AGAIN, None, tries=None), motions)
 
     def try_harder(self) -> None:
         """Forget every refusal; from now on each span gets all its starts, and others than before."""
@@ -112,8 +110,7 @@ class Bounds(Solves):
         try:
             self.settings = careful.wider(WIDER)
             self.seed = seed + AGAIN
-            sequence = self._sequence(skeleton, self.seed, None, tries=self.tries)
-            judgement = self.motion(skeleton, sequence) if sequence.feasible else Judgement(False)
+            judgement = self.motion(skeleton, self._sequence(skeleton, self.seed, None, tries=self.tries))
         finally:
             self.settings, self.seed = careful, seed
         if judgement.paths is None:

@@ -66,7 +66,10 @@ class Solves:
 
     def motion(self, skeleton: Skeleton, sequence: BoundResult, motions: int | None = None) -> Judgement:
         """P_seqPath of the first phases (default: of all) between switch poses, drawn anew, in long skeletons first
-        around phases that fail; then P_path. The phases behind them keep a say in where switches are."""
+        around phases that fail; then P_path. The phases behind them keep a say in where switches are. A refusal by
+        P_seq stays one, without conflicts."""
+        if not sequence.feasible:
+            return Judgement(False)
         first = beginning(skeleton, len(skeleton) if motions is None else motions)
         if not first.phases:
             return Judgement(True, paths=[])

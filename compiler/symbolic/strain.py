@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..ir import Chain, Compare, Term
+from ..ir import Action, Chain, Compare, Term
 from .blocks import Block, Step
 from .domains import FlatRule
 from .expressions import Check
@@ -72,9 +72,13 @@ class Strain:
 
     def _by_arguments(self, number: int) -> float:
         action = self.successors.action(number)
-        flats = self._rules[action.rule]
-        env = {v.name: a for v, a in zip(flats[0].rule.variables, action.args, strict=True)}
-        return min((self._ratio(flat, env) for flat in flats), default=0.0)
+        env = self._arguments(action)
+        return min((self._ratio(flat, env) for flat in self._rules[action.rule]), default=0.0)
+
+    def _arguments(self, action: Action) -> Environment:
+        """The arguments of an action by the variables of its rule."""
+        variables = self._rules[action.rule][0].rule.variables
+        return {v.name: a for v, a in zip(variables, action.args, strict=True)}
 
     def _by_witness(self, state: int, number: int) -> float:
         least: float | None = None
@@ -92,7 +96,7 @@ class Strain:
         key = (state & self.successors.layout.flag_mask, number)
         if key not in self._sources:
             action = self.successors.action(number)
-            args = {v.name: a for v, a in zip(self._rules[action.rule][0].rule.variables, action.args, strict=True)}
+            args = self._arguments(action)
             blocks = self.successors.blocks(state)
             agreeing = [
                 block for block in blocks

@@ -50,10 +50,14 @@ def foreseen_problem(
     poses = _then(problem, reached, expected)
     modules = {name: np.concatenate([poses[name], state[7:]]) for name, state in now.modules.items()}
     bodies = {name: poses[name].copy() for name in now.bodies}
+
+    def seen_from(module: str, body: str) -> Array:
+        shift = compose(modules[module][:7], inverse(now.modules[module][:7]))
+        return compose(shift, now.bodies[body])
+
     for end, body in touched(problem, reached, met):
         module = carrier(problem, end)
-        shift = compose(modules[module][:7], inverse(now.modules[module][:7]))
-        seen = compose(shift, now.bodies[body])
+        seen = seen_from(module, body)
         seen[:3] += AWAY * _outward(problem, end, modules[module], body, seen)
         for other in _kept_with(problem, reached.mode, body) - met:
             bodies[other] = compose(compose(seen, inverse(poses[body])), poses[other])
@@ -62,8 +66,7 @@ def foreseen_problem(
     coming = _coming(problem, reached, then)
     for body, module in {**coming, **passed}.items():
         if body not in let_go | met:
-            shift = compose(modules[module][:7], inverse(now.modules[module][:7]))
-            bodies[body] = compose(shift, now.bodies[body])
+            bodies[body] = seen_from(module, body)
     begun = reached_problem(problem, replace(reached, configuration=then))
     return replace(begun, touching=begun.touching | _close(begun, then))
 

@@ -113,8 +113,7 @@ class Route:
         self.lookout.expect(world.time, poses)
         met, passed, wider = frozenset[str](), dict[str, str](), 0.0
         for _ in range(ATTEMPTS):
-            then = np.array([world.time + seconds])
-            expected = {b: self.lookout.sensing.foreseen(b, pose, then)[0] for b, pose in poses.items()}
+            expected = self._at(poses, world.time + seconds)
             base = self.failures.base(self.problem)
             problem = self.failures.stuck(foreseen_problem(base, world.reached, expected, met, passed))
             window = self._search(world, problem) if search else self._known(problem, wider)
@@ -196,8 +195,7 @@ class Route:
 
     def aside(self, world: World) -> PhasePath | None:
         """A motion, standing where it stands, of the robot that the next action moves, to where it has room."""
-        poses, then = self.lookout.look(world), np.array([world.time + FIRST_GUESS])
-        expected = {b: self.lookout.sensing.foreseen(b, pose, then)[0] for b, pose in poses.items()}
+        expected = self._at(self.lookout.look(world), world.time + FIRST_GUESS)
         base = self.failures.base(self.problem)
         problem = self.failures.stuck(foreseen_problem(base, world.reached, expected, frozenset(), {}))
         skeleton = self.planner.skeleton(problem, self.way[:1])
@@ -217,9 +215,7 @@ class Route:
     def threatens(self, world: World, phase: Phase, path: PhasePath, since: float, bodies: Iterable[str]) -> bool:
         """Whether one of `bodies`, as they seem to move now, comes near what is left of a motion after `since` seconds;
         the motion began in the state that the world is in."""
-        rest = at_times(path, np.linspace(since, path.duration, LOOKS), path.duration - since)
-        times = world.time + since + np.linspace(0.0, rest.duration, LOOKS)
-        own = self._own(world.at(world.time + since), times, newest=True)
+        rest, own = self._what_is_left(world, path, since)
         found = nearest(self.problem, world.reached.configuration, phase, rest, own)
         return any(distance < THREAT for (_, body), distance in found.items() if body in bodies)
 
@@ -234,14 +230,12 @@ class Route:
         """The motion, after `since` seconds of it, led to where what it meets seems to be at its end, and by how many
         metres its end is moved; the same motion where that makes no difference, is too far, or would get into
         something."""
-        poses, now = world.at(world.time + since), world.time + since
         foreseen = self._at_the_end(world, path, since)
         off = steering.off(path, foreseen)
         found = steering.steered(path, since, foreseen) if LEAST + self.lookout.sensing.sigma < off < FARTHEST else None
         if found is None:
             return path, off
-        rest = at_times(found, np.linspace(since, found.duration, LOOKS), found.duration - since)
-        own = self._own(poses, now + np.linspace(0.0, rest.duration, LOOKS), newest=True)
+        rest, own = self._what_is_left(world, found, since)
         clear = deepest(self.problem, world.reached.configuration, phase, rest, own) <= DEEP
         return (found if clear else path), off
 
@@ -250,8 +244,7 @@ class Route:
 
     def _at_the_end(self, world: World, path: PhasePath, since: float) -> dict[str, Array]:
         """The poses `(7,)` of bodies at the end of a motion, as they seem to move after `since` seconds of it."""
-        poses, end = world.at(world.time + since), np.array([world.time + path.duration])
-        return {body: rows[0] for body, rows in self._own(poses, end, newest=True).items()}
+        return self._at(world.at(world.time + since), world.time + path.duration, newest=True)
 
     def near(self, world: World) -> frozenset[str]:
         """The bodies on courses that a robot at rest has to look out for."""
@@ -271,6 +264,16 @@ class Route:
         """The poses `(T, 7)` of bodies at some times, as they seem to move; `poses` tell how they are turned."""
         foreseen = self.lookout.sensing.foreseen
         return {body: foreseen(body, pose, times, newest=newest) for body, pose in poses.items()}
+
+    def _at(self, poses: Mapping[str, Array], time: float, *, newest: bool = False) -> dict[str, Array]:
+        """As `_own`, the poses `(7,)` at one time."""
+        return {body: rows[0] for body, rows in self._own(poses, np.array([time]), newest=newest).items()}
+
+    def _what_is_left(self, world: World, path: PhasePath, since: float) -> tuple[PhasePath, dict[str, Array]]:
+        """What is left of a motion after `since` seconds, and the poses of bodies meanwhile, as they seem to move."""
+        rest = at_times(path, np.linspace(since, path.duration, LOOKS), path.duration - since)
+        times = world.time + since + np.linspace(0.0, rest.duration, LOOKS)
+        return rest, self._own(world.at(world.time + since), times, newest=True)
 
     def _known(self, problem: ir.Problem, wider: float) -> Window | None:
         return self.planner.known_way(problem, self.way, self.horizon, self._moving(), wider, self.budget)

@@ -10,12 +10,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...compiler import ir
-from ..motion.easing import settled
+from ..motion.easing import least_jerk, settled
 from ..motion.movement import carrier
 from ..resampling import effector_poses, kept_pairs
 from ..skeleton import Array, Configuration, Phase, PhasePath
@@ -38,17 +37,9 @@ DAMPING = 1e-3
 """Metres per radian below which joints count as having no effect."""
 
 
-@dataclass(frozen=True, slots=True)
-class Meeting:
-    """What a phase lets meet at its end: `pairs` of names, and the poses `(P, 7)` of the second ones as seen from the
-    first ones, as planned."""
-
-    pairs: tuple[tuple[str, str], ...]
-    planned: Array
-
-
 class Steering:
-    """Steers one phase, which begins in the configuration `before`."""
+    """Steers one phase, which begins in the configuration `before`: what it lets meet at its end are pairs of names,
+    with the poses `(P, 7)` of the second ones as seen from the first ones, as planned."""
 
     def __init__(
         self, problem: ir.Problem, phase: Phase, path: PhasePath, before: Configuration, expected: Mapping[str, Array]
@@ -58,8 +49,8 @@ class Steering:
         self._phase = phase
         self._before = before
         self._moving = [name for name, rows in sorted(path.modules.items()) if moves(rows)]
-        pairs = _pairs(problem, phase)
-        self._meeting = Meeting(pairs, self._relative(pairs, _last(path), expected))
+        self._pairs = _pairs(problem, phase)
+        self._planned = self._relative(self._pairs, _last(path), expected)
 
     def off(self, path: PhasePath, foreseen: Mapping[str, Array]) -> float:
         """By how many metres the end of a motion misses what it is to meet, with bodies at `foreseen` poses."""
@@ -107,7 +98,7 @@ class Steering:
 
     def _errors(self, joints: Mapping[str, Array], foreseen: Mapping[str, Array]) -> Array:
         """How far each pair is from where it is to be, `(T, P, 6)`: metres, and radians times LEVER."""
-        return _difference(self._meeting.planned, self._relative(self._meeting.pairs, joints, foreseen))
+        return _difference(self._planned, self._relative(self._pairs, joints, foreseen))
 
     def _relative(
         self, pairs: tuple[tuple[str, str], ...], joints: Mapping[str, Array], bodies: Mapping[str, Array]
@@ -159,8 +150,7 @@ def _blended(path: PhasePath, since: float, joints: dict[str, Array]) -> PhasePa
     count = max(len(next(iter(path.modules.values()))) - 1, math.ceil(path.duration / KNOT))
     times = np.linspace(0.0, path.duration, count + 1)
     dense = at_times(path, times, path.duration)
-    u = np.clip((times - since) / (path.duration - since), 0.0, 1.0)[:, None]
-    share = u**3 * (10.0 + u * (6.0 * u - 15.0))
+    share = least_jerk(np.clip((times - since) / (path.duration - since), 0.0, 1.0)[:, None])
     modules = {}
     for name, rows in dense.modules.items():
         values = rows[:, 7:] + share * (joints[name] - rows[-1:, 7:])

@@ -37,8 +37,12 @@ def _eased(world: World, path: PhasePath) -> PhasePath:
 
 def _law(u: Array) -> Array:
     """s with 3s² - 2s³ = 10u³ - 15u⁴ + 6u⁵."""
-    done = u**3 * (10.0 + u * (6.0 * u - 15.0))
-    return np.asarray(0.5 - np.sin(np.arcsin(np.clip(1.0 - 2.0 * done, -1.0, 1.0)) / 3.0))
+    return np.asarray(0.5 - np.sin(np.arcsin(np.clip(1.0 - 2.0 * least_jerk(u), -1.0, 1.0)) / 3.0))
+
+
+def least_jerk(u: Array) -> Array:
+    """10u³ - 15u⁴ + 6u⁵: how far the motion of least jerk from rest to rest has come at the share u of its time."""
+    return np.asarray(u**3 * (10.0 + u * (6.0 * u - 15.0)))
 
 
 def settled(values: Array) -> Array:

@@ -35,9 +35,9 @@ class _Node:
     before: _Node | None
 
 
-def roomier(search: SkeletonSearch, strain: Strain, candidate: Candidate, width: int = WIDTH) -> Candidate:
+def roomier(search: SkeletonSearch, strain: Strain, candidate: Candidate) -> Candidate:
     """A candidate of the same cost and with the same kinds of actions, with the least strain that a search of bounded
-    `width` finds; the candidate itself where there is none. No-goods are respected. Raises OutOfTime."""
+    width finds; the candidate itself where there is none. No-goods are respected. Raises OutOfTime."""
     successors, no_goods = search.successors, search.no_goods
     flags = successors.layout.flag_mask
     state = successors.initial
@@ -65,7 +65,7 @@ def roomier(search: SkeletonSearch, strain: Strain, candidate: Candidate, width:
                 known = best.get(key)
                 if known is None or total < known.strain:
                     best[key] = _Node(total, cost, following, history, place, action, node)
-        layer = sorted(best.values(), key=lambda n: n.strain)[:width]
+        layer = sorted(best.values(), key=lambda n: n.strain)[:WIDTH]
     ends = [node for node in layer if successors.is_goal(node.state)]
     if not ends:
         return candidate

@@ -64,6 +64,28 @@ def near_obstacles(geometry: Geometry, points: Array, margin: float) -> tuple[In
     return a[kept], o[kept], k[kept], t[kept]
 
 
+def near_pairs(geometry: Geometry, points: Array, margin: float) -> tuple[Indices, Indices, Indices, Array]:
+    """Pairs of spheres that may meet, phases and times `(m,)` at which they are nearer than the margin, and the ways
+    `(m, 3)` from their second centres to their first ones."""
+    apart = points[geometry.pairs[:, 0]] - points[geometry.pairs[:, 1]]
+    near = np.einsum("picd,picd->pcd", apart, apart) < (geometry.touching + margin) ** 2
+    p, k, t = np.nonzero(near & (geometry.pair_kinds != NEVER)[..., None])
+    return p, k, t, apart[p, :, k, t]
+
+
+def near_whole(
+    geometry: Geometry, frames: Array, points: Array, margin: float, number: int
+) -> tuple[Indices, Indices, Indices]:
+    """Entries of `meets` of one whole shape, phases and times `(m,)` at which those spheres may be nearer to it than
+    the margin."""
+    whole = geometry.wholes[number]
+    reach = geometry.radius[whole.meets] + whole.extent[:, None] + margin
+    away = points[whole.meets] - whole.origin(frames[whole.node])
+    near = np.einsum("nikt,nikt->nkt", away, away) < reach**2
+    n, k, t = np.nonzero(near & (geometry.whole_kinds[number] != NEVER)[..., None])
+    return n, k, t
+
+
 def close(geometry: Geometry, values: Array, margin: float) -> Iterator[Close]:
     """All that is nearer than `margin`, metres, for joint values `(phases, times, joints)`, block by block."""
     frames = geometry.kinematics.frames(values)
@@ -84,24 +106,17 @@ def _to_obstacles(geometry: Geometry, points: Array, margin: float) -> Close:
 
 
 def _among_themselves(geometry: Geometry, points: Array, margin: float) -> Close:
-    pairs = geometry.pairs
-    apart = points[pairs[:, 0]] - points[pairs[:, 1]]
-    near = np.einsum("picd,picd->pcd", apart, apart) < (geometry.touching + margin) ** 2
-    p, k, t = np.nonzero(near & (geometry.pair_kinds != NEVER)[..., None])
-    clearance = np.linalg.norm(apart[p, :, k, t], axis=1) - geometry.touching[p, 0, 0]
-    exact = geometry.exact[pairs[p]].min(axis=1)
+    p, k, t, apart = near_pairs(geometry, points, margin)
+    clearance = np.linalg.norm(apart, axis=1) - geometry.touching[p, 0, 0]
+    exact = geometry.exact[geometry.pairs[p]].min(axis=1)
     return Close(1, p, np.zeros_like(p), k, t, clearance, geometry.pair_kinds[p, k], exact)
 
 
 def _to_whole(geometry: Geometry, frames: Array, points: Array, margin: float, number: int) -> Close:
     whole, kinds = geometry.wholes[number], geometry.whole_kinds[number]
-    own = frames[whole.node]
-    reach = geometry.radius[whole.meets] + whole.extent[:, None] + margin
-    away = points[whole.meets] - whole.origin(own)
-    near = np.einsum("nikt,nikt->nkt", away, away) < reach**2
-    n, k, t = np.nonzero(near & (kinds != NEVER)[..., None])
+    n, k, t = near_whole(geometry, frames, points, margin, number)
     a = whole.meets[n]
-    at = own[:, :, k, t].transpose(2, 0, 1)[:, None]
+    at = frames[whole.node][:, :, k, t].transpose(2, 0, 1)[:, None]
     distance = whole.distance_at(at, points[a, :, k, t][..., None], k)[:, 0]
     clearance = distance - geometry.radius[a, 0, 0]
     hit = np.flatnonzero(clearance < margin)

@@ -11,8 +11,7 @@ from ...skeleton import Array
 from .batch import Batch, Looks
 from .geometry import Geometry
 from .kinematics import Indices
-from .near import near_obstacles
-from .shares import NEVER
+from .near import near_obstacles, near_pairs, near_whole
 
 LIMIT_WEIGHT = 1e3
 """Weight of the squared excess over a joint limit."""
@@ -140,9 +139,7 @@ def _obstacle_rows(
 def _pair_rows(margin: float, shares: Array, geometry: Geometry, points: Array, frames: Array) -> _Rows:
     times = points.shape[-1]
     first, second = geometry.pairs[:, 0], geometry.pairs[:, 1]
-    apart = points[first] - points[second]
-    p, k, t = np.nonzero(np.einsum("picd,picd->pcd", apart, apart) < (geometry.touching + margin) ** 2)
-    normals = apart[p, :, k, t]
+    p, k, t, normals = near_pairs(geometry, points, margin)
     distance = np.sqrt((normals * normals).sum(axis=1))
     missed = geometry.touching[p, 0, 0] + shares[geometry.pair_kinds[p, k], t] - distance
     hit = np.flatnonzero(missed > 0.0)
@@ -158,13 +155,10 @@ def _whole_rows(
 ) -> _Rows:
     """Of one whole shape."""
     whole, kinds, times = geometry.wholes[number], geometry.whole_kinds[number], points.shape[-1]
-    own = frames[whole.node]
-    reach = geometry.radius[whole.meets] + whole.extent[:, None] + margin
-    away = points[whole.meets] - whole.origin(own)
-    near = np.einsum("nikt,nikt->nkt", away, away) < reach**2
-    n, k, t = np.nonzero(near & (kinds != NEVER)[..., None])
+    n, k, t = near_whole(geometry, frames, points, margin, number)
     a = whole.meets[n]
-    distance, normals = whole.distance_and_normal(own[:, :, k, t].transpose(2, 0, 1), points[a, :, k, t], k)
+    own = frames[whole.node][:, :, k, t].transpose(2, 0, 1)
+    distance, normals = whole.distance_and_normal(own, points[a, :, k, t], k)
     missed = geometry.radius[a, 0, 0] + shares[kinds[n, k], t] - distance
     hit = np.flatnonzero(missed > 0.0)
     k, t, a, missed = k[hit], t[hit], a[hit], missed[hit]

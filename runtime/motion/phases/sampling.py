@@ -132,9 +132,14 @@ def _length(line: Array) -> float:
     return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
 
 
+def _lengths(line: Array) -> Array:
+    """How long a polyline is up to each of its poses."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+
+
 def _along(line: Array, at: Array) -> Array:
     """Poses `(m, joints)` at shares `(m,)` of the length of a polyline."""
-    lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    lengths = _lengths(line)
     return np.stack([np.interp(at * lengths[-1], lengths, line[:, j]) for j in range(line.shape[1])], axis=1)
 
 
@@ -154,7 +159,7 @@ def shorten(checker: _Checker, lines: list[Array], random: np.random.Generator) 
 
 def _cut(line: Array, shares: Array, first: Array, second: Array) -> Array:
     """The polyline with a straight edge between two of its poses, at shares `(2,)` of its length."""
-    lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    lengths = _lengths(line)
     before, after = lengths < shares[0] * lengths[-1], lengths > shares[1] * lengths[-1]
     return np.concatenate([line[before], [first, second], line[after]])
 
