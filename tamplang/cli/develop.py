@@ -58,7 +58,8 @@ def bench(name: str | None, arguments: tuple[str, ...]) -> int:
 
 
 def benchmarks() -> dict[str, Path]:
-    """The benchmarks by name: every script in the folder `benchmarks` of the source tree.
+    """The benchmarks by name: every script in the folder `benchmarks` of the source tree, and every folder of it that
+    is run as a whole.
 
     Raises click.UsageError where there is no source tree.
     """
@@ -68,7 +69,9 @@ def benchmarks() -> dict[str, Path]:
             "the benchmarks are part of the source tree, not of the installed package; "
             "run this command in a clone that was installed with: pip install -e ."
         )
-    return {path.stem: path for path in sorted(folder.glob("*.py")) if not path.stem.startswith("_")}
+    found = {path.stem: path for path in folder.glob("*.py") if not path.stem.startswith("_")}
+    found |= {path.parent.name: path for path in folder.glob("*/__main__.py")}
+    return dict(sorted(found.items()))
 
 
 def title(script: Path) -> str:
