@@ -17,7 +17,7 @@ Branch: TypeAlias = Tree[Token]
 Child: TypeAlias = Branch | Token | None
 
 MAX_DEPTH = 100
-_NUMBER = re.compile(r"([0-9.]+(?:[eE][+-]?\d+)?)[ \t]*([a-z]*)(/s(?:\^2)?)?")
+_NUMBER = re.compile(r"([0-9.]+(?:[eE][+-]?[0-9]+)?)[ \t]*([a-z]*)(/s(?:\^2)?)?")
 _UNITS = {
     "": (1.0, ""),
     "m": (1.0, "length"),

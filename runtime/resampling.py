@@ -46,7 +46,7 @@ def resample(
 ) -> Resampled:
     """Sample one phase `factor` times as densely. Poses begin at `start` and follow the joints through whatever
     the mode holds fixed; only what nothing holds is interpolated."""
-    count = len(next(iter(path.modules.values()), np.zeros((2, 0)))) - 1
+    count = path.samples - 1
     knots = np.linspace(0.0, path.duration, count + 1)
     times = np.linspace(0.0, path.duration, factor * count + 1)
     joints = {m: ClampedSpline(knots, rows[:, 7:])(times) for m, rows in path.modules.items()}

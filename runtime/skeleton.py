@@ -87,6 +87,11 @@ class PhasePath:
     bodies: dict[str, Array]
     duration: float
 
+    @property
+    def samples(self) -> int:
+        """S + 1; 2, the two ends, where nothing can move."""
+        return len(next(iter((*self.modules.values(), *self.bodies.values())), (None, None)))
+
 
 @dataclass(frozen=True, slots=True)
 class Violation:

@@ -23,7 +23,7 @@ UNITS: Mapping[str, Mapping[str, float]] = {
 }
 EXAMPLES = {"int": "8", "real": "0.5", "length": "20cm", "angle": "90deg", "time": "5s", "speed": "5cm/s"}
 """A value of each type, as one types it."""
-QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-z/]*)\s*")
+QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-z/]*)\s*", re.ASCII)
 
 
 class UsageError(Exception):

@@ -75,7 +75,7 @@ def stopped(path: PhasePath, seconds: float) -> PhasePath:
 
 def reversed_path(world: ir.World, path: PhasePath, share: float) -> PhasePath:
     """Back along the last `share` of a motion, which ends at rest, to rest again."""
-    count = len(next(iter(path.modules.values())))
+    count = path.samples
     back = np.linspace(0.0, 1.0, count)
     back = path.duration * (1.0 - share * (3.0 * back**2 - 2.0 * back**3))
     result = at_times(path, back, share * path.duration)
@@ -86,7 +86,7 @@ def reversed_path(world: ir.World, path: PhasePath, share: float) -> PhasePath:
 
 def first_part(path: PhasePath, share: float) -> PhasePath:
     """The first `share` of a motion, from rest to rest, on the same way."""
-    count = len(next(iter(path.modules.values())))
+    count = path.samples
     return at_times(path, np.linspace(0.0, share * path.duration, count), share * path.duration)
 
 
@@ -112,7 +112,7 @@ def braking_time(world: ir.World, path: PhasePath, seconds: float) -> float:
 
 def at_times(path: PhasePath, times: Array, duration: float) -> PhasePath:
     """A motion whose equidistant knots are the points of `path` at `times`."""
-    shares = np.linspace(0.0, path.duration, len(next(iter(path.modules.values()))))
+    shares = np.linspace(0.0, path.duration, path.samples)
 
     def rows(poses: Array) -> Array:
         return np.column_stack([np.interp(times, shares, column) for column in poses.T])

@@ -80,7 +80,7 @@ class Failures:
     def whole(self, path: PhasePath, configuration: Configuration) -> PhasePath:
         """A motion with the joints of modules that are stuck or gone, at rest."""
         modules = {}
-        count = len(next(iter(path.modules.values())))
+        count = path.samples
         for name, state in configuration.modules.items():
             rows = path.modules.get(name)
             if rows is None:

@@ -331,7 +331,7 @@ class Run:
         added = phase.added if completed else frozenset[ir.Fact]()
         before = dict(self._places)
         executed = self.world.carry_out(
-            Interval(phase.action, phase.mode, added, path, completed), FACTOR * (_knots(path) - 1) + 1
+            Interval(phase.action, phase.mode, added, path, completed), FACTOR * (path.samples - 1) + 1
         )
         if completed:
             self._apply(phase.action)
@@ -378,8 +378,3 @@ class Run:
         if self._tell is not None:
             done = sum(s.executed.interval.completed for s in self.steps)
             self._tell(RunProgress(message, self.world.time, done, len(self._route.way), self.budget.elapsed))
-
-
-def _knots(path: PhasePath) -> int:
-    return len(next(iter(path.modules.values())))
-

@@ -147,7 +147,7 @@ def _most(errors: Array) -> float:
 
 def _blended(path: PhasePath, since: float, joints: dict[str, Array]) -> PhasePath:
     """The motion that leaves `path` after `since` seconds and ends with `joints`, as gently as it begins and ends."""
-    count = max(len(next(iter(path.modules.values()))) - 1, math.ceil(path.duration / KNOT))
+    count = max(path.samples - 1, math.ceil(path.duration / KNOT))
     times = np.linspace(0.0, path.duration, count + 1)
     dense = at_times(path, times, path.duration)
     share = least_jerk(np.clip((times - since) / (path.duration - since), 0.0, 1.0)[:, None])

@@ -24,7 +24,7 @@ def eased(world: World, paths: Sequence[PhasePath]) -> list[PhasePath]:
 
 
 def _eased(world: World, path: PhasePath) -> PhasePath:
-    count = len(next(iter(path.modules.values()))) - 1
+    count = path.samples - 1
     even, times = np.linspace(0.0, 1.0, count + 1), _law(np.linspace(0.0, 1.0, DENSER * count + 1))
     modules = {}
     for name, rows in path.modules.items():

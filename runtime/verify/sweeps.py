@@ -62,7 +62,8 @@ def sweep(solid: Solid, frames: Frames) -> Sweep:
 
 def near_pairs(sweeps: list[Sweep], looked_at: Indices) -> Indices:
     """Those of the pairs `(P, 2)` whose boxes around the whole phase overlap."""
-    low, high = np.array([s.lowest for s in sweeps]), np.array([s.highest for s in sweeps])
+    low = np.array([s.lowest for s in sweeps]).reshape(-1, 3)
+    high = np.array([s.highest for s in sweeps]).reshape(-1, 3)
     first, second = looked_at[:, 0], looked_at[:, 1]
     apart = (low[first] > high[second]) | (low[second] > high[first])
     return np.asarray(looked_at[~apart.any(axis=1)], dtype=np.intp)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .libraries import needing_libraries
-from .parameters import parameters_option
+from .parameters import Whole, parameters_option
 from .sources import reading_sources
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ STAGES: dict[str, Callable[[Problem], str]] = {
 @click.argument("task", required=False)
 @click.option("--emit", type=click.Choice(["ast", *STAGES]), required=True, help="The stage to print.")
 @parameters_option
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="For the scene.")
+@click.option("--seed", type=Whole(0), default=0, show_default=True, help="For the scene.")
 def compile_command(file: Path, task: str | None, emit: str, parameters: dict[str, str], seed: int) -> None:
     """Print one stage of the compiler for the TASK of FILE."""
     with reading_sources(), needing_libraries():

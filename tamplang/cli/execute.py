@@ -14,7 +14,7 @@ from .horizon import checked_horizon
 from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
 from .outputs import checked_output
-from .parameters import Seconds, parameters_option
+from .parameters import Real, Seconds, Whole, parameters_option, plain
 from .plans import read
 from .sources import reading_sources, show_diagnostics
 from .status import ExitStatus
@@ -39,10 +39,7 @@ def _noise(context: click.Context, option: click.Parameter, texts: tuple[str, ..
     found = {}
     for text in texts:
         name, _, value = (part.strip() for part in text.partition("="))
-        try:
-            sigma = float(value)
-        except ValueError:
-            sigma = -1.0
+        sigma = float(value) if plain(value) else -1.0
         if name not in NOISES or not 0.0 <= sigma < 1e3:
             raise click.BadParameter(f"{text!r} is not of the form KIND=SIGMA, where KIND is {', '.join(NOISES)}")
         found[name] = sigma
@@ -53,11 +50,11 @@ def _noise(context: click.Context, option: click.Parameter, texts: tuple[str, ..
 @click.argument("file", metavar="FILE|PLAN.json", type=click.Path(path_type=Path))
 @click.argument("task", required=False)
 @parameters_option
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="For scene, search and noise.")
+@click.option("--seed", type=Whole(0), default=0, show_default=True, help="For scene, search and noise.")
 @click.option("--horizon", callback=checked_horizon, metavar="N|auto", help="Actions whose motion one window plans.")
 @click.option("--noise", multiple=True, metavar="KIND=SIGMA", callback=_noise,
               help="position (m) of sensed bodies, joint (rad) of sensed joints, drive (rad/s²); may be repeated.")
-@click.option("--latency", type=click.FloatRange(0.0, 2.0),
+@click.option("--latency", type=Real(0.0, 2.0),
               help="Simulated seconds that planning a window takes.  [default: 0.25]")
 @click.option("--time", "seconds", type=Seconds(), help="Budget in seconds; inf for none.")
 @click.option("--out", type=click.Path(path_type=Path), help="The plan file.  [default: TASK.run.json in this folder]")

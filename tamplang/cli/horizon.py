@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import click
 
+from .parameters import Whole
+
 AUTO = "auto"
 
 
@@ -12,9 +14,6 @@ def checked_horizon(context: click.Context, option: click.Parameter, text: str |
     if text is None or text == AUTO:
         return text
     try:
-        horizon = int(text)
-    except ValueError:
-        raise click.BadParameter(f"{text!r} is no horizon: give a whole number from 1, or {AUTO}") from None
-    if horizon < 1:
-        raise click.BadParameter(f"{horizon} is no horizon: a window has at least 1 action; or give {AUTO}")
-    return horizon
+        return Whole(1).convert(text, option, context)
+    except click.BadParameter as error:
+        raise click.BadParameter(f"{error.message}; give the number of actions of a window, or {AUTO}") from None

@@ -24,7 +24,7 @@ from ..langs.reader import read_source
 from ..langs.source import Source
 
 MAX_INSTANCES = 100_000
-_RANGE = re.compile(r"([+-]?\d{1,18})\s*\.\.\s*([+-]?\d{1,18})")
+_RANGE = re.compile(r"([+-]?\d{1,18})\s*\.\.\s*([+-]?\d{1,18})", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +155,7 @@ def _stretch(option: str, part: str) -> list[str]:
 def seeds_of(text: str) -> list[int]:
     """The seeds of a text such as `0..9`. Raises click.UsageError."""
     texts = listed("--seeds", text)
-    unfit = next((t for t in texts if not re.fullmatch(r"\d{1,18}", t)), None)
+    unfit = next((t for t in texts if not re.fullmatch(r"[0-9]{1,18}", t)), None)
     if unfit is not None:
         raise click.UsageError(f"--seeds: `{unfit}` is no seed; seeds are whole numbers from 0, such as 0..9")
     return list(dict.fromkeys(int(t) for t in texts))

@@ -1,11 +1,16 @@
-"""The option `-p NAME=VALUE`, and budgets of time."""
+"""The option `-p NAME=VALUE`, and numbers as options: plain ones, written with the digits 0 to 9."""
 
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import click
+
+MOST = 10**18 - 1
+"""The greatest whole number of an option: it fits wherever it is stored."""
+_WHOLE = re.compile(r"\s*[+-]?[0-9]+\s*")
 
 
 def _parse(context: click.Context, option: click.Parameter, texts: tuple[str, ...]) -> dict[str, str]:
@@ -19,17 +24,40 @@ def _assignment(text: str) -> tuple[str, str]:
     return name, value
 
 
-class Seconds(click.FloatRange):
+class Whole(click.IntRange):
+    """A whole number from `min` to `max`. Python's `int` reads `1_0` and the digits of every script, too."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        if isinstance(value, str) and not _WHOLE.fullmatch(value):
+            self.fail(f"{value!r} is not a whole number", param, ctx)
+        number = int(super().convert(value, param, ctx))
+        if number > MOST:
+            self.fail(f"{value!r} is too large", param, ctx)
+        return number
+
+
+class Real(click.FloatRange):
+    """A number. Python's `float` reads `1_0` and the digits of every script, too."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        if isinstance(value, str) and not plain(value):
+            self.fail(f"{value!r} is not a number", param, ctx)
+        return float(super().convert(value, param, ctx))
+
+
+class Seconds(Real):
     """A budget above 0; `inf` is none."""
 
     def __init__(self) -> None:
         super().__init__(min=0, min_open=True)
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        seconds = float(super().convert(value, param, ctx))
-        if math.isnan(seconds):
-            self.fail(f"{value!r} is no number of seconds", param, ctx)
-        return seconds
+
+def plain(text: str) -> bool:
+    """Whether a number is written in ASCII, and is one: not `nan`."""
+    try:
+        return text.isascii() and "_" not in text and not math.isnan(float(text))
+    except ValueError:
+        return False
 
 
 parameters_option = click.option(

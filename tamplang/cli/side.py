@@ -10,11 +10,12 @@ from typing import Any, TypeVar
 
 import click
 
+from .parameters import Whole
 from .sources import SourceFailure
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
-_ADDRESS = re.compile(r"tcp://([\w.-]+|\[[0-9A-Fa-f:.]+\]):\d{1,5}")
+_ADDRESS = re.compile(r"tcp://([\w.-]+|\[[0-9A-Fa-f:.]+\]):\d{1,5}", re.ASCII)
 
 
 def _address(context: click.Context, option: click.Parameter, text: str | None) -> str | None:
@@ -26,7 +27,7 @@ def _address(context: click.Context, option: click.Parameter, text: str | None) 
 def side_options(command: Command) -> Command:
     """The options `--jobs` and `--cluster`, of which only one can be given."""
     cluster = click.option("--cluster", metavar="ADDRESS", callback=_address, help="Work on a cluster, tcp://HOST:PORT.")
-    jobs = click.option("--jobs", type=click.IntRange(min=1, max=1024), help="Processes side by side.  [default: 1]")
+    jobs = click.option("--jobs", type=Whole(1, 1024), help="Processes side by side.  [default: 1]")
     return jobs(cluster(command))
 
 

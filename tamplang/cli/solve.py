@@ -12,7 +12,7 @@ from .horizon import checked_horizon
 from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
 from .outputs import checked_output, numbered
-from .parameters import Seconds, parameters_option
+from .parameters import Seconds, Whole, parameters_option
 from .progress import shown_progress
 from .side import checked_side, needing_cluster, side_options, without_broken_pipes
 from .solution import Keeper, result_json, result_lines, write
@@ -24,13 +24,13 @@ from .status import OF_OUTCOME
 @click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
 @click.argument("task", required=False)
 @parameters_option
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="For the scene and the search.")
+@click.option("--seed", type=Whole(0), default=0, show_default=True, help="For the scene and the search.")
 @click.option("--bound", type=click.Choice(["seq", "seq-path", "path"]), help="The finest motion bound to try.")
 @click.option("--search", type=click.Choice(["astar", "wastar", "bfs", "guide"]), help="How to look for skeletons.")
 @click.option("--horizon", callback=checked_horizon, metavar="N|auto", help="Plan the motion of N actions at a time.")
-@click.option("--solutions", type=click.IntRange(min=1), default=1, show_default=True, help="How many plans to find.")
+@click.option("--solutions", type=Whole(1, 1000), default=1, show_default=True, help="How many plans to find.")
 @click.option("--time", "seconds", type=Seconds(), help="Seconds; inf for no limit.")
-@click.option("--nodes", type=click.IntRange(min=1), help="How large the search tree may grow.")
+@click.option("--nodes", type=Whole(1), help="How large the search tree may grow.")
 @side_options
 @click.option("--solver", type=click.Choice(["algn", "ipopt"]), help="For the motion programs.")
 @click.option("--out", type=click.Path(path_type=Path), help="The plan file.  [default: TASK.plan.json in this folder]")

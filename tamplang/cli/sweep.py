@@ -15,7 +15,7 @@ import click
 from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
 from .outputs import UnwritableFile, checked_output
-from .parameters import Seconds, parameters_option
+from .parameters import Seconds, Whole, parameters_option
 from .progress import counted
 from .side import checked_side, needing_cluster, side_options, without_broken_pipes
 from .sources import reading_sources
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 @click.option("--bound", type=click.Choice(["seq", "seq-path", "path"]), help="The finest motion bound to try.")
 @click.option("--search", type=click.Choice(["astar", "wastar", "bfs", "guide"]), help="How to look for skeletons.")
 @click.option("--time", type=Seconds(), help="Seconds for each; inf for no limit.")
-@click.option("--nodes", type=click.IntRange(min=1), help="How large each search tree may grow.")
+@click.option("--nodes", type=Whole(1), help="How large each search tree may grow.")
 @click.option("--solver", type=click.Choice(["algn", "ipopt"]), help="For the motion programs.")
 @click.option("--out", type=click.Path(path_type=Path), help="The results.  [default: TASK.sweep.jsonl in this folder]")
 @click.option("--plans", type=click.Path(path_type=Path), help="A folder for the plan files.")
