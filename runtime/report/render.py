@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -27,8 +29,14 @@ def script_json(data: Any) -> Markup:
 
 
 def script_text(text: str) -> Markup:
-    """A script of our own or of a library, safe inside a script element."""
-    return Markup(text.replace("</script", "<\\/script").replace("<!--", "<\\!--"))
+    """A script of our own or of a library, safe inside a script element, with the line ends that a browser reads."""
+    lines = text.replace("\r\n", "\n").replace("\r", "\n")
+    return Markup(lines.replace("</script", "<\\/script").replace("<!--", "<\\!--"))
+
+
+def script_hash(script: str) -> Markup:
+    """By what a page allows exactly this script (https://www.w3.org/TR/CSP3/)."""
+    return Markup(f"'sha256-{base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}'")
 
 
 @cache
@@ -60,10 +68,12 @@ def environment() -> Environment:
 def render_report(plan: Plan) -> str:
     """The whole page as text: HTML with style, scripts, scene and motion inside. Same plan, same text."""
     script, licences = meshcat_script()
+    scripts = [script, *(script_text((FOLDER / name).read_text(encoding="utf-8")) for name in SCRIPTS)]
     return environment().get_template("report.html.j2").render(
         view=build_view(plan),
         style=Markup((FOLDER / "report.css").read_text(encoding="utf-8")),
-        scripts=[script, *(script_text((FOLDER / name).read_text(encoding="utf-8")) for name in SCRIPTS)],
+        scripts=scripts,
+        hashes=[script_hash(s) for s in scripts],
         replay=script_json(replay_data(plan)),
         licences=licences,
     )

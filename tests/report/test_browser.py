@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import msgspec
 import pytest
 from playwright.sync_api import Browser
 
@@ -48,6 +49,48 @@ def test_opens_without_error_and_without_request(
     opened.page.wait_for_timeout(200)
     assert opened.errors == []
     assert opened.requests == [(tmp_path / "report.html").as_uri()]
+
+
+INJECTED = """<script>window.injected = "script"</script><img src="x" onerror="window.injected = 'handler'">
+<a id="lure" href="javascript:window.injected = 'address'">x</a><svg onload="window.injected = 'svg'"></svg>
+<base href="https://example.invalid/">"""
+
+
+def test_only_the_scripts_of_the_page_run(open_report: Opener, tmp_path: Path) -> None:
+    path = tmp_path / "report.html"
+    write_report(climb_plan(), path)
+    page = path.read_text(encoding="utf-8")
+    assert page.count("</main>") == 1
+    path.write_text(page.replace("</main>", f"{INJECTED}</main>"), encoding="utf-8")
+    opened = open_report(path)
+    opened.page.locator("#lure").click(force=True)
+    opened.page.wait_for_timeout(200)
+    assert opened.page.evaluate("typeof window.injected") == "undefined"
+    assert sum("Content Security Policy" in error for error in opened.errors) >= 4
+    opened.seek(1.0)
+    assert opened.pose("c[1].B")[:3] == pytest.approx([0.35, 0.0, 0.275], abs=0.03)
+
+
+HOSTILE = (
+    "</script><script>window.injected = 1</script><img src=x onerror=window.injected=1>\"'><b>{{ 7 * 7 }}"
+    "<!--<script>&lt;'-(window.injected=1)-'\u202egnp.exe\u2028"
+)
+
+
+@pytest.mark.parametrize("name", [HOSTILE, "x" * 10_000])
+def test_names_are_shown_as_text(open_report: Opener, tmp_path: Path, name: str) -> None:
+    plan = climb_plan()
+    task = msgspec.structs.replace(plan.task, name=name, file=name, goal=name)
+    bodies = [msgspec.structs.replace(body, type=name) for body in plan.bodies]
+    phases = [msgspec.structs.replace(phase, action=name, rule=name) for phase in plan.phases]
+    plan = msgspec.structs.replace(plan, task=task, bodies=bodies, phases=phases)
+    write_report(plan, tmp_path / "report.html")
+    opened = open_report(tmp_path / "report.html")
+    assert opened.page.evaluate("typeof window.injected") == "undefined"
+    assert opened.errors == []
+    assert opened.page.locator("h1").text_content() == name
+    wide = opened.page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+    assert wide <= 0, f"the page is {wide} px wider than its window"
 
 
 def test_scrubbing_moves_the_scene_as_the_plan_says(opened: Opened, tmp_path: Path) -> None:
