@@ -174,12 +174,15 @@ def _types(
 
 
 def _break_cycles(types: dict[str, str | None], spans: Mapping[str, Span], findings: Findings) -> None:
+    sound: set[str] = set()
     for name in list(types):
-        seen = [name]
+        seen = {name: None}
         current = types[name]
-        while current is not None and current not in seen:
-            seen.append(current)
+        while current is not None and current not in seen and current not in sound:
+            seen[current] = None
             current = types[current]
+        if current is None or current in sound:
+            sound.update(seen)
         if current == name:
             ring = " < ".join([*seen, name])
             findings.report("E0115", spans[name], f"type `{name}` is below itself: {ring}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 from pathlib import Path
 
 STANDARD = "std"
@@ -27,8 +28,14 @@ def import_hint(code: str, name: str) -> str | None:
     if start is None:
         return None
     pattern = re.compile(rf"^{start}{re.escape(name)}\b", re.MULTILINE)
-    files = sorted(STANDARD_FOLDER.glob(f"*{EXTENSION}"))
-    found = [p.stem for p in files if pattern.search(p.read_text(encoding="utf-8"))]
+    found = [stem for stem, text in _texts().items() if pattern.search(text)]
     if not found:
         return None
     return "the standard library declares it: " + " or ".join(f"`import {STANDARD}.{stem}`" for stem in found)
+
+
+@cache
+def _texts() -> dict[str, str]:
+    """The files of the standard library by name."""
+    files = sorted(STANDARD_FOLDER.glob(f"*{EXTENSION}"))
+    return {path.stem: path.read_text(encoding="utf-8") for path in files}

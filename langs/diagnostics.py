@@ -45,9 +45,16 @@ class SourceError(Exception):
         super().__init__("; ".join(f"{d.code} {d.message}" for d in self.diagnostics))
 
 
+MOST_COMPARED = 300
+"""How many names an unknown one is compared with: those of the most similar length."""
+
+
 def did_you_mean(name: str, candidates: Iterable[str]) -> str | None:
     """The hint `did you mean …?` for the nearest of `candidates`, or None when none is near."""
-    near = get_close_matches(name, sorted(set(candidates)), n=3, cutoff=0.6)
+    names = sorted(set(candidates))
+    if len(names) > MOST_COMPARED:
+        names = sorted(names, key=lambda n: abs(len(n) - len(name)))[:MOST_COMPARED]
+    near = get_close_matches(name, names, n=3, cutoff=0.6)
     if not near:
         return None
     return "did you mean " + " or ".join(f"`{n}`" for n in near) + "?"

@@ -9,10 +9,14 @@ from .source import Span
 MAX_CELLS = 100
 TAB = "    "
 _BEFORE = 40
+_NEAR = 1000
+"""How many characters of a line are looked at on each side; the rest of a longer one cannot be shown."""
 
 
 def clean(text: str) -> str:
     """The text without characters that would steer the terminal; newlines stay."""
+    if text.isprintable():
+        return text
     return "".join(
         c if c == "\n" or unicodedata.category(c) not in ("Cc", "Cf", "Cs") else "\N{REPLACEMENT CHARACTER}"
         for c in text
@@ -36,7 +40,8 @@ class Excerpt:
     def __init__(self, line: str, span: Span) -> None:
         begin = min(max(span.column - 1, 0), len(line))
         end = len(line) if span.end_line > span.line else min(max(span.end_column - 1, begin), len(line))
-        before, marked, after = (_shown(part) for part in (line[:begin], line[begin:end], line[end:]))
+        parts = line[max(0, begin - _NEAR) : begin], line[begin : min(end, begin + _NEAR)], line[end : end + _NEAR]
+        before, marked, after = map(_shown, parts)
         if cells(before) + cells(marked) + cells(after) > MAX_CELLS:
             before, marked, after = _shorten(before, marked, after)
         self.text = before + marked + after
@@ -62,13 +67,13 @@ def _shorten(before: str, marked: str, after: str) -> tuple[str, str, str]:
 
 
 def _first(text: str, room: int) -> str:
-    kept = ""
+    kept = 0
     for character in text:
         room -= _width(character)
         if room < 0:
             break
-        kept += character
-    return kept
+        kept += 1
+    return text[:kept]
 
 
 def _last(text: str, room: int) -> str:

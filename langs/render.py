@@ -10,6 +10,8 @@ from .severity import severity
 from .source import Source, Span
 
 FORMATS = ("full", "concise", "json", "sarif")
+MOST_SHOWN = 100
+"""How many diagnostics people are shown; programs that read JSON or SARIF get all."""
 _COLOURS = {
     "error": "\x1b[1;31m",
     "warning": "\x1b[1;33m",
@@ -25,13 +27,16 @@ def render(
 ) -> str:
     """The text of the diagnostics, without a newline at its end; `sources` are the read files by path.
 
-    `format` is one of FORMATS (ValueError otherwise); `colour` puts terminal escapes into the full form.
+    `format` is one of FORMATS (ValueError otherwise); `colour` puts terminal escapes into the full form. The formats
+    for people, full and concise, show MOST_SHOWN diagnostics, errors before others, and say how many more there are.
     """
     found = list(diagnostics)
-    if format == "full":
-        return "\n\n".join(_Full(d, sources, colour).text() for d in found)
-    if format == "concise":
-        return "\n".join(_concise(d) for d in found)
+    if format in ("full", "concise"):
+        shown = _first(found)
+        texts = [_Full(d, sources, colour).text() if format == "full" else _concise(d) for d in shown]
+        if len(shown) < len(found):
+            texts.append(f"and {len(found) - len(shown)} more")
+        return ("\n\n" if format == "full" else "\n").join(texts)
     from .records import json_text, sarif_text
 
     if format == "json":
@@ -39,6 +44,12 @@ def render(
     if format == "sarif":
         return sarif_text(found)
     raise ValueError(f"no format {format!r}; one of {', '.join(FORMATS)}")
+
+
+def _first(found: Sequence[Diagnostic]) -> list[Diagnostic]:
+    """The diagnostics to show, in their order; where there are too many, errors go before others."""
+    chosen = sorted(range(len(found)), key=lambda i: not found[i].is_error)[:MOST_SHOWN]
+    return [found[i] for i in sorted(chosen)]
 
 
 def _concise(diagnostic: Diagnostic) -> str:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-import re
+import math
+from bisect import bisect_left, insort
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import islice
 
 from ...langs.diagnostics import Diagnostic, Label, did_you_mean
 from ...langs.source import Source, Span
 from ..standard import import_hint
 
+MOST_HINTS = 100
+"""How many unknown names get a hint, which looks through all the known ones: as many as people are shown."""
 FEW = 8
 """How many names a hint lists where none is near."""
 
@@ -20,10 +24,20 @@ class Findings:
         self._texts: Mapping[str, str] = {s.path: s.text for s in sources}
         self._order = {path: i for i, path in enumerate(self._texts)}
         self._found: dict[tuple[str, Span | None], Diagnostic] = {}
+        self._starts: dict[str, list[int]] = {}
+        self.hints = 0
+        self.errors = 0
+        """How many errors were found so far."""
 
     def add(self, diagnostic: Diagnostic) -> None:
         key = (diagnostic.code if diagnostic.span is None else diagnostic.code[0], diagnostic.span)
-        self._found.setdefault(key, diagnostic)
+        if key in self._found:
+            return
+        self._found[key] = diagnostic
+        if diagnostic.is_error:
+            self.errors += 1
+            if diagnostic.span is not None:
+                insort(self._starts.setdefault(diagnostic.span.file, []), diagnostic.span.start)
 
     def report(
         self,
@@ -42,11 +56,16 @@ class Findings:
     def unknown(self, code: str, what: str, name: str, span: Span, candidates: Iterable[str]) -> None:
         """A name that nothing declares. The hint is the import that would declare it, else the nearest of
         `candidates`, else a few of them."""
+        self.hints += 1
+        help = self._hint(code, name, candidates) if self.hints <= MOST_HINTS else None
+        self.report(code, span, f"unknown {what} `{name}`", help=help)
+
+    def _hint(self, code: str, name: str, candidates: Iterable[str]) -> str | None:
         names = list(dict.fromkeys(candidates))
         help = import_hint(code, name) or did_you_mean(name, names)
         if help is None and 0 < len(names) <= FEW:
             help = f"known here: {', '.join(f'`{n}`' for n in names)}"
-        self.report(code, span, f"unknown {what} `{name}`", help=help)
+        return help
 
     def text(self, span: Span) -> str:
         """The source text of `span`."""
@@ -57,15 +76,13 @@ class Findings:
         text = self._texts.get(span.file)
         if text is None:
             return span
-        pattern = re.compile(rf"(?<!\w){re.escape(word)}(?!\w)")
-        matches = list(pattern.finditer(text, span.start, span.end))
-        if len(matches) <= occurrence:
+        start = next(islice(_places(text, word, span.start, span.end), occurrence, None), None)
+        if start is None:
             return span
-        start, end = matches[occurrence].span()
-        before = text[span.start : start]
-        breaks = before.count("\n")
+        end = start + len(word)
+        breaks = text.count("\n", span.start, start)
         line = span.line + breaks
-        column = span.column + len(before) if not breaks else len(before) - before.rfind("\n")
+        column = span.column + start - span.start if not breaks else start - text.rfind("\n", span.start, start)
         return Span(span.file, start, end, line, column, line, column + len(word))
 
     def __iter__(self) -> Iterator[Diagnostic]:
@@ -75,15 +92,15 @@ class Findings:
     def has_errors(self) -> bool:
         return self.errors > 0
 
-    @property
-    def errors(self) -> int:
-        """How many errors were found so far."""
-        return sum(d.is_error for d in self._found.values())
-
     def errors_within(self, spans: Iterable[Span]) -> bool:
         """Whether an error lies inside one of `spans`."""
-        places = [d.span for d in self._found.values() if d.is_error and d.span is not None]
-        return any(s.file == p.file and s.start <= p.start < s.end for s in spans for p in places)
+        return any(self._first_from(span) < span.end for span in spans)
+
+    def _first_from(self, span: Span) -> float:
+        """Where the first error behind the start of `span` starts."""
+        starts = self._starts.get(span.file, [])
+        index = bisect_left(starts, span.start)
+        return starts[index] if index < len(starts) else math.inf
 
     def sorted(self) -> tuple[Diagnostic, ...]:
         """All diagnostics by file (the main file first), then by place."""
@@ -93,3 +110,16 @@ class Findings:
         if d.span is None:
             return -1, 0, d.code
         return self._order.get(d.span.file, len(self._order)), d.span.start, d.code
+
+
+def _places(text: str, word: str, start: int, end: int) -> Iterator[int]:
+    """Where `word` stands as a whole word in a stretch of `text`."""
+    while word and (start := text.find(word, start, end)) >= 0:
+        behind = start + len(word)
+        if not (start > 0 and _in_word(text[start - 1])) and not (behind < len(text) and _in_word(text[behind])):
+            yield start
+        start = behind
+
+
+def _in_word(character: str) -> bool:
+    return character.isalnum() or character == "_"

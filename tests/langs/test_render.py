@@ -132,3 +132,30 @@ def test_sarif() -> None:
 def test_unknown_format() -> None:
     with pytest.raises(ValueError, match="xml"):
         render([], {}, "xml")
+
+
+@pytest.mark.parametrize("format", ["full", "concise"])
+def test_people_are_shown_a_hundred_and_errors_first(format: str) -> None:
+    warnings = [Diagnostic("W0002", f"warning {i}") for i in range(90)]
+    errors = [Diagnostic("E0102", f"error {i}") for i in range(90)]
+    text = render([*warnings, *errors], SOURCES, format)
+    assert text.endswith("\nand 80 more")
+    assert text.count("error ") == 90 and text.count("warning ") == 10
+    assert text.index("warning 9") < text.index("error 0")
+    assert "more" not in render(errors, SOURCES, format)
+
+
+@pytest.mark.parametrize("format", ["json", "sarif"])
+def test_programs_get_every_diagnostic(format: str) -> None:
+    text = render([Diagnostic("E0102", f"error {i}") for i in range(250)], SOURCES, format)
+    assert all(f"error {i}" in text for i in range(250))
+
+
+def test_a_line_of_a_megabyte_is_cut_around_its_mistakes() -> None:
+    source = Source("long", "x" * 500_000 + "griper" + "y" * 500_000)
+    at = Span("long", 500_000, 500_006, 1, 500_001, 1, 500_007)
+    text = render([Diagnostic("E0102", "unknown", at)] * 200, {"long": source})
+    lines = text.split("\n")
+    assert max(map(len, lines)) < 120
+    shown, marks = lines[3], lines[4]
+    assert shown[marks.index("^") :].startswith("griper")
