@@ -99,6 +99,9 @@ MATHS: dict[str, Callable[..., Any]] = {
 
 
 def holds(comparison: str, left: Any, right: Any) -> Any:
-    """Compare two lengths; bounds are loosened by a rounding error. Works on arrays."""
-    slack = {"<=": SLACK, ">": SLACK, ">=": -SLACK, "<": -SLACK}.get(comparison, 0.0)
+    """Compare two numbers up to a rounding error, so that the negation of each comparison is another one. Works on
+    arrays."""
+    if comparison in ("=", "!="):
+        return COMPARISONS["<=" if comparison == "=" else ">"](abs(left - right), SLACK)
+    slack = SLACK if comparison in ("<=", ">") else -SLACK
     return COMPARISONS[comparison](left, right + slack)

@@ -39,20 +39,24 @@ Change = tuple[Formula, Literal, bool]
 """A condition, the literal that changes where it holds, and whether it is deleted."""
 Entry = tuple[int, int]
 """Bits to set, action."""
+Addition = tuple[int, int, int]
+"""Mask and value: what of the mask holds before must be nothing or just the value, else a functional predicate would
+have two values; then the bits to set."""
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One action of a general row: tests on the state, fields to empty where they hold a value, then bits to clear and
-    set; conditional changes after that."""
+    """One action of a general row: tests on the state, fields to empty where they hold a value, bits to keep, then what
+    is added; conditional deletions and additions with their conditions."""
 
     tests: tuple[Test, ...]
     check: Check | None
     drops: tuple[tuple[int, int], ...]
     keep: int
-    clear: int
+    guards: tuple[Addition, ...]
     set: int
-    conditional: tuple[tuple[Check, int, int, int], ...]
+    dropped: tuple[tuple[Check, int], ...]
+    added: tuple[tuple[Check, Addition], ...]
     action: int
 
     def possible(self, s: int) -> bool:
@@ -61,28 +65,34 @@ class Step:
         return holds and (self.check is None or self.check(s))
 
     def apply(self, s: int, out: list[tuple[int, int]]) -> None:
-        """Append the successor of a state in which the tests hold."""
+        """Append the successor of a state in which the tests hold, unless a functional predicate would have two
+        values in it."""
         if self.check is not None and not self.check(s):
             return
         t = s & self.keep
         for mask, value in self.drops:
             if s & mask == value:
                 t &= ~mask
-        if not self.conditional:
-            out.append((t & self.clear | self.set, self.action))
-            return
-        holding = [(k, c, a) for check, k, c, a in self.conditional if check(s)]
-        for keep, _, _ in holding:
-            t &= keep
-        t = t & self.clear | self.set
-        for _, clear, added in holding:
-            t = t & clear | added
+        for check, keep in self.dropped:
+            if check(s):
+                t &= keep
+        for mask, value, _ in self.guards:
+            if t & mask and t & mask != value:
+                return
+        t |= self.set
+        for check, (mask, value, bits) in self.added:
+            if check(s):
+                if t & mask and t & mask != value:
+                    return
+                t |= bits
         out.append((t, self.action))
 
 
 @dataclass(slots=True)
 class Block:
-    """`keys` are the fields whose values bind variables; `tests` is Python source that must hold first."""
+    """`keys` are the fields whose values bind variables; `tests` is Python source that must hold first. In a simple
+    block, the fields `guarded` get a value though they may have another one, and the bits `excluded` must not be set
+    beside what is added."""
 
     flat: FlatRule
     env: Environment
@@ -94,6 +104,8 @@ class Block:
     simple: bool
     keep: int = -1
     set: int = 0
+    guarded: list[int] = field(default_factory=list)
+    excluded: int = 0
     values: list[tuple[Term, Field]] = field(default_factory=list)
     rows: dict[Any, Any] = field(default_factory=dict)
 
@@ -181,6 +193,8 @@ class Blocks:
         plain = all(self._static(f) for f in lifted)
         block = Block(flat, env, tuple(keys.items()), loops, tuple(lifted), changes, tests, plain)
         block.simple = plain and self._settle(block)
+        if block.simple and block.excluded:
+            block.tests = f"not s & {block.excluded}" + (f" and {tests}" if tests != "True" else "")
         if block.keys or not block.simple:
             block.rows = Rows(self, block)
         else:
@@ -230,11 +244,12 @@ class Blocks:
                 return False
             bit = self.layout.encode(ground(literal))[0]
             block.keep &= ~bit
-            if negated:
-                block.set &= ~bit
-            else:
-                block.keep &= ~self.layout.others(ground(literal))
-                block.set = block.set & ~self.layout.others(ground(literal)) | bit
+            if not negated:
+                others = self.layout.others(ground(literal))
+                if block.set & others:
+                    return False
+                block.excluded |= others & block.keep
+                block.set |= bit
             return True
         key_at = self.guards.problem.predicates[literal.predicate].functional_in or 0
         key, value = literal.args[key_at], literal.args[1 - key_at]
@@ -245,9 +260,14 @@ class Blocks:
             return negated
         if negated and not isinstance(value, Any_) and not (isinstance(value, Var) and keys.get(value.name) is place):
             return False
-        block.keep &= ~(place.mask << place.shift)
+        mask = place.mask << place.shift
         if not negated:
+            if any(known is place for _, known in block.values):
+                return False
+            if block.keep & mask:
+                block.guarded.append(mask)
             block.values.append((value, place))
+        block.keep &= ~mask
         return True
 
     # --- rows ----------------------------------------------------------------------------------------------------
@@ -303,24 +323,30 @@ class Blocks:
         if tests is None:
             return None
         check = compiled(self.layout, conjunction(others)) if others else None
-        keep, clear, added = -1, -1, 0
+        keep, bits = -1, 0
         drops: list[tuple[int, int]] = []
-        conditional: list[tuple[Check, int, int, int]] = []
+        guards: list[Addition] = []
+        dropped: list[tuple[Check, int]] = []
+        added: list[tuple[Check, Addition]] = []
         for condition, literal, negated in self._ground_changes(block, env):
+            check_ = None if condition == TRUE else compiled(self.layout, condition)
             drop = self._drop(condition, literal) if negated else None
             if drop is not None:
                 drops.append(drop)
-                continue
-            if negated:
-                k, c, a = self._deletion(literal), -1, 0
+            elif negated and check_ is None:
+                keep &= self._deletion(literal)
+            elif negated and check_ is not None:
+                dropped.append((check_, self._deletion(literal)))
+            elif check_ is None:
+                guards.append(self._addition(literal))
+                bits |= guards[-1][2]
             else:
-                k, (c, a) = -1, self._addition(literal)
-            if condition == TRUE:
-                keep, clear, added = keep & k, clear & c, added & c | a
-            else:
-                conditional.append((compiled(self.layout, condition), k, c, a))
+                added.append((check_, self._addition(literal)))
+        if any(bits & mask not in (0, value) for mask, value, _ in guards):
+            return None
+        guarded = tuple(g for g in dict.fromkeys(guards) if keep & g[0])
         action = self.action_id(block.flat, env)
-        return Step(tuple(tests), check, tuple(drops), keep, clear, added, tuple(conditional), action)
+        return Step(tuple(tests), check, tuple(drops), keep, guarded, bits, tuple(dropped), tuple(added), action)
 
     def _drop(self, condition: Formula, literal: Literal) -> tuple[int, int] | None:
         """Mask and value of a field that is emptied where it holds just that value."""
@@ -373,13 +399,15 @@ class Blocks:
             key = next(a.name for a in literal.args if isinstance(a, Object))
             place = self.layout.fields[literal.predicate, key]
             return ~(place.mask << place.shift)
+        if all(isinstance(a, Object) for a in literal.args):
+            return ~self.layout.encode(ground(literal))[0]
         names = tuple(a.name if isinstance(a, Object) else None for a in literal.args)
         return ~self.layout.matching_bits(literal.predicate, names)
 
-    def _addition(self, literal: Literal) -> tuple[int, int]:
-        """Bits to keep and bits to set when a literal is added."""
-        mask, value = self.layout.encode(ground(literal))
-        return ~(mask | self.layout.others(ground(literal))), value
+    def _addition(self, literal: Literal) -> Addition:
+        fact = ground(literal)
+        mask, value = self.layout.encode(fact)
+        return (mask, value, value) if self.layout.kinds[fact[0]] == FIELD else (self.layout.others(fact), 0, value)
 
 
 class Rows(dict[Any, Any]):

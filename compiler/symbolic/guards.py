@@ -209,6 +209,9 @@ class Guards:
         return Compare(formula.operator, left, right)
 
     def _exists(self, formula: Exists, env: Environment, word: Word | None) -> Formula:
+        known = env.keys() | {v.name for v in formula.variables}
+        if any(isinstance(v.type, RangeType) and not free_names(v.type) <= known for v in formula.variables):
+            return formula
         kept = [v for v in formula.variables if not self.is_small(v)]
         unrolled = [v for v in formula.variables if self.is_small(v)]
         bodies = [

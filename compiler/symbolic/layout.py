@@ -68,7 +68,8 @@ class Layout:
         small = [self.domains.at(predicate.name, k) <= self.small for k in range(len(predicate.variables))]
         if all(small):
             return FLAG
-        return FIELD if predicate.functional_in is not None and len(small) == 2 else BIT
+        field = predicate.functional_in is not None and len(small) == 2 and not predicate.symmetric
+        return FIELD if field else BIT
 
     def _add_flags(self, predicate: Predicate, order: dict[str, int]) -> None:
         """Bits for facts between small objects, in the order of the objects."""
@@ -141,9 +142,15 @@ class Layout:
         predicate = self.problem.predicates[fact[0]]
         if predicate.functional_in is None or self.kinds[fact[0]] == FIELD:
             return 0
-        key_at = 1 + predicate.functional_in
-        same = (b for f, b in self._all_bits() if f[0] == fact[0] and f[key_at] == fact[key_at])
-        return _union(same)
+        fact = self.canonical(fact)
+        keys = self._keys(predicate, fact)
+        return _union(
+            b for f, b in self._all_bits() if f[0] == fact[0] and f != fact and keys & self._keys(predicate, f)
+        )
+
+    def _keys(self, predicate: Predicate, fact: Fact) -> set[str]:
+        """What a functional fact gives a value: both, where its order makes no difference."""
+        return set(fact[1:]) if predicate.symmetric else {fact[1 + (predicate.functional_in or 0)]}
 
     def _all_bits(self) -> list[tuple[Fact, int]]:
         return [*self.flags.items(), *self.bits.items()]

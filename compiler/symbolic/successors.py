@@ -63,7 +63,8 @@ class Successors:
         """The blocks of the successor function of a state."""
         word = state & self.layout.flag_mask
         if word not in self._blocks_of:
-            self._blocks_of[word] = [b for flat in self.domains.rules for b in self._blocks.of(flat, self.word(word))]
+            found = (b for flat in self.domains.rules for b in self._blocks.of(flat, self.word(word)))
+            self._blocks_of[word] = list({id(b): b for b in found}.values())
         return self._blocks_of[word]
 
     def witnesses(self, block: Block, numbers: tuple[int, ...]) -> Iterator[tuple[Environment, Step | None, int]]:
@@ -156,13 +157,23 @@ def _block_lines(block: Block, i: int, out: str) -> list[str]:
     lines = [f"r = rows_{i}[{key}]"]
     if not block.simple:
         lines.append(f"apply(s, r, {out})")
-    elif not block.loops:
-        lines += ["if r:", f"    {out}.append((s & {block.keep} | {block.set} | r[0][0], r[0][1]))"]
     else:
-        lines += ["if r:", f"    b = s & {block.keep} | {block.set}", f"    {out} += [(b | q, a) for q, a in r]"]
+        lines += _guard_lines(block)
+        if not block.loops:
+            lines += ["if r:", f"    {out}.append((s & {block.keep} | {block.set} | r[0][0], r[0][1]))"]
+        else:
+            lines += ["if r:", f"    b = s & {block.keep} | {block.set}", f"    {out} += [(b | q, a) for q, a in r]"]
     if block.tests != "True":
         lines = [f"if {block.tests}:", *(f"    {line}" for line in lines)]
     return [f"    {line}" for line in lines]
+
+
+def _guard_lines(block: Block) -> list[str]:
+    """Of a row, only what gives no field a second value."""
+    if not block.guarded:
+        return []
+    free = " and ".join(f"s & {mask} in (0, q & {mask})" for mask in block.guarded)
+    return [f"if s & {sum(block.guarded)}:", f"    r = [(q, a) for q, a in r if {free}]"]
 
 
 def _repeating(blocks: list[Block]) -> set[int]:

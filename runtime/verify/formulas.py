@@ -48,50 +48,43 @@ def values(state: State, kind: ir.Type, environment: Environment) -> Sequence[Va
 
 
 def chains(state: State, kind: ir.ChainType) -> tuple[ir.Chain, ...]:
-    """All maximal directed chains: from each outer effector, through linked modules, to the other outer effector."""
+    """All maximal directed chains of modules of a type: from each effector that nothing is linked to, through linked
+    modules, each at most once, to another such effector."""
     key = (kind.element, kind.predicate)
     if key not in state.chains:
-        links = {f[1]: f[2] for f in sorted(state.facts) if f[0] == kind.predicate and len(f) == 3}
-        linked = set(links) | set(links.values())
         members = set(state.problem.of_type(kind.element))
-        effectors = _effectors_of(state.problem)
-        owner = {e: m for m, names in effectors.items() for e in names}
-        found: list[ir.Chain] = []
-        for module in state.problem.world.modules:
-            if module in members:
-                for entry in effectors[module]:
-                    if entry not in linked:
-                        found.extend(_walk(module, entry, links, linked, owner, effectors, members, ()))
-        state.chains[key] = tuple(found)
+        ends = {
+            m.name: [f"{m.name}.{e.name}" for e in m.type.effectors]
+            for m in state.problem.world.modules.values() if m.name in members
+        }  # fmt: skip
+        owner = {end: module for module, own in ends.items() for end in own}
+        links: dict[str, list[str]] = {}
+        for _, one, other in sorted(f for f in state.facts if f[0] == kind.predicate):
+            if one in owner and other in owner:
+                for here, there in ((one, other), (other, one)):
+                    if there not in links.setdefault(here, []):
+                        links[here].append(there)
+        found = [line for entry in owner if entry not in links for line in _walk(entry, ends, owner, links, ())]
+        state.chains[key] = tuple(map(ir.Chain, found))
     return state.chains[key]
 
 
-def _effectors_of(problem: ir.Problem) -> dict[str, list[str]]:
-    return {m.name: [f"{m.name}.{e.name}" for e in m.type.effectors] for m in problem.world.modules.values()}
+Line = tuple[tuple[str, str, str], ...]
 
 
 def _walk(
-    module: str,
-    entry: str,
-    links: Mapping[str, str],
-    linked: set[str],
-    owner: Mapping[str, str],
-    effectors: Mapping[str, list[str]],
-    members: set[str],
-    before: tuple[tuple[str, str, str], ...],
-) -> Iterator[ir.Chain]:
-    for leave in effectors[module]:
+    entry: str, ends: Mapping[str, list[str]], owner: Mapping[str, str], links: Mapping[str, list[str]], before: Line
+) -> Iterator[Line]:
+    """The lines that go on from where a module is entered."""
+    for leave in ends[owner[entry]]:
         if leave == entry:
             continue
-        line = (*before, (module, entry, leave))
-        following = links.get(leave)
-        if following is None:
-            if leave not in linked:
-                yield ir.Chain(line)
-            continue
-        next_module = owner.get(following)
-        if next_module in members and all(next_module != m for m, _, _ in line):
-            yield from _walk(next_module, following, links, linked, owner, effectors, members, line)
+        line = (*before, (owner[entry], entry, leave))
+        if leave not in links:
+            yield line
+        for following in links.get(leave, ()):
+            if all(owner[following] != module for module, _, _ in line):
+                yield from _walk(following, ends, owner, links, line)
 
 
 def bindings(
@@ -273,9 +266,9 @@ def _compare(state: State, formula: ir.Compare, environment: Environment) -> boo
     return {
         "=": abs(difference) <= TOLERANCE,
         "!=": abs(difference) > TOLERANCE,
-        "<": difference < 0,
+        "<": difference < -TOLERANCE,
         "<=": difference <= TOLERANCE,
-        ">": difference > 0,
+        ">": difference > TOLERANCE,
         ">=": difference >= -TOLERANCE,
     }[formula.operator]
 

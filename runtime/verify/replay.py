@@ -59,11 +59,14 @@ class Interpreter:
         return holds(self.state(facts), formula, {})
 
     def applicable(self, facts: Facts, rule: ir.Rule) -> Iterator[ir.Action]:
-        """All ground instances of the rule whose condition holds."""
+        """All ground instances of the rule that can be done."""
         state = self.state(facts)
         for environment in bindings(state, rule.variables, {}):
             if holds(state, rule.condition, environment):
-                yield ground(rule, environment)
+                action = ground(rule, environment)
+                with suppress(Inapplicable):
+                    self.effects(facts, frozenset(), action)
+                    yield action
 
     def action(self, facts: Facts, rule: str, arguments: Sequence[str]) -> ir.Action:
         """The action that a plan file spells. Raises ReplayError when it is none in this state."""
@@ -93,7 +96,8 @@ class Interpreter:
     def effects(
         self, facts: Facts, motion: Facts, action: ir.Action, previous: ir.Action | None = None
     ) -> Outcome:
-        """The state after the action, whose condition is not asked. Raises ReplayError."""
+        """The state after the action, whose condition is not asked. Raises Inapplicable where a functional predicate
+        would have two values, ReplayError."""
         rule = self.problem.rules[action.rule]
         state = self.state(facts, previous)
         environment = {v.name: a for v, a in zip(rule.variables, action.args, strict=True)}
@@ -152,11 +156,12 @@ class Interpreter:
         added_motion = self.canonical(f for is_motion, f in changes.added if is_motion)
         places = {f: span for (_, f), span in changes.added.items()}
         after = kept(facts, False) | added_facts
-        self._require_functional(after)
+        self._require_functional(after, places)
         moved = self.canonical(kept(motion, True)) | added_motion
         return Outcome(after, moved, added_facts, added_motion, places)
 
-    def _require_functional(self, facts: Facts) -> None:
+    def _require_functional(self, facts: Facts, places: Mapping[ir.Fact, Span | None]) -> None:
+        """An action that would leave two values of a functional predicate cannot be done."""
         owners: dict[tuple[str, str], ir.Fact] = {}
         for fact in sorted(facts):
             declared = self.problem.predicates.get(fact[0])
@@ -164,7 +169,8 @@ class Interpreter:
             if index is not None:
                 other = owners.setdefault((fact[0], fact[1 + index]), fact)
                 if other != fact:
-                    raise ReplayError(f"({' '.join(other)}) and ({' '.join(fact)}) cannot both hold")
+                    message = f"({' '.join(other)}) and ({' '.join(fact)}) cannot both hold"
+                    raise Inapplicable(message, places.get(fact) or places.get(other))
 
     def _symmetric(self, predicate: str, is_motion: bool) -> bool:
         table: Mapping[str, ir.Predicate | ir.MotionPredicate]

@@ -54,8 +54,19 @@ class Interpreter:
             for binding in self.bindings(rule.variables, {}, state):
                 if self.holds(rule.condition, binding, state):
                     action = Action(rule.name, tuple(binding[v.name] for v in rule.variables))
-                    found[action] = self.after(rule.effects, binding, state)
+                    after = self.after(rule.effects, binding, state)
+                    if not self.has_two_values(after):
+                        found[action] = after
         return found
+
+    def has_two_values(self, state: State) -> bool:
+        for predicate in self.problem.predicates.values():
+            key = predicate.functional_in
+            if key is not None:
+                keys = [f[1 + key] for f in state if f[0] == predicate.name]
+                if len(keys) != len(set(keys)):
+                    return True
+        return False
 
     def after(self, effects: tuple[EffectItem, ...], binding: Binding, state: State) -> State:
         changes = list(self.changes(effects, binding, state))
@@ -65,7 +76,6 @@ class Interpreter:
                 kept = {f for f in kept if not self.matches(pattern, f)}
         for fact, negated in changes:
             if not negated:
-                kept = {f for f in kept if not self.replaced(f, fact)}
                 kept.add(fact)
                 if self.problem.predicates[fact[0]].symmetric:
                     kept.add((fact[0], fact[2], fact[1]))
@@ -78,10 +88,6 @@ class Interpreter:
         return pattern[0] == fact[0] and any(
             all(a in ("ANY", b) for a, b in zip(order, fact[1:], strict=True)) for order in orders
         )
-
-    def replaced(self, old: Fact, new: Fact) -> bool:
-        key = self.problem.predicates[new[0]].functional_in
-        return key is not None and old[0] == new[0] and old[1 + key] == new[1 + key]
 
     def changes(
         self, effects: tuple[EffectItem, ...], binding: Binding, state: State
