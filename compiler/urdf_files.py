@@ -6,18 +6,21 @@ says everything: a plan carries it, and a verifier builds the same module withou
 
 from __future__ import annotations
 
+import math
 import os
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
 from ..langs import syntax
 from ..langs.diagnostics import Diagnostic, SourceError
-from ..langs.reader import read_source
+from ..langs.reader import read_bytes, source_of
 from ..langs.source import Source
 from .ir import Vec3
 from .mesh_files import read_mesh
-from .poses import roll_pitch_yaw, rotate
+from .poses import Quaternion, roll_pitch_yaw, rotate
+from .xml_texts import XmlError, decoded, read_xml
 
 
 def urdf_path(importer: str, module: syntax.ModuleDecl) -> str:
@@ -33,7 +36,7 @@ def load_urdf(
     assert module.urdf is not None
     where = module.urdf.span
     try:
-        source = given[path] if path in given else Source(path, read_source(path).text)
+        source = given[path] if path in given else source_of(path, decoded(read_bytes(path)))
     except SourceError as error:
         found = error.diagnostics[0]
         missing = found.code == "E0010"
@@ -42,14 +45,18 @@ def load_urdf(
     if "<mesh" not in source.text:
         return source, []
     try:
-        root = ElementTree.fromstring(source.text)
-    except ElementTree.ParseError:
+        root = read_xml(source.text)
+    except XmlError:
         return source, []
-    diagnostics = [d for c in root.iter("collision") if (d := _hull_for_mesh(path, c, module)) is not None]
+    newer = quaternions_count(root)
+    hulls = (_hull_for_mesh(path, c, newer, module) for c in root.findall("link/collision"))
+    diagnostics = [d for d in hulls if d is not None]
     return Source(path, ElementTree.tostring(root, encoding="unicode")), diagnostics
 
 
-def _hull_for_mesh(path: str, collision: ElementTree.Element, module: syntax.ModuleDecl) -> Diagnostic | None:
+def _hull_for_mesh(
+    path: str, collision: ElementTree.Element, newer: bool, module: syntax.ModuleDecl
+) -> Diagnostic | None:
     """Put the hull in place of a mesh, and move the element's origin to the middle of the box around it."""
     from .hulls import HullError, convex_shape
 
@@ -73,10 +80,10 @@ def _hull_for_mesh(path: str, collision: ElementTree.Element, module: syntax.Mod
     if origin is None:
         origin = ElementTree.SubElement(collision, "origin")
     try:
-        place, turn = three(origin, "xyz"), three(origin, "rpy")
+        place, turn = three(origin, "xyz"), turned(origin, newer)
     except ValueError:
         return None
-    shift = rotate(roll_pitch_yaw(*turn), middle)
+    shift = rotate(turn, middle)
     origin.set("xyz", _text(p + s for p, s in zip(place, shift, strict=True)))
     how = "by a simple body around it" if simpler else "by its hull"
     return Diagnostic("W0006", f'the mesh "{name}" is replaced {how}', module.urdf.span)
@@ -91,6 +98,35 @@ def three(element: ElementTree.Element | None, name: str) -> Vec3:
     text = None if element is None else element.get(name)
     x, y, z = map(float, (text or "0 0 0").split())
     return x, y, z
+
+
+FIRST_WITH_QUATERNIONS = "1.1"
+"""The version of URDF from which on `quat_xyzw` counts."""
+
+
+def quaternions_count(robot: ElementTree.Element) -> bool:
+    """Whether a `quat_xyzw` is read; a file that names no version is of 1.0, where it is passed over."""
+    version = re.fullmatch(r"([0-9]{1,4})\.([0-9]{1,4})", robot.get("version", "").strip())
+    return version is not None and (int(version[1]), int(version[2])) >= (1, 1)
+
+
+def turned(origin: ElementTree.Element | None, newer: bool) -> Quaternion:
+    """The rotation of an origin, by `rpy` or, where quaternions count, by `quat_xyzw`. Raises ValueError when it is
+    none."""
+    text = origin.get("quat_xyzw") if origin is not None and newer else None
+    if origin is None or text is None:
+        roll, pitch, yaw = three(origin, "rpy")
+        if not all(map(math.isfinite, (roll, pitch, yaw))):
+            raise ValueError("`rpy` is not three numbers")
+        return roll_pitch_yaw(roll, pitch, yaw)
+    if origin.get("rpy") is not None:
+        raise ValueError("it has both `rpy` and `quat_xyzw`")
+    values = [float(word) for word in text.split()]
+    norm = math.hypot(*values)
+    if len(values) != 4 or not 0.0 < norm < math.inf:
+        raise ValueError("`quat_xyzw` is not four numbers, not all of them 0")
+    x, y, z, w = (value / norm for value in values)
+    return x, y, z, w
 
 
 def _mesh_file(path: str, name: str) -> Path | None:

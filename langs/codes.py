@@ -272,6 +272,10 @@ CODES: dict[str, CodeInfo] = {
     "W0009": CodeInfo("out of reach", "warning",
         "Even if all modules of the scene joined to one chain, as long as can be, no rule could bring about what the "
         "goal asks for; or it asks for more at once than the modules can do. `solve` proves it."),
+    "W0010": CodeInfo("passed over in a URDF", "warning",
+        "A collision shape without volume, such as a box without height, is left out. A `quat_xyzw` counts from "
+        "version 1.1 of URDF on, as other readers have it.",
+        '<robot name="arm">', '<robot name="arm" version="1.1">'),
 }
 
 

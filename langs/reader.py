@@ -18,7 +18,16 @@ def read_source(path: str | os.PathLike[str]) -> Source:
     larger than MAX_BYTES; of a larger file nothing is read.
     """
     shown = os.fspath(path)
-    content = _read(shown)
+    return source_of(shown, read_bytes(shown))
+
+
+def source_of(shown: str, content: bytes) -> Source:
+    """The text that `content`, the bytes of the file shown as such, spells.
+
+    Raises SourceError (E0013 … E0015) when it is empty, not UTF-8 text or larger than MAX_BYTES.
+    """
+    if len(content) > MAX_BYTES:
+        raise _too_large(shown, len(content))
     if b"\0" in content:
         raise _refusal("E0014", f"`{shown}` is not a text file", "a source is text in UTF-8")
     try:
@@ -31,7 +40,11 @@ def read_source(path: str | os.PathLike[str]) -> Source:
     return Source(shown, text.replace("\r\n", "\n").replace("\r", "\n"))
 
 
-def _read(path: str) -> bytes:
+def read_bytes(path: str) -> bytes:
+    """The bytes of a regular file, at most MAX_BYTES and one more.
+
+    Raises SourceError (E0010 … E0012, E0015). It is opened without waiting: a pipe may have taken the file's place.
+    """
     try:
         status = os.stat(path)
         if stat.S_ISDIR(status.st_mode):
@@ -40,7 +53,7 @@ def _read(path: str) -> bytes:
             raise _refusal("E0012", f"`{path}` is not a regular file")
         if status.st_size > MAX_BYTES:
             raise _too_large(path, status.st_size)
-        with open(path, "rb") as stream:
+        with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as stream:
             content = stream.read(MAX_BYTES + 1)
     except (FileNotFoundError, NotADirectoryError):
         raise _refusal("E0010", f"there is no file `{path}`", _near(path)) from None
@@ -48,8 +61,6 @@ def _read(path: str) -> bytes:
         raise _refusal("E0010", f"{path!r} is not a file name") from None
     except OSError as e:
         raise _refusal("E0011", f"cannot read `{path}`: {e.strerror or e}") from None
-    if len(content) > MAX_BYTES:
-        raise _too_large(path, len(content))
     return content
 
 

@@ -6,7 +6,7 @@ The module frame is the root link. Fixed joints vanish into the links that they 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -16,8 +16,9 @@ from ...langs import syntax
 from ...langs.source import Source
 from .. import ir
 from ..checks.context import Context
-from ..poses import compose, make, roll_pitch_yaw, unit
-from ..urdf_files import three
+from ..poses import Quaternion, compose, make, unit
+from ..urdf_files import FIRST_WITH_QUATERNIONS, quaternions_count, three, turned
+from ..xml_texts import XmlError, read_xml
 from .joints import DEFAULT_ACCELERATION, DEFAULT_SPEED
 
 if TYPE_CHECKING:
@@ -53,15 +54,28 @@ def build_urdf(
         robot = _read(source)
         model = _model(robot)
         frames = _link_frames(model)
-        links = [shape for link in robot.iter("link") for shape in _shapes(link, frames)]
+        found = [s for link in robot.findall("link") for s in _shapes(link, frames, quaternions_count(robot))]
     except _Unfit as mistake:
         context.findings.report(mistake.code, module.urdf.span, f"{source.path}: {mistake}", help=mistake.help)
         return None
+    links = [s for s in found if isinstance(s, _LinkShape)]
+    _warn(context, module, robot, [s for s in found if isinstance(s, str)])
     placed = [_effector(context, end, frames, links) for end in ends]
     taken = [p[1] for p in placed if p is not None]
     kept = tuple(s.link for s in links if s not in taken)
     effectors = tuple(p[0] for p in placed if p is not None)
     return ir.ModuleType(name, _joints(robot, model), effectors, kept) if len(effectors) == len(ends) else None
+
+
+def _warn(context: Context, module: syntax.ModuleDecl, robot: ElementTree.Element, bodiless: Sequence[str]) -> None:
+    """What is not read as it may have been meant."""
+    where = context.findings.word(module.span, module.name)
+    told = [f"{s} has no volume and is left out" for s in bodiless]
+    if not quaternions_count(robot) and any(e.get("quat_xyzw") for e in robot.iter("origin")):
+        version = robot.get("version", "1.0")
+        told.append(f'`quat_xyzw` does not count in version {version} of URDF, only in `<robot version="1.1">`')
+    if told:
+        context.findings.report("W0010", where, "; ".join(told))
 
 
 # --- the text ------------------------------------------------------------------------------------------------------
@@ -70,10 +84,9 @@ def build_urdf(
 def _read(source: Source) -> ElementTree.Element:
     """The checked text: one tree of links by joints of known kinds, with limits."""
     try:
-        robot = ElementTree.fromstring(source.text)
-    except ElementTree.ParseError as error:
-        line, column = error.position
-        raise _Unfit("E0513", f"this is not XML from line {line}, column {column + 1} on") from None
+        robot = read_xml(source.text)
+    except XmlError as error:
+        raise _Unfit("E0513", str(error)) from None
     if robot.tag != "robot":
         raise _Unfit("E0513", f"a URDF is one `robot`, not `{robot.tag}`")
     links = [e.get("name", "") for e in robot.findall("link")]
@@ -83,7 +96,7 @@ def _read(source: Source) -> ElementTree.Element:
         twice = next((n for n in listed if listed.count(n) > 1), None)
         if twice is not None:
             raise _Unfit("E0514", f"two {kind}s are named `{twice}`")
-    children = [_check_joint(j, links) for j in joints]
+    children = [_check_joint(j, links, quaternions_count(robot)) for j in joints]
     roots = [n for n in links if n not in children]
     twice = next((n for n in children if children.count(n) > 1), None)
     if twice is not None:
@@ -94,7 +107,7 @@ def _read(source: Source) -> ElementTree.Element:
     return robot
 
 
-def _check_joint(joint: ElementTree.Element, links: Sequence[str]) -> str:
+def _check_joint(joint: ElementTree.Element, links: Sequence[str], newer: bool) -> str:
     """The child link of a joint, which must be of a known kind, with fitting limits."""
     name, kind = joint.get("name", ""), joint.get("type", "")
     if kind not in KINDS:
@@ -106,6 +119,8 @@ def _check_joint(joint: ElementTree.Element, links: Sequence[str]) -> str:
         link = "" if element is None else element.get("link", "")
         if link not in links:
             raise _Unfit("E0514", f"joint `{name}` has no {end} link `{link}`")
+    _three(joint.find("origin"), "xyz")
+    _turn(joint.find("origin"), newer)
     axis = joint.find("axis")
     if kind != "fixed" and axis is not None and unit(_three(axis, "xyz")) is None:
         raise _Unfit("E0514", f"the axis of joint `{name}` is zero")
@@ -137,6 +152,14 @@ def _three(element: ElementTree.Element | None, name: str) -> ir.Vec3:
     return found
 
 
+def _turn(origin: ElementTree.Element | None, newer: bool) -> Quaternion:
+    try:
+        found = turned(origin, newer)
+    except ValueError as error:
+        raise _Unfit("E0514", f"an `origin` is turned by what is no rotation: {error}") from None
+    return found
+
+
 # --- kinematics ----------------------------------------------------------------------------------------------------
 
 
@@ -145,6 +168,8 @@ def _model(robot: ElementTree.Element) -> pinocchio.Model:
     import pinocchio
 
     bare = ElementTree.Element("robot", name=robot.get("name", "robot"))
+    if quaternions_count(robot):
+        bare.set("version", FIRST_WITH_QUATERNIONS)
     for element in robot:
         if element.tag == "link":
             bare.append(ElementTree.Element("link", name=element.get("name", "")))
@@ -215,19 +240,23 @@ class _LinkShape:
     link: ir.Link
 
 
-def _shapes(link: ElementTree.Element, frames: Mapping[str, tuple[int, ir.Pose]]) -> list[_LinkShape]:
+def _shapes(
+    link: ElementTree.Element, frames: Mapping[str, tuple[int, ir.Pose]], newer: bool
+) -> Iterator[_LinkShape | str]:
+    """The collision shapes of a link; of those without a body, such as a box without height, what they are."""
     name = link.get("name", "")
     joint, frame = frames[name]
-    found = []
     for collision in link.findall("collision"):
-        origin = collision.find("origin")
-        place = make(_three(origin, "xyz"), roll_pitch_yaw(*_three(origin, "rpy")))
+        place = make(_three(collision.find("origin"), "xyz"), _turn(collision.find("origin"), newer))
         geometry = collision.find("geometry")
         forms = [] if geometry is None else list(geometry)
         if len(forms) != 1:
             raise _Unfit("E0514", f"a collision element of link `{name}` has no shape")
-        found.append(_LinkShape(name, ir.Link(joint, compose(frame, place), _shape(name, forms[0]))))
-    return found
+        shape = _shape(name, forms[0])
+        if shape.kind != "convex" and min(shape.size) == 0:
+            yield f"the {shape.kind} of link `{name}`"
+        else:
+            yield _LinkShape(name, ir.Link(joint, compose(frame, place), shape))
 
 
 def _shape(link: str, form: ElementTree.Element) -> ir.Shape:
@@ -241,7 +270,7 @@ def _shape(link: str, form: ElementTree.Element) -> ir.Shape:
         raise _Unfit("E0515", f"the mesh of link `{link}` was not found")
     else:
         raise _Unfit("E0514", f"link `{link}` has a collision shape `{form.tag}`")
-    if min(size) <= 0:
+    if min(size) < 0:
         raise _Unfit("E0514", f"the {form.tag} of link `{link}` has a size of {min(size):g} m")
     return ir.Shape(form.tag, size)
 
