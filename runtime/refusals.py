@@ -12,7 +12,7 @@ from .lack import achievers, lacking
 from .motion.program import DIVERGED
 from .nearest import nearest
 from .plan import PlaceRecord, RefusalRecord
-from .skeleton import Skeleton, Violation
+from .skeleton import Breach, Skeleton, Violation
 
 MOST_EXPLAINED = 5
 
@@ -53,7 +53,7 @@ class Refusals:
         if not conflict.violations:
             return rules, conflict.bound
         worst = conflict.violations[0]
-        return rules, conflict.bound, worst.span or worst.literal[0]
+        return rules, conflict.bound, worst.span or (worst.names[0] if worst.kind == Breach.ROW else worst.kind)
 
     def _nothing_found(self, status: str) -> Diagnostic:
         if status == "interrupted":
@@ -115,9 +115,8 @@ class Refusals:
         for violation in conflict.violations[:1]:
             if violation.span is not None:
                 return violation.span
-            motion = self.problem.motions.get(violation.literal[0])
-            if motion is not None:
-                return motion.span
+            if violation.kind == Breach.ROW:
+                return self.problem.motions[violation.names[0]].span
         return None
 
     def _record(self, skeleton: Skeleton, conflict: Conflict) -> RefusalRecord:
@@ -149,19 +148,21 @@ def _miss(item: tuple[Skeleton, Conflict]) -> tuple[int, float]:
 
 
 _BOUND_NAMES = {"seq": "P_seq", "seq-path": "P_seqPath", "path": "P_path"}
-_LIMITS = {
-    "collision": "{0} and {1} would overlap",
-    "self": "parts of {0} would overlap",
-    "limit": "a joint limit of {0} is exceeded",
+_TOLD = {
+    Breach.ROW: "[{0}] is missed",
+    Breach.COLLISION: "{1} and {2} would overlap",
+    Breach.SELF_COLLISION: "parts of {1} would overlap",
+    Breach.JOINT_LIMIT: "a joint limit of {1} is exceeded",
+    Breach.STEP: "joint {2} of {1} moves too far between two slices",
+    Breach.DRIFT: "what rests would slip",
+    Breach.UNIT_QUATERNION: "an orientation is missed",
 }
 
 
 def describe(violation: Violation) -> str:
     """One clause for a violated row: `[touch c.B item] is missed by 0.213 m`."""
-    kind, *args = violation.literal
+    text = _TOLD[violation.kind].format(" ".join(violation.names), *violation.names)
     if violation.amount >= DIVERGED:
-        return f"the numbers of [{' '.join(violation.literal)}] diverge"
-    amount = f"{violation.amount:.3g} {'' if violation.unit == '1' else violation.unit}".rstrip()
-    if kind in _LIMITS and len(args) >= 1:
-        return f"{_LIMITS[kind].format(*args, '')} by {amount}"
-    return f"[{' '.join(violation.literal)}] is missed by {amount}"
+        who = f"[{' '.join(violation.names)}]" if violation.kind == Breach.ROW else f"the {violation.kind}"
+        return f"the numbers of {who} diverge"
+    return f"{text} by {violation.amount:.3g} {'' if violation.unit == '1' else violation.unit}".rstrip()

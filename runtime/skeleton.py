@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,16 +94,27 @@ class PhasePath:
         return len(next(iter((*self.modules.values(), *self.bodies.values())), (None, None)))
 
 
+class Breach(StrEnum):
+    """What a violation violates, and whom its names tell: the motion literal itself; two things; two parts of one
+    module; a module and its joint; a module (or nothing); a module."""
+
+    ROW = "row"
+    COLLISION = "collision"
+    SELF_COLLISION = "self-collision"
+    JOINT_LIMIT = "joint limit"
+    STEP = "step"
+    DRIFT = "drift"
+    UNIT_QUATERNION = "unit quaternion"
+
+
 @dataclass(frozen=True, slots=True)
 class Violation:
-    """One row that a bound could not satisfy: the phase (from 0), the literal or kind of limit, the figure and unit.
-
-    `literal` is a motion literal, or ("collision", a, b), ("limit", module, joint), ("self", …). `span` is where the
-    row is written, for a motion literal.
-    """
+    """One row that a bound could not satisfy: the phase (from 0), what kind of row, the names that it concerns, the
+    figure and unit. `span` is where a row of a motion literal is written."""
 
     phase: int
-    literal: Fact
+    kind: Breach
+    names: tuple[str, ...]
     amount: float
     unit: str
     span: Span | None = field(default=None, compare=False)

@@ -15,7 +15,7 @@ from ..motion.sequence import solve_sequence
 from ..motion.settings import MotionSettings
 from ..questions import sequence_path
 from ..refusals import Refusals
-from ..skeleton import BoundResult, Phase, PhasePath, Skeleton, beginning
+from ..skeleton import BoundResult, Breach, Phase, PhasePath, Skeleton, beginning
 from ..verify.formulas import ReplayError
 from ..verify.replay import Interpreter
 from .foresight import concerned
@@ -145,8 +145,8 @@ def _in_the_way(problem: ir.Problem, refused: BoundResult) -> dict[str, str]:
     """Bodies that the first phase collides with, and the module that does."""
     found = {}
     for violation in refused.violations:
-        if violation.literal[0] == "collision" and violation.phase == 0:
-            _, *pair = violation.literal
+        if violation.kind == Breach.COLLISION and violation.phase == 0:
+            pair = violation.names
             for body, other in (pair, pair[::-1]):
                 module = carrier(problem, other)
                 if body in problem.world.bodies and module in problem.world.modules:

@@ -25,7 +25,7 @@ from ...compiler.motion.collision import (
 )
 from ...compiler.motion.pairs import self_pairs
 from ..resampling import Resampled, effector_poses, kept_pairs, resample
-from ..skeleton import Array, Configuration, PhasePath, Violation
+from ..skeleton import Array, Breach, Configuration, PhasePath, Violation
 from ..transforms import compose, inverse, joint_frames, rotate
 from .phases.batch import GREATEST_STEP
 from .phases.shares import CONTACT_TOLERANCE, EXACT_MARGIN
@@ -74,7 +74,7 @@ def steps(problem: Problem, phase: int, path: PhasePath) -> Iterator[Violation]:
         for joint, amount in zip(problem.world.modules[name].type.joints, largest, strict=True):
             if amount > GREATEST_STEP:
                 unit = "rad" if joint.kind == "revolute" else "m"
-                yield Violation(phase, ("step", name, joint.name), float(amount - GREATEST_STEP), unit)
+                yield Violation(phase, Breach.STEP, (name, joint.name), float(amount - GREATEST_STEP), unit)
 
 
 # --- clearances ------------------------------------------------------------------------------------------------------
@@ -134,10 +134,15 @@ def clashes(
         if module.type.joints:
             _within(module, motion, record)
     found = [
-        Violation(phase, ("self" if a.partition(".")[0] == b.partition(".")[0] else "collision", a, b), amount, "m")
+        Violation(phase, Breach.SELF_COLLISION if _same(a, b) else Breach.COLLISION, (a, b), amount, "m")
         for (a, b), amount in missed.items()
     ]
-    return sorted(found, key=lambda v: (-v.amount, v.literal))
+    return sorted(found, key=lambda v: (-v.amount, v.kind, v.names))
+
+
+def _same(one: str, other: str) -> bool:
+    """Whether two parts belong to one module."""
+    return one.partition(".")[0] == other.partition(".")[0]
 
 
 def _within(module: Module, motion: Resampled, record: _Record) -> None:

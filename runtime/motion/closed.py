@@ -14,7 +14,7 @@ import numpy as np
 
 from ...compiler.motion.collision import contacts
 from ..budget import Budget
-from ..skeleton import Array, Configuration, PhasePath, Skeleton, Violation
+from ..skeleton import Array, Breach, Configuration, PhasePath, Skeleton, Violation
 from ..splines import spline_weights
 from .acceptance import clashes, dense, slip, steps
 from .path import BUMP, PathProgram, attempt
@@ -123,7 +123,7 @@ def accepted(
         if drift <= SLIP and not found:
             break
     if drift > SLIP:
-        found.append(Violation(phase, ("drift",), drift, "m"))
+        found.append(Violation(phase, Breach.DRIFT, (), drift, "m"))
     if settings.collisions:
         found += clashes(problem, phase, contacts(skeleton)[phase], motion, before, settings.slices)
     return finer, sorted(found, key=lambda v: -v.amount)

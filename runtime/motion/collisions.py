@@ -10,7 +10,7 @@ import numpy as np
 from ...compiler.ir import Problem
 from ...compiler.motion.collision import Pair
 from ...compiler.motion.pairs import self_pairs
-from ..skeleton import Array
+from ..skeleton import Array, Breach
 from .clearance import ClearanceGroup, Cloud, Obstacles
 from .groups import Label
 from .layout import Indices, Layout
@@ -41,11 +41,11 @@ class Labels:
         return self._numbers[name]
 
     def label(self, tag: Indices) -> Label:
-        """A pair within one module speaks for "self", any other for "collision"."""
+        """A pair within one module is a self-collision."""
         phase, a, b = (int(t) for t in tag)
         first, second = self.names[a], self.names[b]
         same = first.partition(".")[0] == second.partition(".")[0]
-        return Label(phase, ("self" if same else "collision", first, second), ("m",))
+        return Label(phase, Breach.SELF_COLLISION if same else Breach.COLLISION, (first, second), ("m",))
 
 
 class Collisions:

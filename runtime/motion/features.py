@@ -12,7 +12,7 @@ from ...compiler import ir
 from ...compiler.ir import Fact, Problem
 from ...compiler.motion.constraints import BodyKind, EffectorKind, Kind, RestKind, arguments, stage, units
 from ...compiler.motion.stages import Stage
-from ..skeleton import Array
+from ..skeleton import Array, Breach
 from .groups import Group, Label, LinearGroup, NormGroup, StageGroup
 from .layout import Indices, Layout
 
@@ -88,7 +88,7 @@ class Features:
         for number, (row, names, row_units) in enumerate(self._rows_of(literal[0])):
             if row.when == when:
                 objects = tuple(binding.get(n, n) for n in names)
-                label = Label(phase, literal, row_units, row.span)
+                label = Label(phase, Breach.ROW, literal, row_units, row.span)
                 self._bind(literal, number, row, names, objects, slices, label, scale)
 
     def _bind(
@@ -158,7 +158,7 @@ def limits(problem: Problem, layout: Layout, margin: float, phase_of: list[int])
         for i, joint in enumerate(problem.world.modules[name].type.joints):
             pull = min(margin, 0.01 * (joint.upper - joint.lower))
             unit = "rad" if joint.kind == "revolute" else "m"
-            label = Label(phase_of[t], ("limit", name, joint.name), (unit,))
+            label = Label(phase_of[t], Breach.JOINT_LIMIT, (name, joint.name), (unit,))
             places += [slot[7 + i], slot[7 + i]]
             signs += [1.0, -1.0]
             targets += [joint.upper - pull, -(joint.lower + pull)]

@@ -11,10 +11,9 @@ from typing import Protocol
 
 import numpy as np
 
-from ...compiler.ir import Fact
 from ...compiler.motion.stages import Batch, Stage
 from ...langs.source import Span
-from ..skeleton import Array
+from ..skeleton import Array, Breach
 from .layout import Indices
 
 Chosen = Indices | slice
@@ -24,11 +23,12 @@ ALL = slice(None)
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """Whom one instance speaks for: the phase, counted from 0, the literal or limit, the unit of each row, and where
-    the rows are written."""
+    """Whom one instance speaks for: the phase, counted from 0, the kind of row and whom it concerns (as in a
+    `Violation`), the unit of each row, and where the rows are written."""
 
     phase: int
-    literal: Fact
+    kind: Breach
+    names: tuple[str, ...]
     units: tuple[str, ...]
     span: Span | None = None
 
@@ -164,7 +164,7 @@ class NormGroup:
         return len(self.places), 1
 
     def label(self, instance: int) -> Label:
-        return Label(0, ("quaternion",), ("1",))
+        return Label(0, Breach.UNIT_QUATERNION, (), ("1",))
 
     def residuals(self, z: Array) -> Array:
         values: Array = np.square(z[self.places]).sum(1, keepdims=True) - 1.0

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..skeleton import Array, Violation
+from ..skeleton import Array, Breach, Violation
 from .assembly import Scatter, Sums, Together
 from .groups import ALL, Group, Label, LinearGroup, merged
 from .layout import Indices
@@ -193,12 +193,12 @@ class Program:
 
     def violations(self, x: Array, above: float) -> list[Violation]:
         """Rows violated by more than `above`, largest first; for each phase and literal only its worst row."""
-        worst: dict[tuple[int, tuple[str, ...]], Violation] = {}
+        worst: dict[tuple[int, Breach, tuple[str, ...]], Violation] = {}
         for label, amounts in self.rows(x):
             row = int(amounts.argmax())
             amount = DIVERGED if np.isnan(amounts[row]) else float(amounts[row])
-            key = (label.phase, label.literal)
+            key = (label.phase, label.kind, label.names)
             if amount > above and (key not in worst or amount > worst[key].amount):
                 unit = label.units[min(row, len(label.units) - 1)]
-                worst[key] = Violation(label.phase, label.literal, amount, unit, label.span)
-        return sorted(worst.values(), key=lambda v: (-v.amount, v.phase, v.literal))
+                worst[key] = Violation(label.phase, label.kind, label.names, amount, unit, label.span)
+        return sorted(worst.values(), key=lambda v: (-v.amount, v.phase, v.kind, v.names))

@@ -20,7 +20,7 @@ from tamplang.runtime.search.best_first import SkeletonSearch
 from tamplang.runtime.search.roomy import roomier
 from tamplang.runtime.search.skeletons import build_skeleton
 from tamplang.runtime.search.surcharge import POWER, Surcharge
-from tamplang.runtime.skeleton import Phase, Violation
+from tamplang.runtime.skeleton import Breach, Phase, Violation
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
 GAP = """
@@ -159,5 +159,5 @@ def test_plans_are_handed_on_as_they_are_found() -> None:
 
 def test_numbers_that_diverge_are_told_as_such() -> None:
     row = ("touch", "c.A", "ball")
-    assert describe(Violation(0, row, DIVERGED, "m")) == "the numbers of [touch c.A ball] diverge"
-    assert describe(Violation(0, row, 0.2134, "m")) == "[touch c.A ball] is missed by 0.213 m"
+    assert describe(Violation(0, Breach.ROW, row, DIVERGED, "m")) == "the numbers of [touch c.A ball] diverge"
+    assert describe(Violation(0, Breach.ROW, row, 0.2134, "m")) == "[touch c.A ball] is missed by 0.213 m"

@@ -11,7 +11,7 @@ from tamplang.runtime.motion.mending import Mend, mended, spans
 from tamplang.runtime.motion.phases import solve_sequence_path
 from tamplang.runtime.motion.sequence import solve_sequence
 from tamplang.runtime.motion.settings import MotionSettings
-from tamplang.runtime.skeleton import Violation
+from tamplang.runtime.skeleton import Breach, Violation
 
 from .fixtures import pick_and_place
 
@@ -26,7 +26,7 @@ def test_a_mend_leaves_all_other_switches_and_paths() -> None:
     sequence = solve_sequence(skeleton, settings, 0, budget)
     paths = solve_sequence_path(skeleton, sequence.configurations, settings, 0, budget)
     assert sequence.feasible and paths.feasible
-    refused = replace(paths, feasible=False, violations=[Violation(2, ("collision", "a", "b"), 0.1, "m")])
+    refused = replace(paths, feasible=False, violations=[Violation(2, Breach.COLLISION, ("a", "b"), 0.1, "m")])
     again = mended(skeleton, sequence, refused, Mend(1, 1), settings, 0, budget)
     assert again.feasible
     same = [

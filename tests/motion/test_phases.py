@@ -34,7 +34,7 @@ from tamplang.runtime.motion.phases.swept import sweep
 from tamplang.runtime.motion.phases.tree import link_frames, phase_tree
 from tamplang.runtime.motion.sequence import solve_sequence
 from tamplang.runtime.motion.settings import MotionSettings
-from tamplang.runtime.skeleton import BoundResult, Configuration, Phase, Skeleton, start_configuration
+from tamplang.runtime.skeleton import BoundResult, Breach, Configuration, Phase, Skeleton, start_configuration
 
 from .fixtures import (
     CRAWLER,
@@ -192,13 +192,14 @@ def test_an_impossible_phase_names_the_wall() -> None:
     assert not result.feasible
     worst = result.violations[0]
     assert worst.phase == 0 and worst.unit == "m" and worst.amount > 0.0
-    assert worst.literal[0] == "collision" and worst.literal[2] in {"east", "west"}
+    assert worst.kind == Breach.COLLISION and worst.names[1] in {"east", "west"}
 
 
 def test_a_switch_beyond_a_joint_limit_names_the_joint() -> None:
     result = solve(arm_scene(planar_arm(2), [], (0.0, 0.0), (0.3, 2.9)))
     assert not result.feasible
-    assert result.violations[0].literal == ("limit", "arm", "j2") and result.violations[0].unit == "rad"
+    worst = result.violations[0]
+    assert (worst.kind, worst.names, worst.unit) == (Breach.JOINT_LIMIT, ("arm", "j2"), "rad")
     assert result.violations[0].amount == pytest.approx(0.1, abs=0.01)
 
 
@@ -214,7 +215,7 @@ def test_a_blocked_switch_is_reported_without_solving() -> None:
     block = box("block", (0.2, 0.2, 0.2), (0.8, 0.0, 0.0))
     result = solve(arm_scene(planar_arm(2), [block], (1.5, 0.0), (0.0, 0.0)))
     assert not result.feasible and result.iterations == 0 and not result.paths
-    assert result.violations[0].literal == ("collision", "arm.B", "block")
+    assert (result.violations[0].kind, result.violations[0].names) == (Breach.COLLISION, ("arm.B", "block"))
     assert result.violations[0].amount == pytest.approx(0.14, abs=0.01)
 
 

@@ -113,7 +113,7 @@ def test_during_rows_refuse() -> None:
         Skeleton(skeleton.problem, (replace(phase, mode=mode),), mode | phase.added), OPEN, 0, Budget(20.0)
     )
     assert not result.feasible
-    assert {v.literal[0] for v in result.violations} & {"low", "touch"}
+    assert {v.names[0] for v in result.violations} & {"low", "touch"}
 
 
 def test_two_robots_carry_one_thing() -> None:

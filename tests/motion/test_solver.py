@@ -10,12 +10,13 @@ from tamplang.runtime.motion.groups import Label, LinearGroup, NormGroup
 from tamplang.runtime.motion.ipopt import solve_ipopt
 from tamplang.runtime.motion.program import DIVERGED, Program
 from tamplang.runtime.motion.solver import Options, project, solve
+from tamplang.runtime.skeleton import Breach
 
 EXACT = Options(tolerance=1e-8, step_tolerance=1e-6, iterations=300)
 
 
 def linear(kind: str, rows: list[list[float]], targets: list[float], places: list[list[int]]) -> LinearGroup:
-    labels = [Label(i, ("limit", "x", str(i)), ("m",)) for i in range(len(rows))]
+    labels = [Label(i, Breach.JOINT_LIMIT, ("x", str(i)), ("m",)) for i in range(len(rows))]
     return LinearGroup(kind, np.array(places), np.array(rows), np.array(targets), labels)
 
 
@@ -104,7 +105,7 @@ def test_contradiction_stalls() -> None:
     assert outcome.status == "stalled"
     assert outcome.iterations < 60
     worst = program.violations(outcome.x, 1e-3)
-    assert [v.literal for v in worst] == [("limit", "x", "0"), ("limit", "x", "1")] or len(worst) == 2
+    assert [v.names for v in worst] == [("x", "0"), ("x", "1")] or len(worst) == 2
     assert worst[0].amount == pytest.approx(0.5, abs=0.1)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from ....compiler.ir import World
 from ....compiler.motion.collision import contacts
 from ...budget import Budget, OutOfTime
-from ...skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton, Violation
+from ...skeleton import Array, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
 from ...splines import spline_weights
 from ..settings import MotionSettings
 from ..timing import shortest_duration
@@ -39,7 +39,7 @@ def _blocked(batch: Batch) -> list[Violation]:
         at = slice(column, column + 1)
         for k in np.flatnonzero(blocked(batch, poses[:, None], at)):
             clash = worst_clash(batch, int(k), poses[k][None], at)
-            found.append(Violation(int(batch.phases[k]), ("collision", *clash.pair), clash.amount, "m"))
+            found.append(Violation(int(batch.phases[k]), Breach.COLLISION, clash.pair, clash.amount, "m"))
     return found
 
 
@@ -55,16 +55,16 @@ def _failures(group: Group, world: World) -> list[Violation]:
         if clash.amount <= 0.0:
             clash = worst_clash(batch, int(k), values, slice(None))
         if clash.amount > 0.0:
-            found.append(Violation(phase, ("collision", *clash.pair), clash.amount, "m"))
+            found.append(Violation(phase, Breach.COLLISION, clash.pair, clash.amount, "m"))
             continue
         joints = batch.joints
         beyond = np.maximum(values - joints.upper[k], joints.lower[k] - values).max(axis=0)
         step = np.abs(np.diff(group.paths[k], axis=0)).max(axis=0) - joints.step[k]
-        kind, excess = ("limit", beyond) if beyond.max() > 0.0 else ("step", step)
+        kind, excess = (Breach.JOINT_LIMIT, beyond) if beyond.max() > 0.0 else (Breach.STEP, step)
         module, joint = batch.variables[k][int(excess.argmax())]
         record = world.modules[module].type.joints[joint]
         unit = "rad" if record.kind == "revolute" else "m"
-        found.append(Violation(phase, (kind, module, record.name), float(excess.max()), unit))
+        found.append(Violation(phase, kind, (module, record.name), float(excess.max()), unit))
     return found
 
 
@@ -91,8 +91,8 @@ def solve_sequence_path(
     if not result.violations:
         result.iterations = solve_groups(groups, seed, budget, thorough)
         failures = [v for group in groups for v in _failures(group, skeleton.problem.world)]
-        result.violations += [v for v in failures if v.literal[0] != "step"]
-        coarse = {v.phase for v in failures if v.literal[0] == "step"}
+        result.violations += [v for v in failures if v.kind != Breach.STEP]
+        coarse = {v.phase for v in failures if v.kind == Breach.STEP}
         before = cost_of(skeleton.problem.world, trees, kept)
         result.cost = before + _cost(groups)
         if settings.polish:
@@ -191,7 +191,7 @@ def _chain(
         for name, state in reached.modules.items():
             off = float(np.abs(state[:3] - given.modules[name][:3]).max())
             if off > settings.tolerance:
-                drift.append(Violation(index, ("drift", name), off, "m"))
+                drift.append(Violation(index, Breach.DRIFT, (name,), off, "m"))
         trees.append(tree)
         states.append((current, reached))
         current = reached
