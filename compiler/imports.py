@@ -8,6 +8,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from ..langs import syntax
+from ..langs.build_terms import MAX_DEPTH
 from ..langs.diagnostics import Diagnostic, SourceError
 from ..langs.parser import parse
 from ..langs.reader import read_source
@@ -31,6 +32,7 @@ class _Loader:
         self.diagnostics: list[Diagnostic] = []
         self.unfit: list[Diagnostic] = []
         self.open: list[str] = []
+        self.deep = False
 
     def load(self, source: Source) -> None:
         self.sources[source.path] = source
@@ -67,6 +69,11 @@ class _Loader:
             ring = [*self.open[self.open.index(path) :], path]
             message = f"files import each other: {' imports '.join(ring)}"
             self.diagnostics.append(Diagnostic("E0112", message, declaration.span))
+        elif path not in self.sources and len(self.open) >= MAX_DEPTH:
+            if not self.deep:
+                message = f"files import each other more than {MAX_DEPTH} deep"
+                self.diagnostics.append(Diagnostic("E0008", message, declaration.span))
+            self.deep = True
         elif path not in self.sources:
             source = self.read(path, declaration)
             if source is not None:

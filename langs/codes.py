@@ -33,7 +33,8 @@ CODES: dict[str, CodeInfo] = {
         "second, such as rad/s, for speeds, or per second squared, such as rad/s^2, for accelerations.",
         "sphere(5 inch)", "sphere(127 mm)"),
     "E0008": CodeInfo("nested too deeply", "syntax",
-        "Brackets or operators are nested deeper than the reader follows."),
+        "Brackets, operators or imports are nested more than 100 deep, or what a function, derived predicate or scene "
+        "stands for is, once what it uses is put in."),
     "E0009": CodeInfo("number out of range", "syntax",
         "A number must be finite in double precision, also one that is computed; lengths in scenes are at most 1000 "
         "km.",
@@ -171,6 +172,10 @@ CODES: dict[str, CodeInfo] = {
         "The modules of a chain are counted from 1 to its length; a rule that counts them asks for the length.",
         "rule r(c: chain of module by connected, k: 1 .. 3) { post (support c[k].in) }",
         "rule r(c: chain of module by connected, k: 1 .. length(c)) { post (support c[k].in) }"),
+    "E0314": CodeInfo("stands for too much", "logic",
+        "Functions and derived predicates are put in wherever they are used. Where each uses the one before twice, the "
+        "program doubles with every line; all uses together may add 20,000 terms, or twice the text itself.",
+        "function f(x: real) = g(x) + g(x)", "function f(x: real) = 2 * g(x)"),
     "E0401": CodeInfo("sides of different size", "motion",
         "Both sides of a row have the same number of components, or one is a plain 0.",
         "at switch position(X) = gap(X, Y)", "at switch position(X) = position(Y)"),

@@ -15,6 +15,9 @@ from .names import Entry, Scope, Typed
 from .scalars import check_scalar
 
 LARGEST_LOOP = 20_000
+MOST_ROUNDS = 100_000
+"""How many rounds all loops of a program may have together, ten for each thing that a scene may have; one takes some
+ten microseconds for each line in it."""
 
 
 def bind(context: Context, scope: Scope, binders: Sequence[syntax.Parameter]) -> tuple[Scope, tuple[ir.Variable, ...]]:
@@ -106,6 +109,8 @@ def unrolled(
         message = f"this loop has more than {LARGEST_LOOP} rounds"
         context.findings.report("E0510", head.type.span, message, help=f"it runs from {first} to {last}")
         return None
+    if not spend(context, max(0, last - first + 1), head.span):
+        return None
     where = context.findings.word(head.span, head.name)
     inner = [
         scope.with_entries([(head.name, Entry(Typed(ir.Number(i), NUMBER), where))]) for i in range(first, last + 1)
@@ -117,6 +122,16 @@ def unrolled(
     if any(n is None for n in nested):
         return None
     return itertools.chain.from_iterable(n for n in nested if n is not None)
+
+
+def spend(context: Context, rounds: int, span: Span) -> bool:
+    """Whether so many rounds more are still allowed; reports once, at `span`, that they are too many."""
+    before = context.rounds
+    context.rounds += rounds
+    if before <= MOST_ROUNDS < context.rounds:
+        message = f"with this the program goes through more than {MOST_ROUNDS} rounds of loops and uses of scenes"
+        context.findings.report("E0510", span, message)
+    return context.rounds <= MOST_ROUNDS
 
 
 def _whole(context: Context, scope: Scope, term: syntax.Term) -> int | None:

@@ -63,7 +63,7 @@ def _unique(parameters: tuple[syntax.Parameter, ...]) -> list[syntax.Parameter]:
 
 def _check_circles(context: Context, derived: Mapping[str, ir.Derived]) -> None:
     uses = {name: {p for p in predicates_in(d.body) if p in derived} for name, d in derived.items()}
-    for name in derived:
+    for name in _suspects(uses):
         reached, frontier = set[str](), sorted(uses[name])
         while frontier:
             current = frontier.pop()
@@ -72,6 +72,24 @@ def _check_circles(context: Context, derived: Mapping[str, ir.Derived]) -> None:
                 frontier.extend(sorted(uses[current]))
         if name in reached:
             context.findings.report("E0307", derived[name].span, f"`{name}` is derived from itself")
+
+
+def _suspects(uses: Mapping[str, set[str]]) -> list[str]:
+    """What is left when all is taken away, again and again, that uses nothing else that is left."""
+    users: dict[str, list[str]] = {}
+    for name, used in uses.items():
+        for other in used:
+            users.setdefault(other, []).append(name)
+    left = {name: len(used) for name, used in uses.items()}
+    ready = [name for name, count in left.items() if count == 0]
+    while ready:
+        name = ready.pop()
+        del left[name]
+        for user in users.get(name, ()):
+            left[user] -= 1
+            if left[user] == 0:
+                ready.append(user)
+    return list(left)
 
 
 def check_rules(context: Context) -> dict[str, ir.Rule]:

@@ -16,9 +16,10 @@ from .names import Scope, Typed
 @dataclass(slots=True)
 class Context:
     """`logic` and `motion` hold the signatures of the two kinds of predicates. `random` is None while nothing is
-    evaluated; then it is drawn from in the order of the scene's text. `open_functions` are those whose bodies are being
-    read. Terms hold formulas and formulas hold terms, each within declared functions and binders, too: how they are
-    checked stands here for all that lies between."""
+    evaluated; then it is drawn from in the order of the scene's text. `open_functions` are those whose bodies are
+    being read; `expands` is False where they would make too much. `rounds` counts those of all loops. Terms hold
+    formulas and formulas hold terms, each within declared functions and binders, too: how they are checked stands
+    here for all that lies between."""
 
     library: Library
     findings: Findings
@@ -28,6 +29,8 @@ class Context:
     motion: Mapping[str, Signature] = field(default_factory=dict)
     random: random.Random | None = None
     open_functions: list[str] = field(default_factory=list)
+    expands: bool = True
+    rounds: int = 0
 
     def object_type(self, node: syntax.Type) -> str | None:
         """The name of a declared object type, or None after reporting that there is none."""

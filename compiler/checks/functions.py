@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from ...langs import syntax
 from ..builtins import FUNCTIONS
 from .context import Context
@@ -20,7 +18,7 @@ def check_functions(context: Context) -> None:
             context.findings.report("E0118", where, f"`{function.name}` is a built-in function")
             continue
         entries = parameter_entries(context, function.parameters, objects=True)
-        if any(isinstance(n, syntax.Previous) for n in _nodes(function.body)):
+        if any(isinstance(n, syntax.Previous) for n in syntax.nodes(function.body)):
             continue
         context.open_functions.append(function.name)
         context.check_term(context, Scope(_place(function.body)).with_entries(entries.items()), function.body)
@@ -33,6 +31,8 @@ def apply_function(context: Context, scope: Scope, call: syntax.Call, function: 
     if function.name in context.open_functions:
         ring = " uses ".join(f"`{n}`" for n in [*context.open_functions, function.name])
         findings.report("E0312", findings.word(call.span, call.function), f"a function cannot use itself: {ring}")
+        return BROKEN
+    if not context.expands:
         return BROKEN
     arguments = [syntax.Argument(None, a, span=a.span) for a in call.args]
     declared = findings.word(function.span, function.name)
@@ -54,17 +54,7 @@ def _inner(scope: Scope, entries: dict[str, Entry]) -> Scope:
 
 def _place(body: syntax.Term) -> str:
     """Where a function may be used, by the built-in functions in its body."""
-    called = {n.function for n in _nodes(body) if isinstance(n, syntax.Call)} & FUNCTIONS.keys()
+    called = {n.function for n in syntax.nodes(body) if isinstance(n, syntax.Call)} & FUNCTIONS.keys()
     fitting = [p for p in ("rule", "motion", "scene") if all(p in FUNCTIONS[c].place for c in called)]
     return "heuristic" if not fitting or fitting[0] == "rule" else fitting[0]
 
-
-def _nodes(node: object) -> Iterator[syntax.Node]:
-    if isinstance(node, tuple):
-        for part in node:
-            yield from _nodes(part)
-    elif isinstance(node, syntax.Node):
-        yield node
-        for name in node.__dataclass_fields__:
-            if name != "span":
-                yield from _nodes(getattr(node, name))

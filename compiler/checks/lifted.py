@@ -16,6 +16,7 @@ from .check_logic import Placement, check_derived, check_placements, check_rules
 from .check_motion import check_motions
 from .check_usage import check_usage
 from .context import Context, build_context
+from .extents import check_extents
 from .findings import Findings
 from .formulas import check_formula
 from .functions import check_functions
@@ -49,7 +50,7 @@ class Lifted:
         """Whether nothing that `task` is built of has errors."""
         library = self.library
         parts = [*library.scenes.values(), *library.modules.values(), *library.placements, task]
-        return self.parsed and not self.findings.errors_within(d.span for d in parts)
+        return self.parsed and self.context.expands and not self.findings.errors_within(d.span for d in parts)
 
     @property
     def logic_is_sound(self) -> bool:
@@ -63,6 +64,7 @@ def check_declarations(library: Library, findings: Findings, parsed: bool) -> Li
     """Check every declaration. After errors of syntax or imports only those findings are kept that do not follow from
     what is missing."""
     context = build_context(library, findings if parsed else Findings(library.sources), check_term, check_formula)
+    check_extents(context)
     predicates, derived = lower_predicates(context), check_derived(context)
     motions, rules, placements = check_motions(context), check_rules(context), check_placements(context)
     check_functions(context)
@@ -84,19 +86,24 @@ def _check_scenes(context: Context, table: Mapping[str, syntax.SceneDecl] | Mapp
         objects = collect_objects(context, declaration.items)
         SceneBuilder(context, objects).build(Scope("scene", entries, objects), declaration.items)
         is_task = isinstance(declaration, syntax.TaskDecl)
-        if is_task and not _has_goal(context, declaration.items, set()):
+        if is_task and not _has_goal(context, declaration.items):
             where = context.findings.word(declaration.span, declaration.name)
             context.findings.report("E0506", where, f"task `{declaration.name}` has no goal", help="add `goal (…)`")
 
 
-def _has_goal(context: Context, items: tuple[syntax.SceneItem, ...], seen: set[str]) -> bool:
-    for item in items:
+def _has_goal(context: Context, items: tuple[syntax.SceneItem, ...]) -> bool:
+    seen: set[str] = set()
+    waiting = list(items)
+    while waiting:
+        item = waiting.pop()
         if isinstance(item, syntax.GoalItem):
             return True
-        if isinstance(item, syntax.ForItem | syntax.IfItem) and _has_goal(context, item.items, seen):
-            return True
-        if isinstance(item, syntax.SceneUse) and item.name not in seen:
+        if isinstance(item, syntax.ForItem | syntax.IfItem):
+            waiting += item.items
+        elif isinstance(item, syntax.SceneUse) and item.name not in seen:
+            seen.add(item.name)
             scene = context.library.scenes.get(item.name)
-            if scene is None or _has_goal(context, scene.items, seen | {item.name}):
+            if scene is None:
                 return True
+            waiting += scene.items
     return False

@@ -53,12 +53,21 @@ class Relaxation:
         self.domains: dict[str, Domains] = {}
         for fact in world.init:
             self.grow(fact[0], [{name} for name in fact[1:]])
-        changed = True
-        while changed:
-            self.derive()
-            changed = False
-            for rule in world.rules.values():
-                changed = self.fire(rule) or changed
+        self._settle()
+
+    def _settle(self) -> None:
+        """Read each definition and rule, and again whenever something grows that it reads."""
+        readers: dict[str, list[ir.Derived | ir.Rule]] = {}
+        readable: list[ir.Derived | ir.Rule] = [*self.world.derived.values(), *self.world.rules.values()]
+        for reader in readable:
+            condition = reader.condition if isinstance(reader, ir.Rule) else reader.body
+            for predicate in {literal.predicate for literal in conjuncts(condition)[0]}:
+                readers.setdefault(predicate, []).append(reader)
+        waiting = {id(reader): reader for reader in reversed(readable)}
+        while waiting:
+            _, reader = waiting.popitem()
+            for predicate in self.fire(reader) if isinstance(reader, ir.Rule) else self.derive(reader):
+                waiting.update({id(r): r for r in readers.get(predicate, ())})
 
     def grow(self, predicate: str, more: Sequence[set[str] | frozenset[str]]) -> bool:
         """Add objects to the places of a predicate; whether anything was new."""
@@ -73,33 +82,31 @@ class Relaxation:
                 changed = True
         return changed
 
-    def derive(self) -> None:
-        """Derived predicates, as often as they can build on each other."""
-        for _ in self.world.derived:
-            changed = False
-            for derived in self.world.derived.values():
-                domains = self.solve(derived.variables, derived.body)
-                if domains is not None:
-                    changed = self.grow(derived.name, [domains[v.name] for v in derived.variables]) or changed
-            if not changed:
-                return
+    def derive(self, derived: ir.Derived) -> set[str]:
+        """The predicates that grow by a definition: none, or its own."""
+        domains = self.solve(derived.variables, derived.body)
+        if domains is None:
+            return set()
+        columns = [domains[v.name] for v in derived.variables]
+        return {derived.name} if self.grow(derived.name, columns) else set()
 
-    def fire(self, rule: ir.Rule) -> bool:
+    def fire(self, rule: ir.Rule) -> set[str]:
+        """The predicates that grow when a rule fires."""
         domains = self.solve(rule.variables, rule.condition)
         if domains is None:
-            return False
+            return set()
         self.domains[rule.name] = domains
-        changed = False
+        grown: set[str] = set()
         for effect, loops in effects_with_loops(rule.effects):
             if effect.negated or effect.literal.motion:
                 continue
             inner = {**domains, **{v.name: set(self.of(v)) for v in loops if isinstance(v.type, ir.ObjectType)}}
             columns = [self.values(arg, inner) for arg in effect.literal.args]
-            predicate = self.world.predicates[effect.literal.predicate]
-            changed = self.grow(effect.literal.predicate, columns) or changed
-            if predicate.symmetric:
-                changed = self.grow(effect.literal.predicate, columns[::-1]) or changed
-        return changed
+            name = effect.literal.predicate
+            grown |= {name} if self.grow(name, columns) else set()
+            if self.world.predicates[name].symmetric and self.grow(name, columns[::-1]):
+                grown.add(name)
+        return grown
 
     def of(self, variable: ir.Variable) -> frozenset[str]:
         return self.world.of_type(variable.type.name) if isinstance(variable.type, ir.ObjectType) else frozenset()

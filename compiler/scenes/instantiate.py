@@ -28,7 +28,7 @@ def instantiate(
     lifted: Lifted, task: syntax.TaskDecl, values: Mapping[str, float | int], seed: int
 ) -> ir.Problem | None:
     """The problem of `task`; None after errors, which are in the findings of `lifted`."""
-    context = dataclasses.replace(lifted.context, random=random.Random(seed))
+    context = dataclasses.replace(lifted.context, random=random.Random(seed), rounds=0)
     entries = _task_entries(context, task, values)
     errors = context.findings.errors
     if entries is None:

@@ -10,9 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ...langs import syntax
+from ...langs.build_terms import MAX_DEPTH
 from ...langs.source import Span
 from .. import ir
-from ..checks.binders import bind, unrolled
+from ..checks.binders import bind, spend, unrolled
 from ..checks.context import Context
 from ..checks.formulas import check_formula, check_literal
 from ..checks.kinds import ANGLE, LENGTH
@@ -166,6 +167,13 @@ class SceneBuilder:
         if item.name in self.open_scenes:
             ring = " uses ".join([*self.open_scenes, item.name])
             self.findings.report("E0512", where, f"scene `{item.name}` uses itself: {ring}")
+            return
+        if len(self.open_scenes) >= MAX_DEPTH:
+            if not self.full:
+                self.findings.report("E0008", where, f"scenes use each other more than {MAX_DEPTH} deep")
+            self.full = True
+            return
+        if not spend(self.context, 1, where):
             return
         self.open_scenes.append(item.name)
         self.walk(Scope("scene", entries, self.objects, True), scene.items)

@@ -26,23 +26,23 @@ def collect_objects(context: Context, items: Sequence[syntax.SceneItem]) -> Obje
     """Everything that `items` and the scenes used there can declare. Reports one base name used for two types."""
     ends = {name: effector_types(module) for name, module in context.library.modules.items()}
     objects = Objects(ends=ends)
-    _collect(context, items, objects, set())
-    return objects
-
-
-def _collect(context: Context, items: Sequence[syntax.SceneItem], objects: Objects, seen: set[str]) -> None:
-    for item in items:
+    seen: set[str] = set()
+    waiting = list(reversed(items))
+    while waiting:
+        item = waiting.pop()
         match item:
             case syntax.BodyItem() | syntax.RobotItem():
                 _add(context, item, objects)
             case syntax.ForItem() | syntax.IfItem():
-                _collect(context, item.items, objects, seen)
+                waiting += reversed(item.items)
             case syntax.SceneUse():
                 scene = context.library.scenes.get(item.name)
                 if scene is not None and item.name not in seen:
-                    _collect(context, scene.items, objects, seen | {item.name})
+                    seen.add(item.name)
+                    waiting += reversed(scene.items)
             case _:
                 pass
+    return objects
 
 
 def _add(context: Context, item: syntax.BodyItem | syntax.RobotItem, objects: Objects) -> None:
