@@ -43,14 +43,11 @@ class Signature:
 @dataclass(frozen=True, slots=True)
 class Library:
     """Parsed files, the main one first, and their declarations. `models` are the texts that module types and shapes
-    come from: URDFs with hulls for meshes, and the corners of meshes. `foreign` holds the files that they were read
-    from; `names` tells how sources and these files, by path, are called on any machine."""
+    come from: URDFs and the corners of meshes."""
 
     sources: tuple[Source, ...]
     models: tuple[Source, ...]
     files: tuple[syntax.File, ...]
-    foreign: Mapping[str, bytes]
-    names: Mapping[str, str]
     types: Mapping[str, str | None]
     type_spans: Mapping[str, Span]
     predicates: Mapping[str, syntax.PredicateDecl]
@@ -122,9 +119,8 @@ class _Tables:
 
 
 def build_library(
-    sources: tuple[Source, ...], models: tuple[Source, ...], files: tuple[syntax.File, ...],
-    foreign: Mapping[str, bytes], names: Mapping[str, str], findings: Findings,
-) -> Library:  # fmt: skip
+    sources: tuple[Source, ...], models: tuple[Source, ...], files: tuple[syntax.File, ...], findings: Findings
+) -> Library:
     """The tables of `files`. Reports names declared twice, built-in names declared again, unknown parents of types and
     types that are below themselves."""
     tables = _Tables(files, findings)
@@ -137,8 +133,6 @@ def build_library(
         sources,
         models,
         files,
-        foreign,
-        names,
         types,
         spans,
         predicates,

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from ...langs import syntax
+from ...langs.source import Span
 from .. import ir
 from ..library import VALUE_TYPE_NAMES, Library, Signature
 from .findings import Findings
@@ -17,9 +18,9 @@ from .names import Scope, Typed
 class Context:
     """`logic` and `motion` hold the signatures of the two kinds of predicates. `random` is None while nothing is
     evaluated; then it is drawn from in the order of the scene's text. `open_functions` are those whose bodies are
-    being read; `expands` is False where they would make too much. `rounds` counts those of all loops. Terms hold
-    formulas and formulas hold terms, each within declared functions and binders, too: how they are checked stands
-    here for all that lies between."""
+    being read, `open_defaults` the parameters whose defaults are; `expands` is False where they would make too much.
+    `rounds` counts those of all loops. Terms hold formulas and formulas hold terms, each within declared functions and
+    binders, too: how they are checked stands here for all that lies between."""
 
     library: Library
     findings: Findings
@@ -29,6 +30,7 @@ class Context:
     motion: Mapping[str, Signature] = field(default_factory=dict)
     random: random.Random | None = None
     open_functions: list[str] = field(default_factory=list)
+    open_defaults: list[Span] = field(default_factory=list)
     expands: bool = True
     rounds: int = 0
 

@@ -66,7 +66,7 @@ def parameter_entries(
         if parameter.allowed is not None:
             _check_allowed(context, parameter, kind)
         if parameter.default is not None:
-            _value_of(context, Scope("scene", dict(entries)), parameter, parameter.default, kind)
+            _default(context, entries, parameter, parameter.default, kind)
         entries[parameter.name] = Entry(Typed(ir.Var(parameter.name, where), kind), where)
     return entries
 
@@ -152,6 +152,20 @@ def _value_of(context: Context, scope: Scope, parameter: syntax.Parameter, term:
     return Typed(typed.term, kind if typed.kind.known else UNKNOWN)
 
 
+def _default(
+    context: Context, entries: dict[str, Entry], parameter: syntax.Parameter, term: syntax.Term, kind: Kind
+) -> Typed:
+    """The value of a parameter that is not given; the parameters before it are in sight."""
+    if parameter.span in context.open_defaults:
+        message = f"a function cannot use itself: the default of `{parameter.name}` does"
+        context.findings.report("E0312", term.span, message)
+        return BROKEN
+    context.open_defaults.append(parameter.span)
+    typed = _value_of(context, Scope("scene", dict(entries)), parameter, term, kind)
+    context.open_defaults.pop()
+    return typed
+
+
 def bind_arguments(
     context: Context,
     scope: Scope,
@@ -173,7 +187,7 @@ def bind_arguments(
         if term is not None:
             typed = _value_of(context, scope, parameter, term, kind)
         elif parameter.default is not None:
-            typed = _value_of(context, Scope("scene", dict(entries)), parameter, parameter.default, kind)
+            typed = _default(context, entries, parameter, parameter.default, kind)
         else:
             context.findings.report(
                 "E0206",

@@ -108,7 +108,5 @@ def _problem(
         goal=goal,
         world=ir.World(built.modules, bodies, *happenings),
         options=built.options,
-        sources=library.sources,
-        files=library.foreign,
-        names=library.names,
+        sources=library.sources + library.models,
     )
