@@ -29,7 +29,6 @@ from tamplang.runtime.plan import (
     SourceRecord,
     StatisticsRecord,
     TaskRecord,
-    TimingRecord,
     TrackRecord,
     VerdictRecord,
 )
@@ -156,25 +155,20 @@ def statistics(actions: list[str]) -> StatisticsRecord:
         place("std/rules.tamp", 4),
     )
     bounds = [
-        BoundRecord("seq", 4, 1),
-        BoundRecord("seq-path", 3, 1),
-        BoundRecord("path", 1, 1),
+        BoundRecord("seq", 4, 1, 0.31),
+        BoundRecord("seq-path", 3, 1, 1.2),
+        BoundRecord("path", 1, 1, 2.4),
     ]
-    return StatisticsRecord(120, 17, True, None, 31.4, bounds, [refusal], tree)
-
-
-def timing() -> TimingRecord:
-    return TimingRecord(
-        {
-            "compile": 0.21,
-            "search": 0.02,
-            "seq": 0.31,
-            "seq_path": 1.2,
-            "path": 2.4,
-            "verify": 0.4,
-            "total": 4.61,
-        }
-    )
+    seconds = {
+        "compile": 0.21,
+        "search": 0.02,
+        "seq": 0.31,
+        "seq_path": 1.2,
+        "path": 2.4,
+        "verify": 0.4,
+        "total": 4.61,
+    }
+    return StatisticsRecord(120, 17, True, None, 31.4, seconds, bounds, [refusal], tree)
 
 
 def verdict(phases: list[PhaseRecord]) -> VerdictRecord:
@@ -286,11 +280,10 @@ def climb_plan(count: int = 3) -> Plan:
         mode,
         stamps(len(phases)),
         [TrackRecord("c[1]", poses, values)],
-        [BodyTrackRecord("target", 0, held)],
+        [BodyTrackRecord("target", held)],
         [],
         statistics([p.action for p in phases]),
         verdict(phases),
-        timing=timing(),
     )
 
 
