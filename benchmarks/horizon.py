@@ -69,9 +69,10 @@ def run_of(row: Row, limit: float, seed: int, folder: Path) -> bench.Run:
     """One run, and its windows."""
     plan = folder / "plan.json"
     run = bench.solve(row.file, row.parameters, seed, limit, plan, "--horizon", row.horizon)
+    told = json.loads(plan.read_text()) if plan.exists() else {"windows": [], "timing": {"windows": []}}
     windows = [
-        (window["reason"], window["motions"], len(window["actions"]), len(window["unmet"]), window["seconds"])
-        for window in (json.loads(plan.read_text())["windows"] if plan.exists() else [])
+        (window["reason"], window["motions"], len(window["actions"]), len(window["unmet"]), seconds)
+        for window, seconds in zip(told["windows"], told["timing"]["windows"], strict=True)
     ]
     return {**run, "windows": windows}
 

@@ -14,28 +14,35 @@ from ..langs.parser import parse
 from ..langs.reader import read_source
 from ..langs.source import Source
 from .checks.findings import Findings
+from .foreign import Files, beside, portable
 from .library import Library, build_library
-from .mesh_files import load_mesh, mesh_calls, mesh_path
+from .mesh_files import load_mesh, mesh_calls
 from .standard import EXTENSION, STANDARD, STANDARD_FOLDER
 from .urdf_files import load_urdf, urdf_path
 
 
 class _Loader:
-    """Follows imports depth first. `given` holds texts that need no disk, by path; `unfit` is what is wrong with URDF
-    and mesh files, which hides no declaration."""
+    """Follows imports depth first. `given` holds texts that need no disk, by path; where `foreign` has files given,
+    too, the disk is not asked at all. `names` tells how each path is called relative to the main file; `unfit` is what
+    is wrong with URDF and mesh files, which hides no declaration."""
 
-    def __init__(self, given: Mapping[str, Source]) -> None:
+    def __init__(self, given: Mapping[str, Source], foreign: Files) -> None:
         self.given = given
+        self.foreign = foreign
+        self.names: dict[str, str] = {}
+        self.standard: set[str] = set()
         self.sources: dict[str, Source] = {}
         self.files: dict[str, syntax.File] = {}
         self.models: dict[str, Source] = {}
+        self.convex: set[str] = set()
         self.diagnostics: list[Diagnostic] = []
         self.unfit: list[Diagnostic] = []
         self.open: list[str] = []
         self.deep = False
 
-    def load(self, source: Source) -> None:
+    def load(self, source: Source, called: str) -> None:
         self.sources[source.path] = source
+        self.names[source.path] = called
         file, diagnostics = parse(source)
         self.files[source.path] = file
         self.diagnostics += diagnostics
@@ -52,15 +59,18 @@ class _Loader:
     def read_urdf(self, importer: Source, module: syntax.ModuleDecl) -> None:
         path = urdf_path(importer.path, module)
         if path not in self.models:
-            found, diagnostics = load_urdf(path, module, self.given)
+            self.names[path] = urdf_path(self.names[importer.path], module)
+            found, diagnostics = load_urdf(path, module, self.names, self.foreign)
             self.unfit += diagnostics
             self.models.update({} if found is None else {path: found})
 
     def read_mesh(self, importer: Source, call: syntax.Call, name: syntax.Text) -> None:
-        path = mesh_path(importer.path, name.value)
-        if path not in self.models or call.function == "mesh":
-            found, diagnostics = load_mesh(path, call, name, self.given)
+        path = beside(importer.path, name.value)
+        if path not in self.models or (call.function == "mesh" and path not in self.convex):
+            self.names[path] = beside(self.names[importer.path], name.value)
+            found, diagnostics = load_mesh(path, call, name, self.foreign)
             self.unfit += diagnostics
+            self.convex |= {path} if call.function == "mesh" and found is not None else set()
             self.models.update({} if found is None else {path: found})
 
     def follow(self, importer: Source, declaration: syntax.Import) -> None:
@@ -77,11 +87,16 @@ class _Loader:
         elif path not in self.sources:
             source = self.read(path, declaration)
             if source is not None:
-                self.load(source)
+                self.standard |= set() if declaration.is_path else {path}
+                self.load(source, resolved(self.names[importer.path], declaration))
 
     def read(self, path: str, declaration: syntax.Import) -> Source | None:
         if path in self.given:
             return self.given[path]
+        if self.foreign.given is not None:
+            message = f"the plan lacks the text of {path}"
+            self.diagnostics.append(Diagnostic("E0111", message, declaration.span))
+            return None
         location = Path(path) if declaration.is_path else on_disk(path)
         if not declaration.is_path and not declaration.target.startswith(f"{STANDARD}."):
             self.diagnostics.append(_foreign(declaration))
@@ -143,11 +158,14 @@ def on_disk(path: str) -> Path:
     return STANDARD_FOLDER / tail if head == STANDARD and tail else Path(path)
 
 
-def load_sources(sources: Sequence[Source]) -> tuple[Library, Findings, bool]:
+def load_sources(
+    sources: Sequence[Source], files: Mapping[str, bytes] | None = None
+) -> tuple[Library, Findings, bool]:
     """The library of `sources[0]`, whose imports are looked up among `sources` first; findings so far; and whether the
-    text could be parsed without errors."""
-    loader = _Loader({s.path: s for s in sources[1:]})
-    loader.load(sources[0])
+    text could be parsed without errors. With `files`, by path, nothing else is read: neither imports nor files."""
+    loader = _Loader({s.path: s for s in sources[1:]}, Files(files))
+    main = sources[0].path
+    loader.load(sources[0], main if files is not None else os.path.basename(main))
     findings = Findings([*loader.sources.values(), *loader.models.values()])
     for diagnostic in loader.diagnostics:
         findings.add(diagnostic)
@@ -155,7 +173,8 @@ def load_sources(sources: Sequence[Source]) -> tuple[Library, Findings, bool]:
     for diagnostic in loader.unfit:
         findings.add(diagnostic)
     texts = tuple(loader.sources.values()), tuple(loader.models.values())
-    library = build_library(*texts, tuple(loader.files.values()), findings)
+    names = portable(loader.names, loader.standard, STANDARD)
+    library = build_library(*texts, tuple(loader.files.values()), loader.foreign.kept, names, findings)
     return library, findings, parsed
 
 

@@ -243,6 +243,10 @@ class Problem:
     world: World
     options: Options
     sources: tuple[Source, ...]
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    """What else was read, by path: URDFs and meshes."""
+    names: Mapping[str, str] = field(default_factory=dict)
+    """How sources and files, by path, are called on any machine."""
     touching: frozenset[tuple[str, str]] = frozenset()
     """Pairs of objects, in alphabetical order, that may touch at the start though no motion literal speaks of it:
     things side by side, or a robot in mid-run that has just let go."""

@@ -43,11 +43,14 @@ class Signature:
 @dataclass(frozen=True, slots=True)
 class Library:
     """Parsed files, the main one first, and their declarations. `models` are the texts that module types and shapes
-    come from: URDFs and the corners of meshes."""
+    come from: URDFs with hulls for meshes, and the corners of meshes. `foreign` holds the files that they were read
+    from; `names` tells how sources and these files, by path, are called on any machine."""
 
     sources: tuple[Source, ...]
     models: tuple[Source, ...]
     files: tuple[syntax.File, ...]
+    foreign: Mapping[str, bytes]
+    names: Mapping[str, str]
     types: Mapping[str, str | None]
     type_spans: Mapping[str, Span]
     predicates: Mapping[str, syntax.PredicateDecl]
@@ -119,8 +122,9 @@ class _Tables:
 
 
 def build_library(
-    sources: tuple[Source, ...], models: tuple[Source, ...], files: tuple[syntax.File, ...], findings: Findings
-) -> Library:
+    sources: tuple[Source, ...], models: tuple[Source, ...], files: tuple[syntax.File, ...],
+    foreign: Mapping[str, bytes], names: Mapping[str, str], findings: Findings,
+) -> Library:  # fmt: skip
     """The tables of `files`. Reports names declared twice, built-in names declared again, unknown parents of types and
     types that are below themselves."""
     tables = _Tables(files, findings)
@@ -133,6 +137,8 @@ def build_library(
         sources,
         models,
         files,
+        foreign,
+        names,
         types,
         spans,
         predicates,

@@ -1,19 +1,20 @@
 """Files of meshes that bodies are taken from, read beside the text that names them.
 
-What is kept of a file is the list of the corners of its hull, as text: it goes with a plan, and a verifier builds the
-same body without the disk.
+What shapes are made of is the list of the corners of a mesh's hull, as text. The file itself goes with a plan, byte by
+byte, so that a verifier builds the same body without the disk.
 """
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator, Mapping, Sequence
+import tempfile
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..langs import syntax
 from ..langs.diagnostics import Diagnostic
 from ..langs.source import Source
+from .foreign import Files, Missing
 
 if TYPE_CHECKING:
     from .hulls import Array
@@ -21,11 +22,10 @@ if TYPE_CHECKING:
 MESH_CALLS = ("mesh", "hull")
 BULGE = 0.01
 """A mesh whose hull is larger by less than this share passes for convex."""
-
-
-def mesh_path(importer: str, name: str) -> str:
-    """The path of a mesh as the user should see it, relative to the file that names it."""
-    return os.path.normpath(os.path.join(os.path.dirname(importer), name))
+FORMATS = (".stl", ".obj", ".ply", ".dae")
+"""Endings of meshes that are one file: what lies in several cannot go with a plan."""
+OBJ_LINES = (b"v", b"vt", b"vn", b"f")
+"""How the lines of an OBJ begin that tell its shape. Others name files of materials, which nobody shall open."""
 
 
 def mesh_calls(declaration: syntax.Declaration) -> Iterator[tuple[syntax.Call, syntax.Text]]:
@@ -53,18 +53,16 @@ def _shapes_of_bodies(items: Sequence[syntax.SceneItem]) -> Iterator[syntax.Call
 
 
 def load_mesh(
-    path: str, call: syntax.Call, where: syntax.Text, given: Mapping[str, Source]
+    path: str, call: syntax.Call, where: syntax.Text, files: Files
 ) -> tuple[Source | None, list[Diagnostic]]:
-    """The corners of the mesh at `path`, from `given` or the disk, and what is wrong with the file. `mesh` asks for a
-    convex one."""
-    if path in given:
-        return given[path], []
+    """The corners of the mesh at `path`, and what is wrong with the file. `mesh` asks for a convex one."""
     from .hulls import HullError, corners_of, fill
 
-    if not Path(path).is_file():
-        return None, [Diagnostic("E0515", f"there is no mesh file {path}", where.span)]
     try:
-        points, triangles = read_mesh(Path(path))
+        points, triangles = read_mesh(path, files.read(path))
+    except Missing as reason:
+        message = str(reason).replace("there is no file", "there is no mesh file", 1)
+        return None, [Diagnostic("E0515", message, where.span, help=reason.help)]
     except (ValueError, RuntimeError):
         return None, [Diagnostic("E0515", f"the mesh file {path} cannot be read", where.span)]
     source = Source(path, "".join(f"{x!r} {y!r} {z!r}\n" for x, y, z in corners_of(points).tolist()))
@@ -79,18 +77,29 @@ def load_mesh(
     return source, []
 
 
-def read_mesh(file: Path, scale: Sequence[float] = (1.0, 1.0, 1.0)) -> tuple[Array, Array]:
-    """Points (M, 3) and triangles (T, 3) of a mesh in any format that coal reads (STL, OBJ, DAE, …). Raises ValueError
-    or RuntimeError when it cannot be read or is empty."""
+def read_mesh(path: str, content: bytes, scale: Sequence[float] = (1.0, 1.0, 1.0)) -> tuple[Array, Array]:
+    """Points (M, 3) and triangles (T, 3) of the mesh that a file of one of `FORMATS` holds. Raises ValueError or
+    RuntimeError when it cannot be read or is empty."""
     import coal
     import numpy as np
 
-    mesh = coal.MeshLoader().load(str(file), np.array(scale, dtype=float))
+    ending = Path(path).suffix.lower()
+    if ending not in FORMATS:
+        raise ValueError(f"it is none of {', '.join(FORMATS)}")
+    with tempfile.TemporaryDirectory(prefix="tamplang-") as folder:
+        file = Path(folder) / f"mesh{ending}"
+        file.write_bytes(_shape_alone(content) if ending == ".obj" else content)
+        mesh = coal.MeshLoader().load(str(file), np.array(scale, dtype=float))
     triangles = [[t[0], t[1], t[2]] for t in map(mesh.tri_indices, range(mesh.num_tris))]
     points = np.array(mesh.vertices(), dtype=float).reshape(-1, 3)
     if not triangles or not np.isfinite(points).all():
         raise ValueError("it holds no triangles" if not triangles else "a corner is not finite")
     return points, np.array(triangles)
+
+
+def _shape_alone(content: bytes) -> bytes:
+    lines = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\\\n", b" ").split(b"\n")
+    return b"".join(line + b"\n" for line in lines if line.split(None, 1)[:1] and line.split(None, 1)[0] in OBJ_LINES)
 
 
 def corner_list(source: Source) -> list[tuple[float, ...]]:

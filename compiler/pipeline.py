@@ -71,10 +71,12 @@ def compile_sources(
     task: str | None = None,
     parameters: Mapping[str, str] | None = None,
     seed: int = 0,
+    files: Mapping[str, bytes] | None = None,
 ) -> tuple[ir.Problem, tuple[Diagnostic, ...]]:
-    """`compile_problem` for texts: `sources[0]` is the main file, the others serve its imports before the disk does, so
-    `problem.sources` compiles again to the same problem anywhere."""
-    lifted = check_declarations(*load_sources(sources))
+    """`compile_problem` for texts: `sources[0]` is the main file, the others serve its imports before the disk does.
+    With `files`, by path, nothing is opened on the disk: imports come from `sources`, URDFs and meshes from `files`,
+    and what lacks is an error. So `problem.sources` and `problem.files` compile again to the same problem anywhere."""
+    lifted = check_declarations(*load_sources(sources, files))
     if lifted.findings.has_errors:
         raise SourceError(lifted.findings.sorted())
     chosen = choose_task(lifted.library, task)

@@ -1,47 +1,51 @@
 """URDF files that module types are taken from, read beside the file that names them.
 
-Meshes among the collision shapes are replaced by their hulls when the file is read, so that the text alone
-says everything: a plan carries it, and a verifier builds the same module without the disk.
+Meshes among the collision shapes are replaced by their hulls when the file is read, so that the text alone says
+everything. A plan carries URDF and meshes as they are, and a verifier builds the same module without the disk.
 """
 
 from __future__ import annotations
 
 import math
-import os
+import posixpath
 import re
-from collections.abc import Iterable, Mapping
-from pathlib import Path
+from collections.abc import Iterable, Iterator
 from xml.etree import ElementTree
 
 from ..langs import syntax
 from ..langs.diagnostics import Diagnostic, SourceError
-from ..langs.reader import read_bytes, source_of
+from ..langs.reader import source_of
 from ..langs.source import Source
+from .foreign import Files, Missing, beside
 from .ir import Vec3
 from .mesh_files import read_mesh
 from .poses import Quaternion, roll_pitch_yaw, rotate
 from .xml_texts import XmlError, decoded, read_xml
 
+ABOVE = 32
+"""How many folders above a URDF are searched for a package."""
+
 
 def urdf_path(importer: str, module: syntax.ModuleDecl) -> str:
-    """The path of a module's URDF as the user should see it, relative to the file that names it."""
+    """The path of a module's URDF as the user should see it."""
     assert module.urdf is not None
-    return os.path.normpath(os.path.join(os.path.dirname(importer), module.urdf.value))
+    return beside(importer, module.urdf.value)
 
 
 def load_urdf(
-    path: str, module: syntax.ModuleDecl, given: Mapping[str, Source]
+    path: str, module: syntax.ModuleDecl, names: dict[str, str], files: Files
 ) -> tuple[Source | None, list[Diagnostic]]:
-    """The text at `path`, from `given` or the disk, with hulls for meshes, and what is wrong with the files."""
+    """The text at `path`, with hulls for meshes, and what is wrong with the files. `names` is told how the meshes are
+    called on any machine."""
     assert module.urdf is not None
     where = module.urdf.span
     try:
-        source = given[path] if path in given else source_of(path, decoded(read_bytes(path)))
+        source = source_of(path, decoded(files.read(path)))
+    except Missing as reason:
+        message = str(reason).replace("there is no file", "there is no URDF file", 1)
+        return None, [Diagnostic("E0513", message, where, help=reason.help)]
     except SourceError as error:
-        found = error.diagnostics[0]
-        missing = found.code == "E0010"
-        message = f"there is no URDF file {path}" if missing else f"{path}: {found.message}"
-        return None, [Diagnostic("E0513", message, where)]
+        return None, [Diagnostic("E0513", f"{path}: {error.diagnostics[0].message}", where)]
     if "<mesh" not in source.text:
         return source, []
     try:
@@ -49,14 +53,15 @@ def load_urdf(
     except XmlError:
         return source, []
     newer = quaternions_count(root)
-    hulls = (_hull_for_mesh(path, c, newer, module) for c in root.findall("link/collision"))
+    hulls = (_hull_for_mesh(path, c, newer, module, names, files) for c in root.findall("link/collision"))
     diagnostics = [d for d in hulls if d is not None]
     return Source(path, ElementTree.tostring(root, encoding="unicode")), diagnostics
 
 
 def _hull_for_mesh(
-    path: str, collision: ElementTree.Element, newer: bool, module: syntax.ModuleDecl
-) -> Diagnostic | None:
+    path: str, collision: ElementTree.Element, newer: bool, module: syntax.ModuleDecl, names: dict[str, str],
+    files: Files,
+) -> Diagnostic | None:  # fmt: skip
     """Put the hull in place of a mesh, and move the element's origin to the middle of the box around it."""
     from .hulls import HullError, convex_shape
 
@@ -66,13 +71,16 @@ def _hull_for_mesh(
     if geometry is None or mesh is None:
         return None
     name = mesh.get("filename", "")
-    file = _mesh_file(path, name)
-    if file is None:
+    places = list(_mesh_places(path, name))
+    chosen = files.first(places)
+    if chosen is None:
         return Diagnostic("E0515", f'there is no mesh file "{name}" for {path}', module.urdf.span)
+    file, names[places[chosen]] = places[chosen], list(_mesh_places(names[path], name))[chosen]
     try:
-        points, _ = read_mesh(file, three(mesh, "scale") if mesh.get("scale") else (1.0, 1.0, 1.0))
+        scale = three(mesh, "scale") if mesh.get("scale") else (1.0, 1.0, 1.0)
+        points, _ = read_mesh(file, files.read(file), scale)
         made, middle, simpler = convex_shape(points)
-    except (ValueError, RuntimeError, HullError):
+    except (Missing, ValueError, RuntimeError, HullError):
         return Diagnostic("E0515", f'the mesh file "{name}" of {path} cannot be read', module.urdf.span)
     geometry.remove(mesh)
     geometry.append(ElementTree.Element("convex", points=_text(made.size)))
@@ -129,13 +137,12 @@ def turned(origin: ElementTree.Element | None, newer: bool) -> Quaternion:
     return x, y, z, w
 
 
-def _mesh_file(path: str, name: str) -> Path | None:
-    """The file of a mesh; `package://NAME/…` is looked for in the folders above the URDF."""
-    folder = Path(path).resolve().parent
+def _mesh_places(path: str, name: str) -> Iterator[str]:
+    """Where the file of a mesh may be; `package://NAME/…` is looked for in the folders above the URDF."""
     package = name.removeprefix("package://")
     if package == name:
-        places = [folder / name.removeprefix("file://")]
-    else:
-        places = [above / package for above in (folder, *folder.parents)]
-        places += [above / package.partition("/")[2] for above in (folder, *folder.parents)]
-    return next((p for p in places if p.is_file()), None)
+        yield beside(path, name.removeprefix("file://"))
+        return
+    for inside in (package, package.partition("/")[2]):
+        for above in range(ABOVE):
+            yield posixpath.normpath(beside(path, posixpath.join("../" * above, inside)))

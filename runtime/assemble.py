@@ -26,6 +26,8 @@ FACTOR = 3
 """Samples of the plan file per sample of the planner."""
 DIGITS = 10
 """Decimals of metres, radians and seconds in the file."""
+ROUNDING = 1e-9
+"""A body whose pose changes by less than this rests."""
 Places = Mapping[ir.Fact, Span | None]
 """Where literals are written."""
 LIBRARIES = {"numpy": "numpy", "casadi": "casadi", "pinocchio": "pin", "coal": "coal", "scipy": "scipy"}
@@ -66,7 +68,6 @@ def plan_of(
 ) -> record.Plan:  # fmt: skip
     """The plan file of phases with their motions, one after the other; `paths` hold the knots of the splines."""
     world = problem.world
-    moving = [b for b in world.bodies.values() if any(b.name in m.bodies for m in motions)]
     return record.Plan(
         format=record.FORMAT,
         versions=_versions(),
@@ -77,7 +78,7 @@ def plan_of(
         final_mode=final_mode,
         times=_rounded_row(np.concatenate([m.times for m in motions])) if motions else [0.0],
         tracks=[_track(m, motions) for m in world.modules.values()],
-        body_tracks=[_body_track(b, motions) for b in moving],
+        body_tracks=[piece for b in world.bodies.values() for piece in _body_tracks(b, motions)],
         splines=_splines(world, motions, paths),
         statistics=statistics,
     )
@@ -120,25 +121,31 @@ def _track(module: ir.Module, motions: Sequence[Motion]) -> record.TrackRecord:
     return record.TrackRecord(module.name, _rounded_rows(np.vstack(poses)), _rounded_rows(np.vstack(joints)))
 
 
-def _body_track(body: ir.Body, motions: Sequence[Motion]) -> record.BodyTrackRecord:
-    """A body rests, between the phases that move it, where the last of them left it."""
-    pose, rows = np.array(body.pose), []
+def _body_tracks(body: ir.Body, motions: Sequence[Motion]) -> list[record.BodyTrackRecord]:
+    """One piece for every row of phases in which the body moves."""
+    pieces: list[record.BodyTrackRecord] = []
+    sample, last = 0, list(body.pose)
     for motion in motions:
-        poses = motion.bodies.get(body.name)
-        if poses is None:
-            poses = np.broadcast_to(pose, (len(motion.times), 7))
-        rows.append(poses)
-        pose = poses[-1]
-    return record.BodyTrackRecord(body.name, _rounded_rows(np.vstack(rows)))
+        rows = _rounded_rows(motion.bodies[body.name]) if body.name in motion.bodies else []
+        if any(not np.allclose(row, last, rtol=0.0, atol=ROUNDING) for row in rows):
+            if pieces and pieces[-1].first + len(pieces[-1].poses) == sample:
+                pieces[-1].poses.extend(rows)
+            else:
+                pieces.append(record.BodyTrackRecord(body.name, sample, rows))
+            last = rows[-1]
+        sample += len(motion.times)
+    return pieces
 
 
 def _splines(world: ir.World, motions: Sequence[Motion], paths: Sequence[PhasePath]) -> list[record.SplineRecord]:
+    """A spline for every phase in which joints of a module move."""
     result = []
     for index, (motion, path) in enumerate(zip(motions, paths, strict=True)):
         for name in world.modules:
-            values = path.modules[name][:, 7:]
-            knots = np.linspace(motion.times[0], motion.times[-1], len(values))
-            result.append(record.SplineRecord(name, index, _rounded_row(knots), _rounded_rows(values)))
+            values = _rounded_rows(path.modules[name][:, 7:])
+            if any(row != values[0] for row in values):
+                knots = np.linspace(motion.times[0], motion.times[-1], len(values))
+                result.append(record.SplineRecord(name, index, index, _rounded_row(knots), values))
     return result
 
 
@@ -149,8 +156,11 @@ def _task_record(problem: ir.Problem) -> record.TaskRecord:
     sources = [
         record.SourceRecord(s.path, s.text, hashlib.sha256(s.text.encode()).hexdigest()) for s in problem.sources
     ]
+    files = [
+        record.FileRecord(path, data, hashlib.sha256(data).hexdigest()) for path, data in sorted(problem.files.items())
+    ]
     return record.TaskRecord(
-        problem.task, problem.file, dict(problem.parameters), problem.seed, sources, format_formula(problem.goal)
+        problem.task, problem.file, dict(problem.parameters), problem.seed, sources, format_formula(problem.goal), files
     )
 
 

@@ -14,7 +14,7 @@ from .judgement import Conflict, Judgement
 from .motion.sequence import LONGEST
 from .motion.spans import NOISE, judged_alone
 from .motion.starts import guess
-from .plan import Plan, StatisticsRecord
+from .plan import Plan, StatisticsRecord, TimingRecord
 from .questions import Whole, Window
 from .skeleton import BoundResult, Configuration, Skeleton, beginning
 from .solves import QUICK, Solves
@@ -99,11 +99,12 @@ class Bounds(Solves):
         self.tries = None
 
     def believe(
-        self, skeleton: Skeleton, actions: Sequence[Action], judgement: Judgement, statistics: StatisticsRecord
-    ) -> Plan:
+        self, skeleton: Skeleton, actions: Sequence[Action], judgement: Judgement, statistics: StatisticsRecord,
+        timing: TimingRecord,
+    ) -> Plan:  # fmt: skip
         """The plan with the verifier's verdict in it. One that is refused gets a second motion, with larger margins and
         from another seed. Raises OutOfTime."""
-        plan = self._verified(skeleton, actions, judgement, statistics)
+        plan = self._verified(skeleton, actions, judgement, statistics, timing)
         if plan.verdict is not None and plan.verdict.verified:
             return plan
         careful, seed = self.settings, self.seed
@@ -115,12 +116,13 @@ class Bounds(Solves):
             self.settings, self.seed = careful, seed
         if judgement.paths is None:
             return plan
-        again = self._verified(skeleton, actions, judgement, statistics)
+        again = self._verified(skeleton, actions, judgement, statistics, timing)
         return again if again.verdict is not None and again.verdict.verified else plan
 
     def _verified(
-        self, skeleton: Skeleton, actions: Sequence[Action], judgement: Judgement, statistics: StatisticsRecord
-    ) -> Plan:
+        self, skeleton: Skeleton, actions: Sequence[Action], judgement: Judgement, statistics: StatisticsRecord,
+        timing: TimingRecord,
+    ) -> Plan:  # fmt: skip
         import msgspec
 
         statistics = msgspec.structs.replace(
@@ -130,7 +132,7 @@ class Bounds(Solves):
         plan = assemble(self.problem, actions, skeleton, judgement.paths or [], statistics)
         with self.clock("verify"):
             verdict = verify(plan, Budget(max(VERIFYING, self.budget.remaining)))
-        return msgspec.structs.replace(plan, verdict=verdict)
+        return msgspec.structs.replace(plan, verdict=verdict, timing=timing)
 
     def _refused_actions(self, skeleton: Skeleton, strains: Sequence[float]) -> list[Conflict]:
         """Conflicts of all single actions that P_seq refuses, wherever they start. The most strained go first: those

@@ -21,7 +21,7 @@ from .bounds import EXPECTED, Bounds
 from .budget import Budget, ending
 from .judgement import Judgement
 from .motion.settings import MotionSettings
-from .plan import Plan, StatisticsRecord
+from .plan import Plan, StatisticsRecord, TimingRecord
 from .refusals import Refusals, fewer
 from .search.best_first import Candidate, SkeletonSearch
 from .search.roomy import roomier
@@ -95,6 +95,7 @@ class Outcome:
     status: str
     plans: list[Plan] = field(default_factory=list)
     statistics: StatisticsRecord = field(default_factory=StatisticsRecord)
+    timing: TimingRecord = field(default_factory=TimingRecord)
     explanation: list[Diagnostic] = field(default_factory=list)
     actions: list[str] = field(default_factory=list)
     cost: float = 0.0
@@ -186,7 +187,7 @@ class _Run:
     def _believed(self, skeleton: Skeleton, candidate: Candidate, judgement: Judgement) -> bool:
         """Whether the verifier believes a motion; then the plan is kept and handed on."""
         statistics = self._statistics([*self.accepted, candidate])
-        plan = self.bounds.believe(skeleton, candidate.actions, judgement, statistics)
+        plan = self.bounds.believe(skeleton, candidate.actions, judgement, statistics, self._timing())
         if plan.verdict is None or not plan.verdict.verified:
             self.distrusted.append(plan)
             return False
@@ -206,18 +207,20 @@ class _Run:
             optimal=gap == 0.0,
             gap=gap,
             cost=cost,
-            seconds={"total": self.budget.elapsed, **self.bounds.clock.seconds},
             bounds=self.bounds.records(),
             refusals=self.refusals.records(),
             tree=list(search.tree) if search else [],
         )
 
+    def _timing(self) -> TimingRecord:
+        return TimingRecord({"total": self.budget.elapsed, **self.bounds.clock.seconds})
+
     def _outcome(self, status: str) -> Outcome:
-        statistics = self._statistics()
+        statistics, timing = self._statistics(), self._timing()
         order = sorted(range(len(self.accepted)), key=lambda i: self.accepted[i].cost)
         self.accepted = [self.accepted[i] for i in order]
-        plans = [_with_statistics(self.plans[i], statistics, self.accepted[k].cost) for k, i in enumerate(order)
-                 if i < len(self.plans)]  # fmt: skip
+        plans = [_with_statistics(self.plans[i], statistics, timing, self.accepted[k].cost)
+                 for k, i in enumerate(order) if i < len(self.plans)]  # fmt: skip
         if plans:
             statistics = plans[0].statistics
         explanation = self.refusals.explain(status) if not self.accepted else []
@@ -230,7 +233,7 @@ class _Run:
         actions = [str(a) for a in self.accepted[0].actions] if self.accepted else []
         if not actions and plans:
             actions = [phase.action for phase in plans[0].phases]
-        return Outcome(status, plans, statistics, explanation, actions, statistics.cost)
+        return Outcome(status, plans, statistics, timing, explanation, actions, statistics.cost)
 
     def _tell(self, stage: str, message: str) -> None:
         if self.report is None:
@@ -254,7 +257,7 @@ def motion_settings(problem: Problem, options: SolveOptions) -> MotionSettings:
     return settings
 
 
-def _with_statistics(plan: Plan, statistics: StatisticsRecord, cost: float) -> Plan:
+def _with_statistics(plan: Plan, statistics: StatisticsRecord, timing: TimingRecord, cost: float) -> Plan:
     """The plan with the figures of the whole run, but its own costs and gap."""
     import msgspec
 
@@ -263,4 +266,4 @@ def _with_statistics(plan: Plan, statistics: StatisticsRecord, cost: float) -> P
     own = msgspec.structs.replace(
         statistics, cost=cost, gap=gap, optimal=gap == 0.0, path_cost=path, path_cost_before=before
     )
-    return msgspec.structs.replace(plan, statistics=own)
+    return msgspec.structs.replace(plan, statistics=own, timing=timing)

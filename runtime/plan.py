@@ -5,27 +5,26 @@ Poses are `[x, y, z, qx, qy, qz, qw]` in the world frame, metres; joint values r
 
 from __future__ import annotations
 
-import os
-import tempfile
-from pathlib import Path
-
 import msgspec
 
-FORMAT = "tamplang-plan/1"
+FORMAT = "tamplang-plan/2"
+KNOWN_NEEDS: frozenset[str] = frozenset()
+"""The optional parts of the format that this version understands: none yet."""
 NO_LIMIT = 1e9
 """Stands for an infinite limit: JSON has no infinity."""
 
 
-class PlanFileError(Exception):
-    """The file is not a readable plan; the message says why."""
+class Record(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A part of a plan file. A field that it does not have is refused, not passed over: it may change what others
+    mean."""
 
 
-class ShapeRecord(msgspec.Struct, frozen=True):
+class ShapeRecord(Record, frozen=True):
     kind: str
     size: list[float]
 
 
-class JointRecord(msgspec.Struct, frozen=True):
+class JointRecord(Record, frozen=True):
     name: str
     kind: str
     parent: int
@@ -37,20 +36,20 @@ class JointRecord(msgspec.Struct, frozen=True):
     acceleration: float = NO_LIMIT
 
 
-class EffectorRecord(msgspec.Struct, frozen=True):
+class EffectorRecord(Record, frozen=True):
     name: str
     joint: int
     placement: list[float]
     shape: ShapeRecord | None
 
 
-class LinkRecord(msgspec.Struct, frozen=True):
+class LinkRecord(Record, frozen=True):
     joint: int
     placement: list[float]
     shape: ShapeRecord
 
 
-class ModuleRecord(msgspec.Struct, frozen=True):
+class ModuleRecord(Record, frozen=True):
     """A module: its kinematics in full, its start pose and start joint values."""
 
     name: str
@@ -62,7 +61,7 @@ class ModuleRecord(msgspec.Struct, frozen=True):
     start: list[float]
 
 
-class BodyRecord(msgspec.Struct, frozen=True):
+class BodyRecord(Record, frozen=True):
     name: str
     type: str
     shape: ShapeRecord
@@ -70,7 +69,7 @@ class BodyRecord(msgspec.Struct, frozen=True):
     movable: bool
 
 
-class PlaceRecord(msgspec.Struct, frozen=True):
+class PlaceRecord(Record, frozen=True):
     """A place in a source text; lines and columns count from 1."""
 
     file: str
@@ -78,7 +77,7 @@ class PlaceRecord(msgspec.Struct, frozen=True):
     column: int
 
 
-class LiteralRecord(msgspec.Struct, frozen=True):
+class LiteralRecord(Record, frozen=True):
     """A ground literal, with the place of the rule line or motion predicate it comes from."""
 
     predicate: str
@@ -86,7 +85,7 @@ class LiteralRecord(msgspec.Struct, frozen=True):
     place: PlaceRecord | None = None
 
 
-class PhaseRecord(msgspec.Struct, frozen=True):
+class PhaseRecord(Record, frozen=True):
     """One action and the interval before its switch. `mode` holds the motion literals during the interval, `added`
     those that bind at the switch; `literals` holds the logic literals during the interval (supports, holdings,
     connections and the like). An interval that was not `completed` was broken off before its switch: the action had
@@ -104,7 +103,7 @@ class PhaseRecord(msgspec.Struct, frozen=True):
     completed: bool = True
 
 
-class CourseRecord(msgspec.Struct, frozen=True):
+class CourseRecord(Record, frozen=True):
     """A body that moves on its own: from time `start` on through `points` at `speed` (m/s; 0 jumps to the last point
     at once), then at rest, or back and forth when it `returns`. Its orientation stays."""
 
@@ -115,7 +114,7 @@ class CourseRecord(msgspec.Struct, frozen=True):
     returns: bool
 
 
-class BreakdownRecord(msgspec.Struct, frozen=True):
+class BreakdownRecord(Record, frozen=True):
     """From `time` on a module's joints are stuck ("locked") or it has left the scene ("gone")."""
 
     module: str
@@ -123,21 +122,20 @@ class BreakdownRecord(msgspec.Struct, frozen=True):
     kind: str
 
 
-class WindowRecord(msgspec.Struct, frozen=True):
-    """One planning of a run with a receding horizon: at plan time `time`, before phase `phase`, for `reason`, in
-    `seconds` of computing. `actions` is the way to the goal as it was seen then, `motions` how many of them got their
-    motion; `unmet` are the parts of the goal that did not hold."""
+class WindowRecord(Record, frozen=True):
+    """One planning of a run with a receding horizon: at plan time `time`, before phase `phase`, for `reason`.
+    `actions` is the way to the goal as it was seen then, `motions` how many of them got their motion; `unmet` are the
+    parts of the goal that did not hold."""
 
     time: float
     phase: int
     reason: str
-    seconds: float
     actions: list[str]
     motions: int
     unmet: list[str]
 
 
-class TrackRecord(msgspec.Struct, frozen=True):
+class TrackRecord(Record, frozen=True):
     """Sampled motion of one module: `poses` of its module frame and `joints`, one row per time stamp of the plan."""
 
     name: str
@@ -145,31 +143,33 @@ class TrackRecord(msgspec.Struct, frozen=True):
     joints: list[list[float]]
 
 
-class BodyTrackRecord(msgspec.Struct, frozen=True):
-    """Sampled poses of a body that moves at some time."""
+class BodyTrackRecord(Record, frozen=True):
+    """Some sampled poses of a body, from the sample with index `first` on. It rests, before, between and after its
+    pieces, at the last pose that it had."""
 
     name: str
+    first: int
     poses: list[list[float]]
 
 
-class SplineRecord(msgspec.Struct, frozen=True):
-    """The joint motion of one module in one phase: a cubic spline, clamped at both ends, through `values` (one row
-    per knot) at equidistant `knots` of the plan's time."""
+class SplineRecord(Record, frozen=True):
+    """The joint motion of one module from the start of phase `first` to the end of phase `until`: a cubic spline,
+    clamped at both ends, through `values` (one row per knot) at equidistant `knots` of the plan's time."""
 
     module: str
-    phase: int
+    first: int = msgspec.field(name="from")
+    until: int
     knots: list[float]
     values: list[list[float]]
 
 
-class BoundRecord(msgspec.Struct, frozen=True):
+class BoundRecord(Record, frozen=True):
     bound: str
     solved: int
     refused: int
-    seconds: float
 
 
-class RefusalRecord(msgspec.Struct, frozen=True):
+class RefusalRecord(Record, frozen=True):
     """A skeleton, or part of one, that a bound refused: the actions, the worst row, by how much, and where from."""
 
     bound: str
@@ -180,7 +180,7 @@ class RefusalRecord(msgspec.Struct, frozen=True):
     place: PlaceRecord | None = None
 
 
-class SearchNode(msgspec.Struct, frozen=True):
+class SearchNode(Record, frozen=True):
     """A node of the search tree, for drawing: only those expanded or pruned, at most some thousands."""
 
     id: int
@@ -190,7 +190,7 @@ class SearchNode(msgspec.Struct, frozen=True):
     status: str
 
 
-class StatisticsRecord(msgspec.Struct, frozen=True):
+class StatisticsRecord(Record, frozen=True):
     """How a plan was found. `path_cost` is the cost of its motion, `path_cost_before` that before it was polished."""
 
     tree_nodes: int = 0
@@ -198,7 +198,6 @@ class StatisticsRecord(msgspec.Struct, frozen=True):
     optimal: bool = False
     gap: float | None = None
     cost: float = 0.0
-    seconds: dict[str, float] = {}
     bounds: list[BoundRecord] = []
     refusals: list[RefusalRecord] = []
     tree: list[SearchNode] = []
@@ -206,14 +205,30 @@ class StatisticsRecord(msgspec.Struct, frozen=True):
     path_cost_before: float | None = None
 
 
-class SourceRecord(msgspec.Struct, frozen=True):
+class TimingRecord(Record, frozen=True):
+    """Seconds of computing, which differ from one time to the next: per stage, and per window."""
+
+    seconds: dict[str, float] = {}
+    windows: list[float] = []
+
+
+class SourceRecord(Record, frozen=True):
     path: str
     text: str
     sha256: str
 
 
-class TaskRecord(msgspec.Struct, frozen=True):
-    """What was asked: file and task name, the parameters' final values, the seed, and the text of every source."""
+class FileRecord(Record, frozen=True):
+    """A file that sources name, such as a mesh, byte by byte; base64 in the file."""
+
+    path: str
+    data: bytes
+    sha256: str
+
+
+class TaskRecord(Record, frozen=True):
+    """What was asked: file and task name, the parameters' final values, the seed, the text of every source, and every
+    other file that they name."""
 
     name: str
     file: str
@@ -221,9 +236,10 @@ class TaskRecord(msgspec.Struct, frozen=True):
     seed: int
     sources: list[SourceRecord]
     goal: str
+    files: list[FileRecord] = []
 
 
-class FailureRecord(msgspec.Struct, frozen=True):
+class FailureRecord(Record, frozen=True):
     """One thing the verifier refuses: kind, sentence, figure with unit, time, what is concerned, and source place."""
 
     kind: str
@@ -235,7 +251,7 @@ class FailureRecord(msgspec.Struct, frozen=True):
     between: list[str] = []
 
 
-class MeasureRecord(msgspec.Struct, frozen=True):
+class MeasureRecord(Record, frozen=True):
     """The worst figure of one kind that the verifier measured, when, between what, and the limit it must keep."""
 
     kind: str
@@ -247,7 +263,7 @@ class MeasureRecord(msgspec.Struct, frozen=True):
     place: PlaceRecord | None = None
 
 
-class VerdictRecord(msgspec.Struct, frozen=True):
+class VerdictRecord(Record, frozen=True):
     verified: bool
     worst: dict[str, float]
     measures: list[MeasureRecord]
@@ -256,7 +272,7 @@ class VerdictRecord(msgspec.Struct, frozen=True):
     """One entry per switch constraint of every phase: its own worst row."""
 
 
-class Plan(msgspec.Struct, frozen=True):
+class Plan(Record, frozen=True):
     """A plan. `times` are the time stamps of all tracks, strictly increasing but for the switches, where one sample
     ends the phase and the next, at the same time, starts the next one."""
 
@@ -278,39 +294,6 @@ class Plan(msgspec.Struct, frozen=True):
     windows: list[WindowRecord] = []
     complete: bool = True
     """False for the executed beginning of a run that was broken off: it does not claim that the goal holds."""
-
-
-def write_text_atomically(path: str | Path, text: str) -> None:
-    """Write `text` so that a reader, or an interrupted run, never sees half of it. Raises OSError."""
-    target = Path(path)
-    descriptor, temporary = tempfile.mkstemp(dir=target.parent or ".", prefix=f".{target.name}.")
-    try:
-        with os.fdopen(descriptor, "w", encoding="utf-8") as stream:
-            stream.write(text)
-        umask = os.umask(0)
-        os.umask(umask)
-        os.chmod(temporary, 0o666 & ~umask)
-        os.replace(temporary, target)
-    except BaseException:
-        os.unlink(temporary)
-        raise
-
-
-def write_plan(plan: Plan, path: str | Path) -> None:
-    """Write the plan as JSON, atomically. Raises OSError."""
-    write_text_atomically(path, msgspec.json.encode(plan).decode())
-
-
-def read_plan(path: str | Path) -> Plan:
-    """Read a plan file. Raises PlanFileError when it cannot be read or is no plan of this format."""
-    try:
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise PlanFileError(f"cannot read {path}: {error.strerror}") from error
-    try:
-        plan = msgspec.json.decode(data, type=Plan)
-    except msgspec.DecodeError as error:
-        raise PlanFileError(f"{path} is not a plan file: {error}") from error
-    if plan.format != FORMAT:
-        raise PlanFileError(f"{path} has format {plan.format!r}; this version reads {FORMAT!r}")
-    return plan
+    needs: list[str] = []
+    """Optional parts of the format that a reader must understand."""
+    timing: TimingRecord | None = None

@@ -46,11 +46,7 @@ class Solves:
         self._counts = {"seq": [0, 0], "seq-path": [0, 0], "path": [0, 0]}
 
     def records(self) -> list[BoundRecord]:
-        stages = {"seq": "seq", "seq-path": "seq_path", "path": "path"}
-        return [
-            BoundRecord(bound, solved, refused, self.clock.seconds.get(stages[bound], 0.0))
-            for bound, (solved, refused) in self._counts.items()
-        ]
+        return [BoundRecord(bound, solved, refused) for bound, (solved, refused) in self._counts.items()]
 
     def _sequence(
         self, skeleton: Skeleton, seed: int, warm: Sequence[Configuration] | None, tries: int | None

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .runtime.horizon.tracking import Deviations
     from .runtime.lgp import Outcome, Progress, SolveOptions
     from .runtime.plan import Plan as PlanRecord
-    from .runtime.plan import StatisticsRecord, VerdictRecord
+    from .runtime.plan import StatisticsRecord, TimingRecord, VerdictRecord
 
 
 def load(path: str | PathLike[str], /, task: str | None = None, seed: int = 0, **parameters: str | float) -> Task:
@@ -89,6 +89,7 @@ class Task:
             tuple(Plan(record) for record in outcome.plans),
             tuple(outcome.explanation),
             outcome.statistics,
+            outcome.timing,
             tuple(outcome.actions),
             outcome.cost,
         )
@@ -140,6 +141,7 @@ class Result:
     plans: tuple[Plan, ...]
     explanation: tuple[Diagnostic, ...]
     statistics: StatisticsRecord
+    timing: TimingRecord
     actions: tuple[str, ...]
     cost: float
 
@@ -175,12 +177,18 @@ class RunResult:
         """Seconds of computing of a replanning, in the median; 0 without any."""
         from statistics import median
 
-        return median(w.seconds for w in self.record.windows[1:]) if self.replans else 0.0
+        return median(self.seconds[1:]) if self.replans else 0.0
 
     @property
     def worst_latency(self) -> float:
         """Seconds of computing of the longest replanning."""
-        return max((w.seconds for w in self.record.windows[1:]), default=0.0)
+        return max(self.seconds[1:], default=0.0)
+
+    @property
+    def seconds(self) -> list[float]:
+        """Seconds of computing of every window; 0 for those of a plan that does not tell."""
+        told = [] if self.record.timing is None else self.record.timing.windows
+        return (told + [0.0] * len(self.record.windows))[: len(self.record.windows)]
 
 
 def task_of_plan(record: PlanRecord) -> Task:
@@ -190,8 +198,9 @@ def task_of_plan(record: PlanRecord) -> Task:
     from .runtime.verify.check import parameter_texts
 
     sources = [Source(s.path, s.text) for s in record.task.sources]
+    files = {f.path: f.data for f in record.task.files}
     texts = parameter_texts(record, sources)
-    return Task(*compile_sources(sources, record.task.name, texts, record.task.seed))
+    return Task(*compile_sources(sources, record.task.name, texts, record.task.seed, files))
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,13 +230,13 @@ class Plan:
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the plan file, atomically. Raises OSError."""
-        from .runtime.plan import write_plan
+        from .runtime.plan_files import write_plan
 
         write_plan(self.record, fspath(path))
 
 
 def read_plan(path: str | PathLike[str]) -> Plan:
-    """Read a plan file. Raises `tamplang.runtime.plan.PlanFileError`."""
-    from .runtime.plan import read_plan as read
+    """Read a plan file. Raises `tamplang.runtime.plan_files.PlanFileError`."""
+    from .runtime.plan_files import read_plan as read
 
     return Plan(read(fspath(path)))

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from ...langs import syntax
 from ...langs.diagnostics import did_you_mean
 from .. import ir
-from ..mesh_files import corner_list, mesh_path
+from ..foreign import beside
+from ..mesh_files import corner_list
 from .context import Context
 from .kinds import LENGTH
 from .names import Scope
@@ -106,7 +107,7 @@ def _mesh_points(context: Context, scope: Scope, call: syntax.Call) -> list[tupl
     if unit is not None and unit <= 0:
         context.findings.report("E0509", rest[0].span, f"the unit of a mesh must be positive, not {unit:g} m")
         return None
-    path = mesh_path(call.span.file, name.value)
+    path = beside(call.span.file, name.value)
     source = next((s for s in context.library.models if s.path == path), None)
     if source is None or unit is None:
         return None

@@ -108,5 +108,7 @@ def _problem(
         goal=goal,
         world=ir.World(built.modules, bodies, *happenings),
         options=built.options,
-        sources=library.sources + library.models,
+        sources=library.sources,
+        files=library.foreign,
+        names=library.names,
     )

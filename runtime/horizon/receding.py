@@ -21,7 +21,7 @@ from ..assemble import assemble
 from ..bounds import WIDER
 from ..budget import Budget, ending
 from ..lgp import Outcome, Progress, SolveOptions
-from ..plan import Plan, StatisticsRecord, WindowRecord
+from ..plan import Plan, StatisticsRecord, TimingRecord, WindowRecord
 from ..skeleton import PhasePath, Skeleton
 from ..verify import verify
 from .length import horizon_of
@@ -212,7 +212,9 @@ class _Run:
         plan = msgspec.structs.replace(plan, windows=self._records(plan), complete=complete)
         with self.memory.bounds.clock("verify"):
             verdict = verify(plan)
-        return msgspec.structs.replace(plan, verdict=verdict, statistics=self._statistics())
+        return msgspec.structs.replace(
+            plan, verdict=verdict, statistics=self._statistics(), timing=self._timing()
+        )
 
     def _records(self, plan: Plan) -> list[WindowRecord]:
         records, phase = [], 0
@@ -220,20 +222,23 @@ class _Run:
             window = kept.window
             records.append(
                 WindowRecord(
-                    plan.phases[phase].start, phase, kept.reason, round(window.seconds, 4),
-                    [str(action) for action in window.actions], len(window.paths), list(window.unmet),
+                    plan.phases[phase].start, phase, kept.reason, [str(action) for action in window.actions],
+                    len(window.paths), list(window.unmet),
                 )
             )  # fmt: skip
             phase += len(window.paths)
         return records
 
-    def _statistics(self) -> StatisticsRecord:
+    def _timing(self) -> TimingRecord:
         first = {} if self.first_motion is None else {"first_motion": self.first_motion}
+        seconds = {"total": self.budget.elapsed, **self.memory.bounds.clock.seconds, **first}
+        return TimingRecord(seconds, [round(kept.window.seconds, 4) for kept in self.kept])
+
+    def _statistics(self) -> StatisticsRecord:
         return StatisticsRecord(
             tree_nodes=self.tree_nodes,
             expanded_nodes=self.expanded_nodes,
             cost=sum(kept.window.cost for kept in self.kept),
-            seconds={"total": self.budget.elapsed, **self.memory.bounds.clock.seconds, **first},
             bounds=self.memory.bounds.records(),
             refusals=self.memory.refusals.records(),
             tree=grown([kept.window for kept in self.kept]),
@@ -244,11 +249,13 @@ class _Run:
         explanation = [] if status in ("solved", "refused") else self._explanation(status)
         if self.plan is None and self.kept:
             self.plan = self._verified(False)
-        plan, statistics = self.plan, self._statistics()
+        plan, statistics, timing = self.plan, self._statistics(), self._timing()
         if plan is not None and status == "solved" and self.found is not None:
             self.found(plan)
         actions = [] if plan is None else [phase.action for phase in plan.phases]
-        return Outcome(status, [] if plan is None else [plan], statistics, explanation, actions, statistics.cost)
+        return Outcome(
+            status, [] if plan is None else [plan], statistics, timing, explanation, actions, statistics.cost
+        )
 
     def _explanation(self, status: str) -> list[Diagnostic]:
         """Why the goal was not reached, what was tried, and what stands."""

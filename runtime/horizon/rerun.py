@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ...compiler import ir
-from ..plan import Plan
+from ..plan import PhaseRecord, Plan, SplineRecord
 from ..skeleton import Array, PhasePath
+from ..splines import ClampedSpline
+from ..tracks import body_rows
 from .planning import Window, replayed
+
+REST = 10
+"""Pieces of the motion of a phase in which nothing moves."""
 
 
 def window_of(problem: ir.Problem, plan: Plan) -> Window:
@@ -19,18 +26,30 @@ def window_of(problem: ir.Problem, plan: Plan) -> Window:
 
 def _path(plan: Plan, index: int) -> PhasePath:
     phase = plan.phases[index]
+    splines = {s.module: s for s in plan.splines if s.first <= index <= s.until}
+    count = max((_pieces(s, phase) for s in splines.values()), default=REST)
+    knots = np.linspace(phase.start, phase.end, count + 1)
     modules: dict[str, Array] = {}
-    for spline in plan.splines:
-        if spline.phase == index:
-            poses = _at(plan, next(t.poses for t in plan.tracks if t.name == spline.module), spline.knots)
-            modules[spline.module] = np.hstack([poses, np.asarray(spline.values).reshape(len(poses), -1)])
-    knots = next(s.knots for s in plan.splines if s.phase == index)
-    bodies = {track.name: _at(plan, track.poses, knots) for track in plan.body_tracks}
+    for track in plan.tracks:
+        poses = _at(plan, track.poses, knots)
+        spline = splines.get(track.name)
+        if spline is None:
+            joints = np.tile(_at(plan, track.joints, knots[:1]), (len(knots), 1))
+        else:
+            joints = ClampedSpline(np.asarray(spline.knots), np.asarray(spline.values))(knots)
+        modules[track.name] = np.hstack([poses, joints.reshape(len(poses), -1)])
+    bodies = {name: _at(plan, rows, knots) for name, rows in body_rows(plan).items()}
     return PhasePath(modules, bodies, phase.end - phase.start)
 
 
-def _at(plan: Plan, poses: list[list[float]], knots: list[float]) -> Array:
-    """Poses `(S + 1, 7)` of a track at some times."""
-    rows = np.asarray(poses)
-    near = np.searchsorted(np.asarray(plan.times), np.asarray(knots) - 1e-9)
-    return np.asarray(rows[np.clip(near, 0, len(rows) - 1)])
+def _pieces(spline: SplineRecord, phase: PhaseRecord) -> int:
+    """How many of its pieces a spline has in a phase."""
+    share = (phase.end - phase.start) / (spline.knots[-1] - spline.knots[0])
+    return max(1, round(share * (len(spline.knots) - 1)))
+
+
+def _at(plan: Plan, rows: Sequence[Sequence[float]], knots: Array) -> Array:
+    """Rows of a track at some times."""
+    table = np.asarray(rows)
+    near = np.searchsorted(np.asarray(plan.times), knots - 1e-9)
+    return np.asarray(table[np.clip(near, 0, len(table) - 1)])

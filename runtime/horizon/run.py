@@ -21,7 +21,7 @@ from ...langs.diagnostics import Diagnostic
 from ...langs.source import Span
 from ..assemble import FACTOR
 from ..budget import Budget, ending
-from ..plan import StatisticsRecord, WindowRecord
+from ..plan import StatisticsRecord, TimingRecord, WindowRecord
 from ..skeleton import Phase, PhasePath
 from ..verify import verify
 from ..verify.replay import Interpreter
@@ -63,6 +63,7 @@ class Run:
         self.budget = Budget(options.solve.time)
         self.steps: list[Step] = []
         self.windows: list[WindowRecord] = []
+        self.seconds: list[float] = []
         self._tell = tell
         sensing = Sensing(options.noise.position, np.random.default_rng([options.seed, 1]))
         self._failures = Failures(problem)
@@ -165,8 +166,9 @@ class Run:
         actions = [str(a) for a in window.actions] if window is not None else []
         motions = len(window.paths) if window is not None else 0
         self.windows.append(
-            WindowRecord(self.world.time, len(self.steps), reason, seconds, actions, motions, unmet)
+            WindowRecord(self.world.time, len(self.steps), reason, actions, motions, unmet)
         )
+        self.seconds.append(seconds)
         return window
 
     def _adapt(self, hard: bool) -> None:
@@ -357,13 +359,13 @@ class Run:
         reached, refused = self.world.reached, self._route.planner.refusals
         statistics = StatisticsRecord(
             cost=self._cost,
-            seconds={"total": self.budget.elapsed},
             refusals=[] if refused is None else refused.records(),
         )
         plan = plan_of_run(
             self.problem, self.steps, reached.mode, self._places, self.windows, statistics, status == "solved"
         )
-        plan = msgspec.structs.replace(plan, verdict=verify(plan))
+        timing = TimingRecord({"total": self.budget.elapsed}, self.seconds)
+        plan = msgspec.structs.replace(plan, verdict=verify(plan), timing=timing)
         assert plan.verdict is not None
         if status == "solved" and not plan.verdict.verified:
             status = "refused"

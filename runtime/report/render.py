@@ -12,7 +12,8 @@ import msgspec
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from ..plan import Plan, write_text_atomically
+from ..plan import Plan
+from ..plan_files import write_text_atomically
 from .replay import replay_data
 from .view import build_view, figure, measure_name
 

@@ -14,6 +14,7 @@ from ...compiler.extents import box_sides
 from ...compiler.hulls import hull
 from ...compiler.ir import Shape
 from ..plan import BodyRecord, PhaseRecord, Plan, ShapeRecord
+from ..tracks import body_rows
 from ..transforms import Array, rotate
 from .kinematics import joint_frames, pose_rows
 from .robots import ACCENT, FIXED, PALETTE, group_modules, lighten, module_colours
@@ -213,13 +214,13 @@ class Builder:
             self.add_frame(f"{root}/frame{at}", frames[at], size, gone)
 
     def add_bodies(self) -> None:
-        tracks = {t.name: t for t in self.plan.body_tracks}
+        tracks = body_rows(self.plan)
         touched = {a for p in self.plan.phases for literal in (*p.mode, *p.added) for a in literal.args}
         for index, body in enumerate(self.plan.bodies):
             path = f"body{index}"
             self.scene.names[body.name] = path
             track = tracks.get(body.name)
-            poses = pose_rows((self.sampled(track.poses) if track else []) or [body.pose])
+            poses = pose_rows((self.sampled(track) if track else []) or [body.pose])
             centre = pose_rows([(0, 0, 0, 0, 0, 0, 1)])[0]
             accent = body.movable or track is not None
             self.scene.corners += [box_corners(body, poses[0])] if body.name in touched and not accent else []

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..plan import JointRecord, Plan
+from ..tracks import body_rows
 from ..transforms import Array
 from .replay import joint_rows, pick_samples
 from .robots import ACCENT, Robot, effector_owners, group_modules, module_colours
@@ -79,16 +80,22 @@ ROUTINE = ("start", "next window")
 """How reasons of windows begin that nothing unexpected brought about."""
 
 
+def window_seconds(plan: Plan) -> list[float | None]:
+    """Seconds of computing of every window; None where the plan does not tell."""
+    told: list[float | None] = [] if plan.timing is None else list(plan.timing.windows)
+    return [*told, *[None] * len(plan.windows)][: len(plan.windows)]
+
+
 def marks(plan: Plan, scale: float) -> list[Mark]:
     """The windows of a run, each with its reason and how long it took to plan."""
     return [
         Mark(
             w.time * scale,
             w.time,
-            f"{w.time:.2f} s: {w.reason}; planned in {w.seconds:.2f} s",
+            f"{w.time:.2f} s: {w.reason}" + (f"; planned in {seconds:.2f} s" if seconds is not None else ""),
             not w.reason.startswith(ROUTINE),
         )
-        for w in plan.windows
+        for w, seconds in zip(plan.windows, window_seconds(plan), strict=True)
     ]
 
 
@@ -128,15 +135,16 @@ def acting(plan: Plan) -> list[set[str]]:
     owners = effector_owners(plan)
     modules = {m.name: i for i, m in enumerate(plan.modules)}
     result: list[set[str]] = []
+    rows = body_rows(plan)
     for phase in plan.phases:
         names = {a for literal in phase.added for a in literal.args} | set(phase.args)
         taking = {plan.modules[owners[n]].name for n in names if n in owners}
-        result.append(taking | {n for n in names if n in modules} | moving(plan, phase.start, phase.end))
+        result.append(taking | {n for n in names if n in modules} | moving(plan, rows, phase.start, phase.end))
     return result
 
 
-def moving(plan: Plan, start: float, end: float) -> set[str]:
-    """Names of the modules and bodies whose samples change between two times."""
+def moving(plan: Plan, rows: Mapping[str, Sequence[Sequence[float]]], start: float, end: float) -> set[str]:
+    """Names of the modules and bodies whose samples change between two times; `rows` are those of bodies."""
     inside = [i for i, t in enumerate(plan.times) if start <= t <= end]
     found: set[str] = set()
     if len(inside) < 2:
@@ -149,10 +157,7 @@ def moving(plan: Plan, start: float, end: float) -> set[str]:
     for track in plan.tracks:
         if changes(track.poses, first, last) or changes(track.joints, first, last):
             found.add(track.name)
-    for body in plan.body_tracks:
-        if changes(body.poses, first, last):
-            found.add(body.name)
-    return found
+    return found | {name for name, poses in rows.items() if changes(poses, first, last)}
 
 
 def changes(rows: Sequence[Sequence[float]], first: int, last: int) -> bool:

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import median
 
-from ..plan import LiteralRecord, MeasureRecord, PhaseRecord, Plan
+from ..plan import LiteralRecord, MeasureRecord, PhaseRecord, Plan, WindowRecord
 from .robots import Robot, group_modules, literal_text
 from .sources import Line, Link, Sources
-from .timeline import ModulePlots, Timeline, build_plots, build_timeline, rule_colours, total_time
+from .timeline import ModulePlots, Timeline, build_plots, build_timeline, rule_colours, total_time, window_seconds
 from .tree import Tree, build_tree
 
 
@@ -74,10 +74,12 @@ class View:
     sources: Sources
     latency: tuple[float, float] | None
     """Seconds for a window after the first: median and worst."""
+    windows: list[tuple[WindowRecord, float | None]]
+    """Windows, with the seconds that it took to plan them."""
 
 
 def latency(plan: Plan) -> tuple[float, float] | None:
-    seconds = [w.seconds for w in plan.windows[1:]]
+    seconds = plan.timing.windows[1:] if plan.timing is not None else []
     return (median(seconds), max(seconds)) if seconds else None
 
 
@@ -116,7 +118,7 @@ def shares(records: Sequence[MeasureRecord], sources: Sources) -> list[MeasureVi
 
 def stages(plan: Plan) -> tuple[list[tuple[str, float, float]], float]:
     """Name, seconds and percent of the total of every stage; and the total."""
-    seconds = dict(plan.statistics.seconds)
+    seconds = dict(plan.timing.seconds) if plan.timing is not None else {}
     total = seconds.pop("total", sum(seconds.values()))
     whole = max(total, sum(seconds.values()), 1e-12)
     return [(name, value, 100.0 * value / whole) for name, value in seconds.items()], total
@@ -181,4 +183,5 @@ def build_view(plan: Plan) -> View:
         build_tree(plan),
         sources,
         latency(plan),
+        list(zip(plan.windows, window_seconds(plan), strict=True)),
     )

@@ -44,11 +44,14 @@ def _problem(plan: Plan, findings: Findings) -> ir.Problem | None:
         findings.fail("source", "the plan holds no source text")
         return None
     try:
-        problem, _ = compile_sources(sources, plan.task.name, parameter_texts(plan, sources), plan.task.seed)
+        files = {f.path: f.data for f in plan.task.files}
+        texts = parameter_texts(plan, sources)
+        problem, _ = compile_sources(sources, plan.task.name, texts, plan.task.seed, files)
     except SourceError as error:
         for diagnostic in error.diagnostics:
             if diagnostic.is_error:
                 message = f"{diagnostic.code} {diagnostic.message}"
+                message += f" ({diagnostic.help})" if diagnostic.help is not None else ""
                 findings.fail("source", message, place=place_of(diagnostic.span))
         if not findings.failures:
             findings.fail("source", "the stored sources do not compile")
@@ -58,10 +61,6 @@ def _problem(plan: Plan, findings: Findings) -> ir.Problem | None:
         return None
     if problem.parameters != plan.task.parameters or problem.file != plan.task.file:
         findings.fail("source", "file name or parameters of the plan are not those of its sources")
-        return None
-    missing = sorted({s.path for s in problem.sources} - {s.path for s in sources})
-    if missing:
-        findings.fail("source", f"the plan lacks the text of {', '.join(missing)}")
         return None
     return problem
 

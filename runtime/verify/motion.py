@@ -86,11 +86,21 @@ def _check_limits(module: ModuleRecord, rows: Array, times: Array, findings: Fin
 def _check_splines(plan: Plan, motion: Motion, findings: Findings) -> None:
     """Stored joint values lie on the stored splines, which keep the limits, too."""
     modules = {m.name: m for m in plan.modules}
+    curved = {(s.module, s.first) for s in plan.splines}
+    for module in plan.modules:
+        for phase, (first, last) in enumerate(motion.ranges):
+            rows = motion.joints[module.name][first : last + 1]
+            if module.joints and (module.name, phase) not in curved:
+                off = np.abs(rows - rows[0]).max(axis=1)
+                findings.measure(
+                    "spline_rad", float(off.max()), f"{module.name} moves joints without a spline",
+                    time=float(motion.times[first + int(np.argmax(off))]), between=[module.name],
+                )  # fmt: skip
     for spline in plan.splines:
         module = modules[spline.module]
         if not module.joints:
             continue
-        first, last = motion.ranges[spline.phase]
+        first, last = motion.ranges[spline.first]
         knots = np.asarray(spline.knots)
         curve = Spline(knots, spline.values, clamped=True)
         off = np.abs(curve(motion.times[first : last + 1]) - motion.joints[module.name][first : last + 1])

@@ -32,7 +32,7 @@ def check_rates(problem: ir.Problem, plan: Plan, motion: Motion, findings: Findi
     for spline in plan.splines:
         if spline.module in modules:
             knots, values = np.asarray(spline.knots), np.asarray(spline.values)
-            _check_spline(problem, modules[spline.module], knots, values, spline.phase in stopped, findings)
+            _check_spline(problem, modules[spline.module], knots, values, spline.first in stopped, findings)
 
 
 def _stopped(plan: Plan, phase: PhaseRecord) -> bool:

@@ -42,12 +42,12 @@ class Sampler:
         self._happenings = happenings
         self._kinematics = kinematics
         self._joints: dict[tuple[str, int], Spline] = {
-            (s.module, s.phase): Spline(s.knots, s.values, clamped=True)
+            (s.module, s.first): Spline(s.knots, s.values, clamped=True)
             for s in plan.splines
             if kinematics[s.module].module.joints
         }
         self._knots = [
-            max((len(s.knots) for s in plan.splines if s.phase == p), default=0) for p in range(len(plan.phases))
+            max((len(s.knots) for s in plan.splines if s.first == p), default=2) for p in range(len(plan.phases))
         ]
         self.fixed = {
             name: motion.frames[name][:1]
@@ -83,7 +83,8 @@ class Sampler:
     def _module(self, name: str, phase: int, times: Array) -> dict[int, Frames]:
         kinematics = self._kinematics[name]
         curve = self._joints.get((name, phase))
-        joints = np.zeros((len(times), 0)) if curve is None else curve(times)
+        rest = self._motion.joints[name][self._motion.ranges[phase][0]]
+        joints = np.tile(rest, (len(times), 1)) if curve is None else curve(times)
         local = kinematics.joint_frames(np.tile(IDENTITY, (len(times), 1)), joints)
         steady = self._steadiest(name, phase)
         held = self._follow(name, steady, phase)(times)

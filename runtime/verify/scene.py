@@ -15,11 +15,14 @@ TOLERANCE = 1e-9
 
 
 def check_sources(plan: Plan, findings: Findings) -> bool:
-    """Whether every stored source has the hash that is stored with it."""
+    """Whether every stored source and file has the hash that is stored with it."""
     before = len(findings.failures)
     for source in plan.task.sources:
         if hashlib.sha256(source.text.encode("utf-8", "surrogatepass")).hexdigest() != source.sha256:
             findings.fail("source", f"the text of {source.path} was changed: its hash differs")
+    for file in plan.task.files:
+        if hashlib.sha256(file.data).hexdigest() != file.sha256:
+            findings.fail("source", f"the file {file.path} was changed: its hash differs")
     return len(findings.failures) == before
 
 

@@ -3,13 +3,13 @@ relies on it, so a plan that fails here is not measured further."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 
 import numpy as np
 
-from ..plan import FORMAT, ModuleRecord, Plan, ShapeRecord
+from ..plan import FORMAT, KNOWN_NEEDS, ModuleRecord, Plan, ShapeRecord
 from .findings import Findings
 from .geometry import Array
 from .limits import LIMITS
@@ -32,8 +32,10 @@ class Samples:
 def samples_of(plan: Plan) -> Samples:
     """The samples of a plan that is well formed."""
     widths = {m.name: len(m.joints) for m in plan.modules}
-    poses = {name: _table(rows, 7) for name, rows in _all_poses(plan)}
-    return Samples(poses, {t.name: _table(t.joints, widths[t.name]) for t in plan.tracks})
+    poses = {t.name: _table(t.poses, 7) for t in plan.tracks}
+    pieces = [_table(piece.poses, 7) for piece in plan.body_tracks]
+    joints = {t.name: _table(t.joints, widths[t.name]) for t in plan.tracks}
+    return Samples(poses | _whole_body_tracks(plan, pieces), joints)
 
 
 def check_structure(plan: Plan, findings: Findings) -> Samples | None:
@@ -43,6 +45,9 @@ def check_structure(plan: Plan, findings: Findings) -> Samples | None:
     samples = Samples()
     if plan.format != FORMAT:
         findings.fail("structure", f"the plan has format {plan.format!r}, not {FORMAT!r}")
+    for need in plan.needs:
+        if need not in KNOWN_NEEDS:
+            findings.fail("structure", f"the plan needs {need}, which is not known")
     _check_times(plan, findings)
     for name in _repeated([m.name for m in plan.modules] + [b.name for b in plan.bodies]):
         findings.fail("structure", f"{name} occurs twice", between=[name])
@@ -184,17 +189,15 @@ def _check_part(
 def _check_tracks(plan: Plan, samples: Samples, findings: Findings) -> None:
     """Fill in the samples of all tracks that are well formed."""
     modules = {m.name: m for m in plan.modules}
-    tracks, body_tracks = [t.name for t in plan.tracks], [t.name for t in plan.body_tracks]
+    tracks = [t.name for t in plan.tracks]
     if sorted(tracks) != sorted(modules):
         findings.fail("structure", f"tracks of {sorted(tracks)} for modules {sorted(modules)}")
-    unknown = sorted(set(body_tracks) - {b.name for b in plan.bodies})
-    for name in _repeated(body_tracks) + unknown:
-        findings.fail("structure", f"a track of {name}, which is no body or has two", between=[name])
     count = len(plan.times)
-    for name, poses in _all_poses(plan):
-        table = _check_poses(poses, count, f"track of {name}", name, findings)
+    for track in plan.tracks:
+        table = _check_poses(track.poses, count, f"track of {track.name}", track.name, findings)
         if table is not None:
-            samples.poses[name] = table
+            samples.poses[track.name] = table
+    _check_body_tracks(plan, samples, findings)
     for track in plan.tracks:
         if track.name in modules:
             name, width = track.name, len(modules[track.name].joints)
@@ -203,29 +206,59 @@ def _check_tracks(plan: Plan, samples: Samples, findings: Findings) -> None:
                 samples.joints[name] = table
 
 
-def _all_poses(plan: Plan) -> Iterator[tuple[str, list[list[float]]]]:
-    for track in plan.tracks:
-        yield track.name, track.poses
-    for body_track in plan.body_tracks:
-        yield body_track.name, body_track.poses
+def _check_body_tracks(plan: Plan, samples: Samples, findings: Findings) -> None:
+    """Pieces of bodies, each from the first sample of a phase to the last one of a phase, none inside another."""
+    if any(f.kind == "times" for f in findings.failures):
+        return
+    ranges = phase_ranges(plan.times)
+    starts, ends = {first for first, _ in ranges}, {last for _, last in ranges}
+    bodies, ended, tables = {b.name for b in plan.bodies}, dict[str, int](), []
+    before = len(findings.failures)
+    for piece in plan.body_tracks:
+        name, last = piece.name, piece.first + len(piece.poses) - 1
+        if name not in bodies:
+            findings.fail("structure", f"a track of {name}, which is no body", between=[name])
+        elif not (piece.first in starts and last in ends and last > piece.first > ended.get(name, -1)):
+            message = f"a track of {name} does not begin and end with phases, after the one before it"
+            findings.fail("structure", message, between=[name])
+        table = _check_poses(piece.poses, len(piece.poses), f"track of {name}", name, findings)
+        tables += [table] if table is not None else []
+        ended[name] = last
+    if len(findings.failures) == before:
+        samples.poses.update(_whole_body_tracks(plan, tables))
+
+
+def _whole_body_tracks(plan: Plan, pieces: Sequence[Array]) -> dict[str, Array]:
+    """The poses `(T, 7)` of every body that ever moves: between its `pieces` it stays where it is."""
+    rests = {b.name: np.asarray(b.pose, dtype=float) for b in plan.bodies}
+    whole: dict[str, Array] = {}
+    for piece, rows in zip(plan.body_tracks, pieces, strict=True):
+        table = whole.setdefault(piece.name, np.tile(rests[piece.name], (len(plan.times), 1)))
+        table[piece.first : piece.first + len(rows)] = rows
+        table[piece.first + len(rows) :] = rows[-1]
+    return whole
 
 
 def _check_splines(plan: Plan, findings: Findings) -> None:
-    """One spline per module and phase, with equidistant knots from its start to its end."""
+    """At most one spline per module and phase, with equidistant knots from its start to its end."""
     widths = {m.name: len(m.joints) for m in plan.modules}
-    wanted = sorted((m, k) for m in widths for k in range(len(plan.phases)))
-    if sorted((s.module, s.phase) for s in plan.splines) != wanted:
-        findings.fail("structure", "there is not one spline for every module and phase")
+    named = [(s.module, s.first) for s in plan.splines]
+    if len(set(named)) < len(named) or any(s.module not in widths for s in plan.splines):
+        findings.fail("structure", "two splines of one module in a phase, or one of something that is no module")
         return
     ranges = phase_ranges(plan.times)
     for spline in plan.splines:
-        name = f"spline of {spline.module} in phase {spline.phase + 1}"
+        name = f"spline of {spline.module} in phase {spline.first + 1}"
+        if not 0 <= spline.first < len(plan.phases) or spline.until != spline.first:
+            message = f"{name} is of no phase, or of several"
+            findings.fail("structure", message, between=[spline.module])
+            continue
         count = len(spline.knots)
         good = count >= 2 and len(spline.values) == count and _numbers([spline.knots], count)
         if not good or not _numbers(spline.values, widths[spline.module]):
             findings.fail("structure", f"{name} is incomplete or not finite", between=[spline.module])
             continue
-        phase, (first, last) = plan.phases[spline.phase], ranges[spline.phase]
+        phase, (first, last) = plan.phases[spline.first], ranges[spline.first]
         if last - first + 1 < count:
             findings.fail("structure", f"{name}: more knots than samples", time=phase.start, between=[spline.module])
         even = np.linspace(phase.start, phase.end, count)

@@ -51,7 +51,7 @@ def _format(file: Path, only_check: bool) -> bool:
     if text == source.text:
         return False
     if not only_check:
-        from ..runtime.plan import write_text_atomically
+        from ..runtime.plan_files import write_text_atomically
 
         try:
             write_text_atomically(file.resolve(), text)

@@ -149,7 +149,10 @@ def _json(loaded: Task, result: RunResult, out: Path, report: Path | None) -> di
         "actions": [p.action for p in record.phases if p.completed],
         "broken_off": sum(not p.completed for p in record.phases),
         "seconds": record.times[-1],
-        "windows": msgspec.to_builtins(record.windows),
+        "windows": [
+            {**msgspec.to_builtins(window), "seconds": seconds}
+            for window, seconds in zip(record.windows, result.seconds, strict=True)
+        ],
         "replans": result.replans,
         "latency": {"median": result.latency, "worst": result.worst_latency},
         "deviations": msgspec.to_builtins(result.deviations),
@@ -184,8 +187,8 @@ def _lines(loaded: Task, result: RunResult, out: Path, report: Path | None) -> l
     for number, phase in enumerate(record.phases, start=1):
         broken = "" if phase.completed else "  (broken off)"
         lines.append(f"  {number:2}  {phase.start:7.2f} s  {phase.action}{broken}")
-    for window in record.windows[1:]:
-        lines.append(f"  planned anew at {window.time:.2f} s, in {window.seconds:.2f} s: {window.reason}")
+    for window, seconds in list(zip(record.windows, result.seconds, strict=True))[1:]:
+        lines.append(f"  planned anew at {window.time:.2f} s, in {seconds:.2f} s: {window.reason}")
     if result.replans:
         lines.append(f"{counted(result.replans, 'replanning')}: {result.latency:.2f} s in the median, "
                      f"{result.worst_latency:.2f} s at most")  # fmt: skip

@@ -66,7 +66,7 @@ def report(file: Path, out: Path) -> None:
 
 def read(file: Path) -> Plan:
     """The plan in `file`. Raises click.ClickException (status 1) when it is no plan file."""
-    from ..runtime.plan import PlanFileError, read_plan
+    from ..runtime.plan_files import PlanFileError, read_plan
 
     try:
         return read_plan(file)

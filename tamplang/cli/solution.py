@@ -14,7 +14,7 @@ from .sources import as_objects, as_text
 if TYPE_CHECKING:
     from ..api import Plan, Result
     from ..compiler.ir import Problem
-    from ..runtime.plan import StatisticsRecord
+    from ..runtime.plan import StatisticsRecord, TimingRecord
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ def result_json(problem: Problem, result: Result, written: Written, compile_seco
         "expanded_nodes": statistics.expanded_nodes,
         "bounds": {b.bound: {"solved": b.solved, "refused": b.refused} for b in statistics.bounds},
         "cost": result.cost,
-        "seconds": _seconds(statistics, compile_seconds),
+        "seconds": _seconds(result.timing, compile_seconds),
         "verified": verdict is not None and verdict.verified,
         "worst": verdict.worst if verdict is not None else {},
         "plan": str(written.plans[0]) if written.plans else None,
@@ -74,10 +74,10 @@ def result_json(problem: Problem, result: Result, written: Written, compile_seco
     }
 
 
-def _seconds(statistics: StatisticsRecord, compile_seconds: float) -> dict[str, float]:
+def _seconds(timing: TimingRecord, compile_seconds: float) -> dict[str, float]:
     """Seconds by stage, with the time that reading the program took; every stage is there, 0 where it did not run."""
     stages = dict.fromkeys(("total", "compile", "search", "seq", "seq_path", "path", "verify"), 0.0)
-    stages |= {stage.replace("-", "_"): seconds for stage, seconds in statistics.seconds.items()}
+    stages |= {stage.replace("-", "_"): seconds for stage, seconds in timing.seconds.items()}
     stages["total"] += compile_seconds
     stages["compile"] += compile_seconds
     return {stage: round(seconds, 4) for stage, seconds in stages.items()}
@@ -101,7 +101,7 @@ def result_lines(problem: Problem, result: Result, written: Written) -> list[str
         lines.append("  the goal holds at the start: nothing is to be done")
     if result.actions:
         lines.append(f"{counted(len(result.actions), 'action')}, cost {result.cost:g}{_quality(result.statistics)}")
-    lines.append(_effort(result.statistics))
+    lines.append(_effort(result.statistics, result.timing))
     if result.plan is not None and result.plan.record.verdict is not None:
         lines += verdict_lines(result.plan.record.verdict)
     if result.explanation:
@@ -119,8 +119,8 @@ def _quality(statistics: StatisticsRecord) -> str:
     return "" if statistics.gap is None else f", at most {statistics.gap:g} above the optimum"
 
 
-def _effort(statistics: StatisticsRecord) -> str:
+def _effort(statistics: StatisticsRecord, timing: TimingRecord) -> str:
     """Seconds, nodes and bounds in one line."""
-    parts = [f"{statistics.seconds.get('total', 0.0):.1f} s", f"{statistics.tree_nodes} tree nodes"]
+    parts = [f"{timing.seconds.get('total', 0.0):.1f} s", f"{statistics.tree_nodes} tree nodes"]
     parts += [f"{b.bound}: {b.solved} solved, {b.refused} refused" for b in statistics.bounds]
     return "; ".join(parts)

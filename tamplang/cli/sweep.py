@@ -166,7 +166,7 @@ def _record(
 
 
 def _write_plan(folder: Path, instance: Instance, plan: bytes) -> None:
-    from ..runtime.plan import write_text_atomically
+    from ..runtime.plan_files import write_text_atomically
     from .results import plan_file
 
     path = plan_file(folder, instance)

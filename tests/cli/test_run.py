@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tamplang.cli import run as command
-from tamplang.runtime.plan import read_plan
+from tamplang.runtime.plan_files import read_plan
 
 from .conftest import begin
 

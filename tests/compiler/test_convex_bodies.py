@@ -120,7 +120,7 @@ def test_a_plan_with_meshes_stands_alone(monkeypatch: pytest.MonkeyPatch, tmp_pa
     monkeypatch.chdir(PROGRAMS)
     problem, _ = compile_problem("good/meshes.tamp")
     monkeypatch.chdir(tmp_path)
-    again, _ = compile_sources(problem.sources)
+    again, _ = compile_sources(problem.sources, files=problem.files)
     assert again.world == problem.world
     assert box_sides(problem.world.bodies["wedge"].shape) == pytest.approx((0.5, 0.4, 0.2))
     assert problem.world.bodies["stone"].pose[2] == pytest.approx(0.126 + 0.1 + 0.05)

@@ -88,7 +88,7 @@ def test_problem_from_urdf_compiles_again_without_the_disk(
     monkeypatch.chdir(PROGRAMS / "good")
     problem, _ = compile_problem("arm_from_urdf.tamp")
     monkeypatch.chdir(tmp_path)
-    again, _ = compile_sources(problem.sources)
+    again, _ = compile_sources(problem.sources, files=problem.files)
     assert again == problem
 
 
@@ -131,4 +131,4 @@ def test_mesh_becomes_its_hull(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
     assert check("task.tamp") == warnings
     Path("arm.urdf").unlink()
     (tmp_path / "meshes" / "wedge.stl").unlink()
-    assert compile_sources(problem.sources) == (problem, ())
+    assert compile_sources(problem.sources, files=problem.files) == (problem, warnings)

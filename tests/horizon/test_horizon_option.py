@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from tamplang.cli.solve import solve
-from tamplang.runtime.plan import read_plan
+from tamplang.runtime.plan_files import read_plan
 from tamplang.runtime.verify import verify
 
 SLOTS = Path(__file__).parent / "slots.tamp"

@@ -29,6 +29,7 @@ from tamplang.runtime.plan import (
     SourceRecord,
     StatisticsRecord,
     TaskRecord,
+    TimingRecord,
     TrackRecord,
     VerdictRecord,
 )
@@ -155,20 +156,25 @@ def statistics(actions: list[str]) -> StatisticsRecord:
         place("std/rules.tamp", 4),
     )
     bounds = [
-        BoundRecord("seq", 4, 1, 0.31),
-        BoundRecord("seq-path", 3, 1, 1.2),
-        BoundRecord("path", 1, 1, 2.4),
+        BoundRecord("seq", 4, 1),
+        BoundRecord("seq-path", 3, 1),
+        BoundRecord("path", 1, 1),
     ]
-    seconds = {
-        "compile": 0.21,
-        "search": 0.02,
-        "seq": 0.31,
-        "seq_path": 1.2,
-        "path": 2.4,
-        "verify": 0.4,
-        "total": 4.61,
-    }
-    return StatisticsRecord(120, 17, True, None, 31.4, seconds, bounds, [refusal], tree)
+    return StatisticsRecord(120, 17, True, None, 31.4, bounds, [refusal], tree)
+
+
+def timing() -> TimingRecord:
+    return TimingRecord(
+        {
+            "compile": 0.21,
+            "search": 0.02,
+            "seq": 0.31,
+            "seq_path": 1.2,
+            "path": 2.4,
+            "verify": 0.4,
+            "total": 4.61,
+        }
+    )
 
 
 def verdict(phases: list[PhaseRecord]) -> VerdictRecord:
@@ -280,10 +286,11 @@ def climb_plan(count: int = 3) -> Plan:
         mode,
         stamps(len(phases)),
         [TrackRecord("c[1]", poses, values)],
-        [BodyTrackRecord("target", held)],
+        [BodyTrackRecord("target", 0, held)],
         [],
         statistics([p.action for p in phases]),
         verdict(phases),
+        timing=timing(),
     )
 
 

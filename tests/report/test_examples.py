@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 import tamplang
-from tamplang.runtime.plan import read_plan
+from tamplang.runtime.plan_files import read_plan
+from tamplang.runtime.tracks import body_rows
 
 from .conftest import Opened, Opener
 from .test_browser import same_pose
@@ -35,8 +36,8 @@ def test_replay_of_a_solved_example(case: str, tmp_path: Path, open_report: Open
         time = (phase.start + phase.end) / 2
         index = max(i for i, t in enumerate(plan.times) if t <= time)
         opened.seek(plan.times[index])
-        for track in [*plan.tracks, *plan.body_tracks]:
-            assert same_pose(opened.pose(track.name), track.poses[index])
+        for name, rows in ({t.name: t.poses for t in plan.tracks} | body_rows(plan)).items():
+            assert same_pose(opened.pose(name), rows[index])
         opened.page.wait_for_timeout(100)
         shots.append(opened.page.locator("#pane").screenshot(path=tmp_path / f"{index}.png"))
     assert len(set(shots)) == len(shots)

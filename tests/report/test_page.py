@@ -17,9 +17,8 @@ from tamplang.runtime.plan import (
     ShapeRecord,
     StatisticsRecord,
     TrackRecord,
-    read_plan,
-    write_plan,
 )
+from tamplang.runtime.plan_files import read_plan, write_plan
 from tamplang.runtime.report import render_report, write_report
 
 from .sample import SAMPLES, climb_plan, dock_plan, empty_plan, place, still_plan
@@ -145,7 +144,7 @@ def test_unknown_places_are_named_but_not_linked() -> None:
         {"tracks": [TrackRecord("c[1]", [[0.0] * 7] * 4, [[0.0] * 7] * 2)]},
         {"tracks": [TrackRecord("c[1]", [[0.0] * 3] * 9, [[0.0] * 2] * 9)]},
         {"tracks": [TrackRecord("somebody", [[0.0] * 7], [[0.0] * 7])]},
-        {"body_tracks": [BodyTrackRecord("target", [])]},
+        {"body_tracks": [BodyTrackRecord("target", 0, [])]},
         {"bodies": [BodyRecord("blob", "object", ShapeRecord("mesh", []), [], True)]},
         {"times": []},
         {"times": [0.0]},

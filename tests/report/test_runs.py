@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from tamplang.runtime.plan import BreakdownRecord, CourseRecord, Plan, WindowRecord
+from tamplang.runtime.plan import BreakdownRecord, CourseRecord, Plan, TimingRecord, WindowRecord
 from tamplang.runtime.report import render_report, write_report
 
 from .conftest import Opener
@@ -19,12 +19,13 @@ def run() -> Plan:
     plan = climb_plan()
     middle = plan.phases[0].end
     windows = [
-        WindowRecord(0.0, 0, "start", 0.5, ["a", "b"], 2, ["(held target)"]),
-        WindowRecord(middle, 1, "stair[2] is <4> mm off", 0.125, ["b"], 1, ["(held target)"]),
+        WindowRecord(0.0, 0, "start", ["a", "b"], 2, ["(held target)"]),
+        WindowRecord(middle, 1, "stair[2] is <4> mm off", ["b"], 1, ["(held target)"]),
     ]
     phases = [replace(plan.phases[0], completed=False, added=[]), *plan.phases[1:]]
     gone = [BreakdownRecord(plan.modules[0].name, middle, "gone")]
-    return replace(plan, phases=phases, windows=windows, breakdowns=gone, complete=False)
+    return replace(plan, phases=phases, windows=windows, breakdowns=gone, complete=False,
+                   timing=TimingRecord({}, [0.5, 0.125]))  # fmt: skip
 
 
 def test_the_page_tells_windows_and_what_was_broken_off(run: Plan) -> None:

@@ -13,7 +13,8 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from tamplang.runtime.plan import Plan, PlanFileError, read_plan, write_plan
+from tamplang.runtime.plan import Plan
+from tamplang.runtime.plan_files import PlanFileError, read_plan, write_plan
 from tamplang.runtime.verify import verify
 
 Data = dict[str, Any]
@@ -58,14 +59,16 @@ def delete_phase_with_samples(data: Data) -> None:
     del data["phases"][1]
     keep = [*range(first), *range(count, len(data["times"]))]
     data["times"] = [data["times"][i] - (end - start if i >= count else 0.0) for i in keep]
-    for tracks in (data["tracks"], data["body_tracks"]):
-        for item in tracks:
-            for field in set(item) & {"poses", "joints"}:
-                item[field] = [item[field][i] for i in keep]
-    splines = [s for s in data["splines"] if s["phase"] != 1]
+    for item in data["tracks"]:
+        for field in ("poses", "joints"):
+            item[field] = [item[field][i] for i in keep]
+    for piece in data["body_tracks"]:
+        piece["first"] -= count - first
+    splines = [s for s in data["splines"] if s["from"] != 1]
     for spline in splines:
-        if spline["phase"] > 1:
-            spline["phase"] -= 1
+        if spline["from"] > 1:
+            spline["from"] -= 1
+            spline["until"] -= 1
             spline["knots"] = [k - (end - start) for k in spline["knots"]]
     data["splines"] = splines
     for phase in data["phases"][1:]:
@@ -230,7 +233,7 @@ def move_resting_body(data: Data) -> None:
     poses = [list(data["bodies"][1]["pose"]) for _ in data["times"]]
     for index in range(20, 30):
         poses[index][1] += 0.1
-    data["body_tracks"].append({"name": "right", "poses": poses})
+    data["body_tracks"].append({"name": "right", "first": 0, "poses": poses})
 
 
 def drop_ball_early(data: Data) -> None:
@@ -243,11 +246,11 @@ def drop_last_phase(data: Data) -> None:
     end = data["phases"].pop()["start"]
     count = data["times"].index(end) + 1
     data["times"] = data["times"][:count]
-    for tracks in (data["tracks"], data["body_tracks"]):
-        for item in tracks:
-            for field in set(item) & {"poses", "joints"}:
-                item[field] = item[field][:count]
-    data["splines"] = [s for s in data["splines"] if s["phase"] != 3]
+    for item in data["tracks"]:
+        for field in ("poses", "joints"):
+            item[field] = item[field][:count]
+    data["body_tracks"] = [p for p in data["body_tracks"] if p["first"] < count]
+    data["splines"] = [s for s in data["splines"] if s["from"] != 3]
 
 
 CASES: list[tuple[Callable[[Data], None], str]] = [
@@ -288,7 +291,7 @@ CASES: list[tuple[Callable[[Data], None], str]] = [
     (time_backwards, "times"),
     (no_times, "times"),
     (hurry, "joint_speed_rad_s"),
-    (drop_spline, "structure"),
+    (drop_spline, "spline_rad"),
     (change_spline, "spline_rad"),
     (move_resting_body, "rest"),
     (drop_ball_early, "slip_m"),

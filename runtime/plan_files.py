@@ -1,0 +1,103 @@
+"""Plan files on the disk: written whole or not at all, read with suspicion."""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from .plan import FORMAT, KNOWN_NEEDS, Plan
+from .plan_upgrade import FORMAT_1, Plan1, upgraded
+
+LARGEST = 1_000_000_000
+"""Bytes. A plan of 64 things has some 30 million; beyond a thousand million the file is no plan that fits in memory."""
+
+
+class PlanFileError(Exception):
+    """The file is not a readable plan; the message says why."""
+
+
+class _Head(msgspec.Struct):
+    format: str
+
+
+def write_text_atomically(path: str | Path, text: str) -> None:
+    """Write `text` so that a reader, or an interrupted run, never sees half of it. Raises OSError."""
+    target = Path(path)
+    descriptor, temporary = tempfile.mkstemp(dir=target.parent or ".", prefix=f".{target.name}.")
+    try:
+        with os.fdopen(descriptor, "w", encoding="utf-8") as stream:
+            stream.write(text)
+        umask = os.umask(0)
+        os.umask(umask)
+        os.chmod(temporary, 0o666 & ~umask)
+        os.replace(temporary, target)
+    except BaseException:
+        os.unlink(temporary)
+        raise
+
+
+def write_plan(plan: Plan, path: str | Path) -> None:
+    """Write the plan as JSON, atomically. Raises OSError."""
+    write_text_atomically(path, msgspec.json.encode(plan).decode())
+
+
+def read_plan(path: str | Path) -> Plan:
+    """Read a plan file of this format, or of an older one, which is upgraded. Raises PlanFileError when it cannot be
+    read or is no plan."""
+    data = _content(Path(path))
+    try:
+        head = msgspec.json.decode(data, type=_Head)
+        if head.format not in (FORMAT, FORMAT_1):
+            known = f"this version reads {FORMAT!r} and {FORMAT_1!r}"
+            raise PlanFileError(f"{path} has format {head.format!r}; {known}")
+        plan = msgspec.json.decode(data, type=Plan) if head.format == FORMAT else _read_1(data)
+    except (msgspec.DecodeError, RecursionError) as error:
+        raise PlanFileError(f"{path} is not a plan file: {_told(error)}") from error
+    _refuse_repeated(path, data)
+    unknown = sorted(set(plan.needs) - KNOWN_NEEDS)
+    if unknown:
+        raise PlanFileError(f"{path} needs {', '.join(unknown)}, which this version does not understand")
+    return plan
+
+
+def _read_1(data: bytes) -> Plan:
+    return upgraded(msgspec.json.decode(data, type=Plan1))
+
+
+def _told(error: Exception) -> str:
+    return "brackets are nested too deeply" if isinstance(error, RecursionError) else str(error)
+
+
+def _content(path: Path) -> bytes:
+    """All bytes of a regular file. Raises PlanFileError."""
+    try:
+        status = os.stat(path)
+        if not stat.S_ISREG(status.st_mode):
+            what = "it is a folder" if stat.S_ISDIR(status.st_mode) else "it is not a regular file"
+            raise PlanFileError(f"cannot read {path}: {what}")
+        if status.st_size > LARGEST:
+            raise PlanFileError(f"cannot read {path}: it has {status.st_size} bytes, at most {LARGEST} are read")
+        with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as stream:
+            return stream.read(LARGEST + 1)
+    except OSError as error:
+        raise PlanFileError(f"cannot read {path}: {error.strerror}") from error
+    except ValueError as error:
+        raise PlanFileError(f"{str(path)!r} is not a file name") from error
+
+
+def _refuse_repeated(path: str | Path, data: bytes) -> None:
+    """JSON lets a name occur twice in an object, and readers differ in which of both they take."""
+
+    def once(pairs: list[tuple[str, Any]]) -> None:
+        names = [name for name, _ in pairs]
+        if len(set(names)) < len(names):
+            repeated = next(name for name in names if names.count(name) > 1)
+            raise PlanFileError(f"{path} is not a plan file: `{repeated}` occurs twice in one object")
+
+    json.loads(data, object_pairs_hook=once)
