@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from ..compiler.ir import Action, Problem
 from .assemble import assemble
 from .budget import Budget
@@ -16,6 +14,7 @@ from .motion.spans import NOISE, judged_alone
 from .motion.starts import guess
 from .plan import Plan, StatisticsRecord, TimingRecord
 from .questions import Whole, Window
+from .seeds import Seed
 from .skeleton import BoundResult, Configuration, Skeleton, beginning
 from .solves import QUICK, Solves
 from .verify import verify
@@ -26,7 +25,6 @@ LONGEST_WINDOW = 3
 """How many phases a conflict that may start anywhere has at most."""
 WIDER = 0.01
 """Metres by which margins grow for a plan that the verifier refused."""
-AGAIN = 1000
 VERIFYING = 5.0
 """Seconds that the verifier gets for a plan, however little of the budget is left."""
 ONCE = 1
@@ -44,7 +42,7 @@ class Bounds(Solves):
         self._feasible: set[tuple[object, ...]] = set()
         self.experience = Experience(self.problem)
 
-    def restart(self, problem: Problem, seed: int, budget: Budget) -> None:
+    def restart(self, problem: Problem, seed: Seed, budget: Budget) -> None:
         """Go on with the same task from another state: what was learnt of phases wherever they start stays."""
         self.problem, self.seed, self.budget = problem, seed, budget
         self.tries = QUICK
@@ -81,7 +79,7 @@ class Bounds(Solves):
 
     def _onward(self, skeleton: Skeleton, ahead: Sequence[Configuration]) -> BoundResult:
         """P_seq from the first switch configurations `ahead`, and guesses behind them."""
-        random = np.random.default_rng(self.seed)
+        random = self.seed.child("onward").random()
         rest = range(len(ahead), len(skeleton))
         warm = [*ahead[: len(skeleton)], *guess(skeleton, rest, ahead[-1], random, NOISE)]
         return self._sequence(skeleton, self.seed, warm, tries=self.tries)
@@ -89,13 +87,13 @@ class Bounds(Solves):
     def retry(self, skeleton: Skeleton, motions: int) -> Judgement:
         """As `judge`, for a way that was refused only from the start: with all starts, and others than before. A
         refusal has no conflicts. Raises OutOfTime."""
-        return self.motion(skeleton, self._sequence(skeleton, self.seed + AGAIN, None, tries=None), motions)
+        return self.motion(skeleton, self._sequence(skeleton, self.seed.child("retry"), None, tries=None), motions)
 
     def try_harder(self) -> None:
         """Forget every refusal; from now on each span gets all its starts, and others than before."""
         self.experience.forget()
         self._windows = {key: result for key, result in self._windows.items() if result.feasible}
-        self.seed += 1
+        self.seed = self.seed.child("harder")
         self.tries = None
 
     def believe(
@@ -110,7 +108,7 @@ class Bounds(Solves):
         careful, seed = self.settings, self.seed
         try:
             self.settings = careful.wider(WIDER)
-            self.seed = seed + AGAIN
+            self.seed = seed.child("wider")
             judgement = self.motion(skeleton, self._sequence(skeleton, self.seed, None, tries=self.tries))
         finally:
             self.settings, self.seed = careful, seed

@@ -27,6 +27,7 @@ from .search.best_first import Candidate, SkeletonSearch
 from .search.roomy import roomier
 from .search.skeletons import build_skeleton
 from .search.surcharge import Surcharge
+from .seeds import Seed
 from .skeleton import Skeleton
 from .touching import touching
 
@@ -127,8 +128,8 @@ class _Run:
         self.accepted: list[Candidate] = []
         self.distrusted: list[Plan] = []
         self.first_bound: float | None = None
-        settings = motion_settings(problem, options)
-        self.bounds = Bounds(problem, settings, options.bound, options.seed, self.budget, self._tell, options.ahead)
+        settings, seed = motion_settings(problem, options), Seed(options.seed)
+        self.bounds = Bounds(problem, settings, options.bound, seed, self.budget, self._tell, options.ahead)
         self.refusals = Refusals(problem)
         self.search: SkeletonSearch | None = None
         self.again = False

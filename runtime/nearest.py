@@ -12,15 +12,14 @@ from ..compiler.symbolic.normal_form import conjuncts
 from ..compiler.symbolic.renaming import renaming
 from ..compiler.symbolic.successors import Successors
 from ..langs.source import Span
-from .budget import Budget, OutOfTime
 from .native import MissingLibrary
 from .verify.formulas import Environment, ReplayError, State, bindings, holds
 from .verify.replay import Interpreter, ground, span_of
 
 MOST_STATES = 200
 """Where more states can be reached than that, one state tells little of all."""
-LOOKING = 2.0
-"""Seconds that all looks may take."""
+MOST_LOOKS = 20_000
+"""Conditions of ground actions that are looked at: about 2 s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,9 +44,9 @@ class Nearest:
 
 
 def nearest(problem: Problem, rules: Sequence[Rule]) -> Nearest | None:
-    """The nearest action of all `rules`; None where looking at each takes too long, or coal is missing."""
+    """The nearest action of all `rules`; None where they are too many to look at, or coal is missing."""
     found: tuple[tuple[int, int], Nearest] | None = None
-    budget = Budget(LOOKING)
+    looks = 0
     try:
         interpreter = Interpreter(problem)
         for facts, before in _reached(problem):
@@ -55,13 +54,15 @@ def nearest(problem: Problem, rules: Sequence[Rule]) -> Nearest | None:
             for rule in rules:
                 parts = [*conjuncts(rule.condition)]
                 for environment in bindings(state, rule.variables, {}):
-                    budget.check()
+                    looks += 1
+                    if looks > MOST_LOOKS:
+                        return None
                     missing = tuple(part for part in parts if not holds(state, part, environment))
                     failing = [_failing(state, part, environment) for part in missing]
                     rank = len(missing), sum(map(len, failing))
                     if missing and (found is None or rank < found[0]):
                         found = rank, Nearest(ground(rule, environment), before, missing, _told(failing))
-    except (MissingLibrary, OutOfTime, ReplayError):
+    except (MissingLibrary, ReplayError):
         return None
     return found[1] if found else None
 

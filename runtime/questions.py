@@ -13,6 +13,7 @@ from .motion.path import solve_path
 from .motion.phases import UnsupportedPhase, solve_sequence_path
 from .motion.sequence import solve_sequence, window_feasible
 from .motion.settings import MotionSettings
+from .seeds import Seed
 from .skeleton import BoundResult, Configuration, Skeleton, beginning
 
 Answer = TypeVar("Answer")
@@ -35,7 +36,7 @@ class Whole(Question[BoundResult]):
     """P_seq of a skeleton from the start, with at most `tries` starts of a span."""
 
     settings: MotionSettings
-    seed: int
+    seed: Seed
     tries: int | None
 
     def solved(self, skeleton: Skeleton, budget: Budget) -> BoundResult:
@@ -47,7 +48,7 @@ class Window(Question[BoundResult]):
     """P_seq of phases `first` … `last` alone."""
 
     settings: MotionSettings
-    seed: int
+    seed: Seed
     first: int
     last: int
 
@@ -61,8 +62,8 @@ class Attempt(Question[tuple[BoundResult, BoundResult | None]]):
     P_seqPath of the first `motions` phases between those it finds, with random numbers from `seed`."""
 
     settings: MotionSettings
-    seed: int
-    draw: int
+    seed: Seed
+    draw: Seed
     tries: int | None
     warm: Sequence[Configuration]
     motions: int
@@ -81,7 +82,7 @@ class Attempt(Question[tuple[BoundResult, BoundResult | None]]):
 
 
 def sequence_path(
-    skeleton: Skeleton, sequence: BoundResult, settings: MotionSettings, seed: int, budget: Budget,
+    skeleton: Skeleton, sequence: BoundResult, settings: MotionSettings, seed: Seed, budget: Budget,
     thorough: bool = True, known: BoundResult | None = None,
 ) -> BoundResult:  # fmt: skip
     """P_seqPath of a skeleton, or of its beginning, between the switch configurations of `sequence`; as one program

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from ..compiler.ir import Problem
 from .ahead import Ahead
-from .budget import Budget, Clock, OutOfTime
+from .budget import Budget, Clock
 from .judgement import Judgement, blame, with_motion
 from .motion.mending import MENDS, QUICK_MENDS, Mend, mended, resampled, unmoved
 from .motion.path import solve_path
@@ -16,14 +16,15 @@ from .motion.sequence import LONGEST, solve_sequence
 from .motion.settings import MotionSettings
 from .plan import BoundRecord
 from .questions import Attempt, Whole, sequence_path
+from .seeds import Seed
 from .skeleton import BoundResult, Configuration, Skeleton, beginning
 
 QUICK = 3
 """Starts of a span before a skeleton is refused for the first time."""
 RESAMPLES = 4
 """How often all switch poses are drawn anew when mending them around phases without a path does not help."""
-PATH_SECONDS, PATH_SHARE = 30.0, 0.4
-"""What P_path of one skeleton may take: seconds, and share of the time that is left."""
+PATH_EFFORT = 400_000
+"""What P_path of one skeleton may take, iterations times unknowns: about 12 s, at 25 to 50 µs each."""
 
 
 @dataclass(eq=False)
@@ -34,7 +35,7 @@ class Solves:
     problem: Problem
     settings: MotionSettings
     finest: str
-    seed: int
+    seed: Seed
     budget: Budget
     tell: Callable[[str, str], None]
     ahead: Ahead = field(default_factory=Ahead)
@@ -49,7 +50,7 @@ class Solves:
         return [BoundRecord(bound, solved, refused) for bound, (solved, refused) in self._counts.items()]
 
     def _sequence(
-        self, skeleton: Skeleton, seed: int, warm: Sequence[Configuration] | None, tries: int | None
+        self, skeleton: Skeleton, seed: Seed, warm: Sequence[Configuration] | None, tries: int | None
     ) -> BoundResult:
         self.tell("seq", f"P_seq of {len(skeleton)} actions")
         with self.clock("seq"):
@@ -96,7 +97,7 @@ class Solves:
         if self.finest == "path":
             known = sequence.configurations[: len(first) + 1]
             free = self._path(first, replace(sequence, configurations=known))
-            if free is not None and free.feasible:
+            if free.feasible:
                 return with_motion(self.problem.world, free, [])
             bound = "path"
         return Judgement(False, conflicts=[blame(bound, result, blamed, len(first))])
@@ -112,18 +113,19 @@ class Solves:
     def _drawn(self, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int) -> Attempt:
         """The attempt after P_seqPath between the switch poses of `sequence` was refused."""
         failed = sorted({v.phase for v in refused.violations})
+        draw = self.seed.child("attempt", attempt)
         if attempt == 1:
             warm = unmoved(sequence.configurations, failed)[1:]
         else:
-            warm = resampled(sequence.configurations, failed, self.seed + attempt)[1:]
-        return Attempt(self.settings, self.seed, self.seed + attempt, self.tries, warm, motions)
+            warm = resampled(sequence.configurations, failed, draw.child("start"))[1:]
+        return Attempt(self.settings, self.seed, draw, self.tries, warm, motions)
 
     def _attempt(
         self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int
     ) -> tuple[BoundResult, BoundResult | None]:
         """P_seq once more, and P_seqPath too where another process has come to it already."""
         if len(skeleton) > LONGEST:
-            return self._sequence(skeleton, self.seed + attempt, None, tries=self.tries), None
+            return self._sequence(skeleton, self.seed.child("attempt", attempt), None, tries=self.tries), None
         drawn = self._drawn(sequence, refused, attempt, motions)
         if not self.ahead.expects(skeleton, drawn):
             return self._sequence(skeleton, drawn.draw, drawn.warm, tries=self.tries), None
@@ -142,17 +144,11 @@ class Solves:
         if self.ahead.helps and attempt <= RESAMPLES and len(skeleton) <= LONGEST:
             self.ahead.expect(skeleton, self._drawn(sequence, refused, attempt, motions), self.budget)
 
-    def _path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult | None:
-        """P_path, with a share of the time that is left; None when that is spent."""
+    def _path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult:
+        """P_path, with bounded effort."""
         self.tell("path", f"P_path of {len(skeleton)} actions")
-        share = Budget(min(PATH_SECONDS, PATH_SHARE * self.budget.remaining))
-        try:
-            with self.clock("path"):
-                result = solve_path(skeleton, self.settings, self.seed, share, sequence)
-        except OutOfTime:
-            self.budget.check()
-            self._count("path", False)
-            return None
+        with self.clock("path"):
+            result = solve_path(skeleton, self.settings, self.seed, self.budget, sequence, effort=PATH_EFFORT)
         self._count("path", result.feasible)
         return result
 

@@ -22,6 +22,7 @@ from tamplang.runtime.motion.sequence import solve_sequence
 from tamplang.runtime.motion.settings import MotionSettings
 from tamplang.runtime.plan import StatisticsRecord
 from tamplang.runtime.search.skeletons import build_skeleton
+from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import BoundResult, Configuration, PhasePath, Skeleton
 
 from . import cases
@@ -156,11 +157,11 @@ def solve(prepared: Prepared, bound: str, seed: int) -> dict[str, Any]:
         if bound == "path with collisions":
             result, sequence_cpu = _with_collisions(skeleton, chosen, seed, budget)
         else:
-            sequence = solve_sequence(skeleton, chosen, seed, budget)
+            sequence = solve_sequence(skeleton, chosen, Seed(seed), budget)
             sequence_cpu = time.process_time() - started
             if bound == "path" and sequence.feasible:
                 started = time.process_time()
-                result = solve_path(skeleton, chosen, seed, budget, sequence)
+                result = solve_path(skeleton, chosen, Seed(seed), budget, sequence)
     except OutOfTime:
         result = None
     cpu = time.process_time() - started
@@ -183,12 +184,12 @@ def _with_collisions(
     spent, result = 0.0, None
     for attempt in range(ATTEMPTS):
         started = time.process_time()
-        sequence = solve_sequence(skeleton, chosen, seed + 1000 * attempt, budget)
+        sequence = solve_sequence(skeleton, chosen, Seed(seed).child("attempt", attempt), budget)
         spent += time.process_time() - started
         if not sequence.feasible:
             result = sequence
             continue
-        result = solve_sequence_path(skeleton, sequence.configurations, chosen, seed, budget)
+        result = solve_sequence_path(skeleton, sequence.configurations, chosen, Seed(seed), budget)
         if result.feasible:
             break
     return result, spent

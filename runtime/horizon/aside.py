@@ -12,6 +12,7 @@ from ..motion.easing import eased
 from ..motion.movement import involved
 from ..motion.settings import MotionSettings
 from ..questions import sequence_path
+from ..seeds import Seed
 from ..skeleton import BoundResult, Configuration, PhasePath, Skeleton, start_configuration
 from .drift import clearances
 from .world import carried
@@ -26,7 +27,7 @@ MOST_PATHS = 4
 """For so many postures, those with little motion first, a path is looked for."""
 
 
-def way_aside(skeleton: Skeleton, settings: MotionSettings, seed: int, budget: Budget) -> PhasePath | None:
+def way_aside(skeleton: Skeleton, settings: MotionSettings, seed: Seed, budget: Budget) -> PhasePath | None:
     """A motion of the robot that the only phase of a skeleton moves, from where it is to a posture with room around
     it, at rest at both ends; None where none is found. Raises OutOfTime."""
     start = start_configuration(skeleton.problem)
@@ -39,10 +40,10 @@ def way_aside(skeleton: Skeleton, settings: MotionSettings, seed: int, budget: B
     return None
 
 
-def _postures(skeleton: Skeleton, start: Configuration, seed: int) -> Iterator[tuple[Configuration, float]]:
+def _postures(skeleton: Skeleton, start: Configuration, seed: Seed) -> Iterator[tuple[Configuration, float]]:
     """Random postures, and how far the joint that moves most has to go."""
     problem, mode = skeleton.problem, skeleton.phases[0].mode
-    random = np.random.default_rng([seed, 3])
+    random = seed.child("postures").random()
     moving = sorted(involved(skeleton, 0))
     own = {name: pose[None, :] for name, pose in start.bodies.items() if not problem.world.bodies[name].movable}
     for spread in np.repeat(SPREADS, DRAWS):

@@ -15,21 +15,22 @@ from ..motion.sequence import solve_sequence
 from ..motion.settings import MotionSettings
 from ..questions import sequence_path
 from ..refusals import Refusals
+from ..seeds import Seed
 from ..skeleton import BoundResult, Breach, Phase, PhasePath, Skeleton, beginning
 from ..verify.formulas import ReplayError
 from ..verify.replay import Interpreter
 from .foresight import concerned
 from .state import start
-from .windows import LOOKAHEAD, PLANNED, plan_window, remember
+from .windows import CANDIDATES, LOOKAHEAD, PLANNED, plan_window, remember
 
 SHORTER = ((2, -0.005), (2, -0.01))
 """After a first try while things move: so many actions, as what comes later may be in reach by then, and so
 many metres added to margins, as a robot that stands a little off may be nearer to things than it should."""
+FEW_CANDIDATES = 6
+"""Ways that a search in mid-run judges: as a rule the first one is taken (benchmarks/horizon.py)."""
 FARTHER = 3
 """Actions that are looked at beyond others for every time that the run has been in the same state before: it goes in
 circles when what is refused lies behind what it looks at."""
-FRESH = 100
-"""Between the seeds of one failure and the next."""
 
 Item = TypeVar("Item")
 
@@ -50,14 +51,16 @@ class Window:
 class Planner:
     """Plans windows for one run. `status` says, after no way was found, why: "stuck" or "infeasible"; `refusals`
     explain it. `failures` counts windows that were not found, one after the other: the next tries are others.
-    `returns` says how often the run has been in the present state before: the more often, the farther P_seq looks.
-    `blamed` maps bodies that were in the way of the first phase of the last one to the modules that they stopped."""
+    `hasty` searches, in mid-run, judge few ways. `returns` says how often the run has been in the present state
+    before: the more often, the farther P_seq looks. `blamed` maps bodies that were in the way of the first phase of
+    the last one to the modules that they stopped."""
 
     def __init__(self, options: SolveOptions) -> None:
         self.options = options
         self.status = "running"
         self.failures = 0
         self.returns = 0
+        self.hasty = False
         self.blamed: dict[str, str] = {}
         self.refusals: Refusals | None = None
 
@@ -78,7 +81,7 @@ class Planner:
         tries = [(seen, 0.0), *(shorter if moving else [(horizon, SHORTER[0][1])])]
         for attempt, (count, margin) in enumerate(tries):
             settings = motion_settings(problem, self.options).wider(wider + margin)
-            seed = self.options.seed + FRESH * self.failures + attempt
+            seed = Seed(self.options.seed).child("failures", self.failures, attempt)
             found = _motions(beginning(skeleton, count), motions, settings, seed, budget)
             if found.feasible:
                 return Window(problem, tuple(actions), skeleton, eased(problem.world, found.paths), moving)
@@ -103,7 +106,10 @@ class Planner:
         memory = remember(problem, self.options, budget)
         memory.bounds.settings = memory.bounds.settings.wider(wider + (SHORTER[-1][1] if moving else 0.0))
         count = SHORTER[0][0] if moving else horizon
-        found = plan_window(problem, begin, self.options, count, budget, memory, lookahead=seen)
+        candidates = FEW_CANDIDATES if self.hasty else CANDIDATES
+        found = plan_window(
+            problem, begin, self.options, count, budget, memory, lookahead=seen, candidates=candidates
+        )
         if found.status != PLANNED:
             self.status, self.refusals = found.status, memory.refusals
             return None
@@ -130,7 +136,7 @@ def replayed(
 
 
 def _motions(
-    skeleton: Skeleton, motions: int, settings: MotionSettings, seed: int, budget: Budget
+    skeleton: Skeleton, motions: int, settings: MotionSettings, seed: Seed, budget: Budget
 ) -> BoundResult:
     """Switches of the whole skeleton, then motions of its first phases."""
     sequence = solve_sequence(skeleton, settings, seed, budget)

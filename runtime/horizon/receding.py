@@ -22,6 +22,7 @@ from ..bounds import WIDER
 from ..budget import Budget, ending
 from ..lgp import Outcome, Progress, SolveOptions
 from ..plan import Plan, StatisticsRecord, TimingRecord, WindowRecord
+from ..seeds import Seed
 from ..skeleton import PhasePath, Skeleton
 from ..verify import verify
 from .length import horizon_of
@@ -39,8 +40,6 @@ VISITS = 2
 """How often windows may start at the same facts."""
 SHOWN = 200
 """Nodes of a window's search that are kept for drawing."""
-SEEDS = 101
-"""Between the seeds of two motions of one window."""
 DOUBTS = 2
 """How often a run that the verifier refuses is planned anew from the window that it blames."""
 
@@ -126,7 +125,7 @@ class _Run:
         level = self.levels[-1]
         window = plan_window(
             self.problem, level.reached, self.options, self.horizon.length, self.budget, self.memory,
-            seed=self.options.seed + SEEDS * level.failures, forbidden=tuple(level.forbidden),
+            seed=Seed(self.options.seed).child("failures", level.failures), forbidden=tuple(level.forbidden),
             lookahead=self.lookahead, before=self.kept[-1].window if self.kept and not level.failures else None,
         )  # fmt: skip
         self.tree_nodes += window.tree_nodes

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ...compiler import ir
-from ..budget import Budget, OutOfTime
+from ..budget import Budget
 from ..lgp import SolveOptions, motion_settings
 from ..resampling import kept_pairs
+from ..seeds import Seed
 from ..skeleton import Array, Phase, PhasePath
 from .aside import way_aside
 from .braking import at_times, braked, waiting
@@ -47,8 +48,6 @@ NEARLY = 1e-3
 """Metres that a motion may end off what it meets, where it is too late for anything else."""
 AROUND = 0.05
 """Metres from a robot within which bodies are looked out for."""
-LONGEST_SEARCH = 30.0
-"""Seconds that the search for another way may take in mid-run."""
 
 
 @dataclass(slots=True)
@@ -82,16 +81,9 @@ class Route:
         return None
 
     def another_way(self, world: World) -> Window | None:
-        """A window on a way that is searched anew; the first search of a run may take all its time."""
-        longest = self.budget.remaining if not self.way and world.time == 0.0 else LONGEST_SEARCH
-        whole, self.budget = self.budget, Budget(min(longest, self.budget.remaining))
-        try:
-            window = self._timed(world, FIRST_GUESS, search=True)
-        except OutOfTime:
-            whole.check()
-            self.planner.status, window = "stuck", None
-        finally:
-            self.budget = whole
+        """A window on a way that is searched anew."""
+        self.planner.hasty = bool(self.way) or world.time > 0.0
+        window = self._timed(world, FIRST_GUESS, search=True)
         self.way = window.actions if window is not None else self.way
         return window
 
@@ -201,7 +193,7 @@ class Route:
         skeleton = self.planner.skeleton(problem, self.way[:1])
         if skeleton is None:
             return None
-        seed = self.options.seed + self.planner.failures
+        seed = Seed(self.options.seed).child("aside", self.planner.failures)
         return way_aside(skeleton, motion_settings(problem, self.options), seed, self.budget)
 
     def passed(self, world: World, phase: Phase, path: PhasePath) -> frozenset[str]:

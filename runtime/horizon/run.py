@@ -22,6 +22,7 @@ from ...langs.source import Span
 from ..assemble import FACTOR
 from ..budget import Budget, ending
 from ..plan import StatisticsRecord, TimingRecord, WindowRecord
+from ..seeds import Seed
 from ..skeleton import Phase, PhasePath
 from ..verify import verify
 from ..verify.replay import Interpreter
@@ -65,7 +66,7 @@ class Run:
         self.windows: list[WindowRecord] = []
         self.seconds: list[float] = []
         self._tell = tell
-        sensing = Sensing(options.noise.position, np.random.default_rng([options.seed, 1]))
+        sensing = Sensing(options.noise.position, Seed(options.seed).child("sensing").random())
         self._failures = Failures(problem)
         self._lookout = Lookout(sensing)
         self._horizon = horizon_of(options.horizon)

@@ -13,6 +13,7 @@ import numpy as np
 from ...compiler import ir
 from ..motion.movement import followers
 from ..plan import Plan
+from ..seeds import Seed
 from ..skeleton import Array, Configuration
 from ..verify.geometry import Frames
 from ..verify.kinematics import Kinematics, Motion, motion_of, place
@@ -47,7 +48,7 @@ class Deviations:
 def follow(plan: Plan, problem: ir.Problem, noise: Noise, seed: int) -> Deviations:
     """Let simulated drives carry out the joint motion of a plan. Raises MissingLibrary."""
     planned = motion_of(plan, {m.name: Kinematics(m) for m in plan.modules})
-    return deviations(plan, problem, planned.joints, _driven(planned, noise, np.random.default_rng([seed, 2])))
+    return deviations(plan, problem, planned.joints, _driven(planned, noise, Seed(seed).child("drives").random()))
 
 
 def deviations(

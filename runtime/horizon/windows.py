@@ -24,6 +24,7 @@ from ..refusals import Refusals
 from ..search.best_first import Candidate, SkeletonSearch
 from ..search.skeletons import build_skeleton
 from ..search.surcharge import Surcharge
+from ..seeds import Seed
 from ..skeleton import Configuration, PhasePath, Skeleton, beginning
 from .goals import ordered, parts_of, told, unmet
 from .state import Reached, after, reached_problem
@@ -102,7 +103,7 @@ def remember(
     told_to = tell or (lambda stage, message: None)
     settings = motion_settings(problem, options)
     options.ahead.prepare(problem)
-    bounds = Bounds(problem, settings, options.bound, options.seed, budget, told_to, options.ahead)
+    bounds = Bounds(problem, settings, options.bound, Seed(options.seed), budget, told_to, options.ahead)
     return Memory(bounds, Refusals(problem))
 
 
@@ -114,18 +115,21 @@ def plan_window(
     budget: Budget,
     memory: Memory,
     *,
-    seed: int | None = None,
+    seed: Seed | None = None,
     forbidden: Sequence[tuple[ir.Action, ...]] = (),
     lookahead: int = LOOKAHEAD,
     before: Window | None = None,
+    candidates: int = CANDIDATES,
 ) -> Window:
     """Plan from `reached` on: actions that do not begin with one of `forbidden`, motion for the first `horizon` of
     them. `problem` is the task; its own start does not matter. Another `seed` gives other motions. `before` is
-    the window that led here, if things went as it said: its way on is tried first. Raises OutOfTime, ReplayError,
-    MissingLibrary."""
+    the window that led here, if things went as it said: its way on is tried first. At most so many `candidates` are
+    judged for one goal. Raises OutOfTime, ReplayError, MissingLibrary."""
     here = reached_problem(problem, reached)
-    memory.bounds.restart(here, options.seed if seed is None else seed, budget)
-    planner = _Planner(here, reached, options, horizon, budget, memory, tuple(forbidden), lookahead, before)
+    memory.bounds.restart(here, Seed(options.seed) if seed is None else seed, budget)
+    planner = _Planner(
+        here, reached, options, horizon, budget, memory, tuple(forbidden), lookahead, before, candidates
+    )  # fmt: skip
     return planner.run()
 
 
@@ -135,12 +139,13 @@ class _Planner:
     def __init__(
         self, problem: ir.Problem, reached: Reached, options: SolveOptions, horizon: int, budget: Budget,
         memory: Memory, forbidden: tuple[tuple[ir.Action, ...], ...], lookahead: int, before: Window | None,
+        candidates: int,
     ) -> None:  # fmt: skip
         self.problem, self.reached, self.options = problem, reached, options
         self.horizon, self.budget, self.memory = horizon, budget, memory
         self.forbidden = list(forbidden)
         self.lookahead = lookahead
-        self.before = before
+        self.before, self.candidates = before, candidates
         self.began = time.monotonic()
         self.refused = self.tree_nodes = self.expanded_nodes = 0
         self.tree: tuple[SearchNode, ...] = ()
@@ -232,7 +237,7 @@ class _Planner:
             forbid(search, actions)
         self.again, self.first, self.alike = False, None, 0
         try:
-            for _ in range(CANDIDATES):
+            for _ in range(self.candidates):
                 with clock("search"):
                     candidate = self._next(search)
                 if self.first is not None and (candidate is None or self.alike >= ALIKE):

@@ -16,6 +16,7 @@ from ...compiler import ir
 from ...compiler.courses import centre_at
 from ..motion.movement import followers
 from ..resampling import Linker, between, kept_pairs
+from ..seeds import Seed
 from ..skeleton import Array, Configuration, PhasePath
 from ..splines import ClampedSpline
 from .drives import EXACT, Noise, missed
@@ -62,7 +63,7 @@ class World:
     def __init__(self, problem: ir.Problem, noise: Noise = EXACT, seed: int = 0) -> None:
         self.problem = problem
         self.noise = noise
-        self._random = np.random.default_rng([seed, 2])
+        self._random = Seed(seed).child("drives").random()
         self.time = 0.0
         self.reached = start(problem)
         self._courses: dict[str, list[ir.Course]] = {}

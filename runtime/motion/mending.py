@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from ..budget import Budget
+from ..seeds import Seed
 from ..skeleton import BoundResult, Configuration, Skeleton
 from .settings import MotionSettings
 from .spans import solve_span
@@ -40,9 +39,9 @@ def unmoved(configurations: Sequence[Configuration], failed: Sequence[int]) -> l
     return result
 
 
-def resampled(configurations: Sequence[Configuration], failed: Sequence[int], seed: int) -> list[Configuration]:
+def resampled(configurations: Sequence[Configuration], failed: Sequence[int], seed: Seed) -> list[Configuration]:
     """Switch configurations as a start, with new joint values at both ends of the failed phases."""
-    random = np.random.default_rng(seed)
+    random = seed.random()
     changed = {k for phase in failed for k in (phase, phase + 1)} - {0}
     result = []
     for k, configuration in enumerate(configurations):
@@ -67,7 +66,7 @@ def spans(failed: Sequence[int], around: int, phases: int) -> list[tuple[int, in
 
 
 def mended(
-    skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, mend: Mend, settings: MotionSettings, seed: int,
+    skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, mend: Mend, settings: MotionSettings, seed: Seed,
     budget: Budget, tries: int | None = None,
 ) -> BoundResult:  # fmt: skip
     """P_seq of stretches around the phases that `refused` blames, each from the switch before it to the one after it,
@@ -75,8 +74,9 @@ def mended(
     OutOfTime."""
     failed = sorted({v.phase for v in refused.violations})
     configurations = list(sequence.configurations)
-    warm = resampled(configurations, failed, seed + mend.draw) if mend.draw else unmoved(configurations, failed)
-    random = np.random.default_rng([seed, mend.around, mend.draw])
+    own = seed.child("mend", mend.around, mend.draw)
+    warm = resampled(configurations, failed, own.child("start")) if mend.draw else unmoved(configurations, failed)
+    random = own.random()
     iterations, done = 0, 0
     for first, last in spans(failed, mend.around, len(skeleton)):
         if last - first >= MOST:

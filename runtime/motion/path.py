@@ -12,6 +12,7 @@ import numpy as np
 from ...compiler.ir import Problem
 from ...compiler.motion.collision import Pair, PhaseContacts, contacts, taper
 from ..budget import Budget
+from ..seeds import Seed
 from ..skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton
 from .clearance import ClearanceGroup
 from .collisions import Collisions, Margins, refresh
@@ -174,28 +175,32 @@ def _continuous(slots: Sequence[Array]) -> Array:
 def solve_path(
     skeleton: Skeleton,
     settings: MotionSettings,
-    seed: int,
+    seed: Seed,
     budget: Budget,
     sequence: BoundResult,
     pinned: bool = False,
+    effort: int | None = None,
 ) -> BoundResult:
     """P_path from the switch configurations of P_seq; with `pinned` they stay as they are (P_seqPath). Phases that
-    stall get their joints bumped, at most six times. Raises OutOfTime."""
+    stall get their joints bumped, at most six times, and no more once `effort` is spent: iterations times unknowns.
+    Raises OutOfTime."""
     began = time.monotonic()
-    random = np.random.default_rng(seed)
+    random = seed.child("path").random()
     switches = sequence.configurations
     path = PathProgram(skeleton, settings, switches, pinned)
     slices = path.start(switches, [None] * len(skeleton))
-    iterations = 0
+    start = path.pack(slices)
+    iterations, most = 0, None if effort is None else max(1, effort // max(1, len(start)))
     best: BoundResult | None = None
     for number in range(BUMPS + 1):
-        result, x = attempt(path, path.pack(slices), settings, budget, PATH if number == 0 else RESUME)
+        left = None if most is None else most - iterations
+        result, x = attempt(path, path.pack(slices), settings, budget, PATH if number == 0 else RESUME, left)
         iterations += result.iterations
         if result.feasible:
             _check(path, result, settings, budget)
         if best is None or _worst(result) < _worst(best):
             best = result
-        if result.feasible or number == BUMPS:
+        if result.feasible or number == BUMPS or (most is not None and iterations >= most):
             break
         slices = _bumped(path, switches, path.unpack(x), {v.phase for v in result.violations}, random)
     assert best is not None
@@ -220,16 +225,20 @@ def _worst(result: BoundResult) -> float:
 
 
 def attempt(
-    path: PathProgram, x: Array, settings: MotionSettings, budget: Budget, options: Options
+    path: PathProgram, x: Array, settings: MotionSettings, budget: Budget, options: Options, most: int | None = None
 ) -> tuple[BoundResult, Array]:
-    """One solve from x, resumed when pairs came near meanwhile, and projected when it is feasible. Raises OutOfTime."""
+    """One solve from x of `most` iterations, resumed when pairs came near meanwhile, and projected when it is feasible.
+    Raises OutOfTime."""
     iterations = 0
     path.refresh(x)
     for number in range(REFRESHES):
-        outcome = run(path.program(), x, options if number == 0 else RESUME, settings, budget)
+        chosen = options if number == 0 else RESUME
+        if most is not None:
+            chosen = replace(chosen, iterations=min(chosen.iterations, most - iterations))
+        outcome = run(path.program(), x, chosen, settings, budget)
         iterations += outcome.iterations
         x = outcome.x
-        if not path.refresh(x) or outcome.status != "feasible":
+        if not path.refresh(x) or outcome.status != "feasible" or iterations == most:
             break
     program = path.program()
     if program.largest(x) <= settings.tolerance:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-import numpy as np
-
 from ..budget import Budget
+from ..seeds import Seed
 from ..skeleton import BoundResult, Configuration, Skeleton, start_configuration
 from .places import places
 from .settings import MotionSettings
@@ -23,7 +22,7 @@ FEW = 3
 def solve_sequence(
     skeleton: Skeleton,
     settings: MotionSettings,
-    seed: int,
+    seed: Seed,
     budget: Budget,
     start: Configuration | None = None,
     warm: Sequence[Configuration] | None = None,
@@ -37,14 +36,14 @@ def solve_sequence(
     last = len(skeleton) - 1
     if last < 0:
         return BoundResult("seq", True, 0.0, 0.0, 0, [origin], [], [])
-    random = np.random.default_rng(seed)
+    random = seed.child("sequence").random()
     span = Span(skeleton, 0, last, settings, random, budget, origin, False)
     if len(skeleton) > LONGEST and warm is None:
-        result = solve_windows(skeleton, settings, random, budget, origin, tries, patient=True)
+        result = solve_windows(skeleton, settings, seed, budget, origin, tries, patient=True)
     else:
         result = span.search(warm, tries or min(TRIES, 4 + last))
         if not result.feasible and span.reached and len(skeleton) > WINDOW and warm is None and tries is None:
-            result = solve_windows(skeleton, settings, random, budget, origin, FEW)
+            result = solve_windows(skeleton, settings, seed, budget, origin, FEW)
         elif result.feasible:
             result, spent = led_around(skeleton, 0, last, settings, random, budget, result)
             span.iterations += spent
@@ -57,10 +56,10 @@ def solve_sequence(
 
 
 def window_feasible(
-    skeleton: Skeleton, first: int, last: int, settings: MotionSettings, seed: int, budget: Budget
+    skeleton: Skeleton, first: int, last: int, settings: MotionSettings, seed: Seed, budget: Budget
 ) -> BoundResult:
     """Whether phases `first` … `last` can follow each other at all: P_seq of these alone. For first > 0 the state
     before is unknown but for the relations that hold in it. `configurations` begins with that state."""
     origin = start_configuration(skeleton.problem)
-    random = np.random.default_rng(seed)
+    random = seed.child("window").random()
     return solve_span(skeleton, first, last, settings, random, budget, origin, free=first > 0)

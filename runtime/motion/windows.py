@@ -10,6 +10,7 @@ import numpy as np
 
 from ...compiler.motion.collision import keeps_pose
 from ..budget import Budget
+from ..seeds import Seed
 from ..skeleton import Array, BoundResult, Configuration, Skeleton, start_configuration
 from .movement import followers
 from .settings import MotionSettings
@@ -99,8 +100,10 @@ def _outliers(skeleton: Skeleton) -> list[int]:
 class _Alone:
     """Phases tried alone, from an unknown state: what is refused so no window can do."""
 
-    def __init__(self, skeleton: Skeleton, settings: MotionSettings, budget: Budget, tries: int | None) -> None:
-        self.skeleton, self.settings, self.budget, self.tries = skeleton, settings, budget, tries
+    def __init__(
+        self, skeleton: Skeleton, settings: MotionSettings, seed: Seed, budget: Budget, tries: int | None
+    ) -> None:  # fmt: skip
+        self.skeleton, self.settings, self.seed, self.budget, self.tries = skeleton, settings, seed, budget, tries
         self.iterations = 0
         self._done: set[int] = set()
 
@@ -109,7 +112,7 @@ class _Alone:
         if phase == 0 or phase in self._done or not judged_alone(self.skeleton, phase):
             return None
         self._done.add(phase)
-        origin, random = start_configuration(self.skeleton.problem), np.random.default_rng(phase)
+        origin, random = start_configuration(self.skeleton.problem), self.seed.child(phase).random()
         result = solve_span(
             self.skeleton, phase, phase, self.settings, random, self.budget, origin, free=True, tries=self.tries
         )  # fmt: skip
@@ -141,14 +144,15 @@ def led_around(
 
 
 def solve_windows(
-    skeleton: Skeleton, settings: MotionSettings, random: np.random.Generator, budget: Budget, start: Configuration,
+    skeleton: Skeleton, settings: MotionSettings, seed: Seed, budget: Budget, start: Configuration,
     tries: int | None = None, patient: bool = False,
 ) -> BoundResult:  # fmt: skip
     """Windows of four phases that commit two, each started from what the one before has found ahead, and then from the
     slice two phases back moved along with its supports. On failure the search goes back further each time, to start
     anew, until it comes farther than before; `tries` bounds the starts of a window, and with `patient` not how often it
     goes back. Phases that span the most, and those that a window blames, are tried alone first. Raises OutOfTime."""
-    alone = _Alone(skeleton, settings, budget, tries)
+    alone = _Alone(skeleton, settings, seed.child("alone"), budget, tries)
+    random = seed.child("windows").random()
     for phase in _outliers(skeleton):
         refusal = alone.refused(phase)
         if refusal is not None:

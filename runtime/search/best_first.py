@@ -31,7 +31,10 @@ LOOK_AT_CLOCK = 128
 LONG = 512
 """From so many nodes on it pays to go through renamed states only: fewer successor functions, but a plan to rename."""
 HURRIED = 1.5
-"""Weight of the estimate once half the budget is spent, and of method wastar."""
+"""Weight of the estimate of a search that has become long, and of method wastar."""
+HURRY = 50_000
+"""Nodes that A* expands in one search before it hurries: 60 times the most that a task of `bench thesis` takes (809);
+2 to 50 s of CPU, as 28,000 to 1,000 nodes a second are expanded."""
 EQUAL = 1e-9
 
 Past = tuple[int, int, int | None]
@@ -60,8 +63,8 @@ class SkeletonSearch:
     """Candidates in the order of their cost. `next` gives None when there is none, and `status` says why: `infeasible`
     (proved: every reachable state was seen), `exhausted` (only no-goods made it so) or `budget`.
 
-    Methods: `astar` (cheapest first; hurried by a weight once half the budget is spent), `wastar` (weighted from the
-    start), `bfs` (no estimate), `guide` (best-first by the task's own cost-to-go, as in the thesis).
+    Methods: `astar` (cheapest first; hurried by a weight once one search has expanded HURRY nodes), `wastar` (weighted
+    from the start), `bfs` (no estimate), `guide` (best-first by the task's own cost-to-go, as in the thesis).
     """
 
     def __init__(
@@ -85,12 +88,14 @@ class SkeletonSearch:
         self.tree: list[SearchNode] = []
         self.tree_nodes = 0
         self.expanded_nodes = 0
+        self.hurried = False
         self.status = "running"
 
     def next(self) -> Candidate | None:
         """The next candidate, or None; see `status`."""
         weights = {"astar": 1.0, "wastar": HURRIED, "bfs": 0.0, "guide": 0.0}
-        return _Run(self, weights[self.method]).run()
+        weight = HURRIED if self.hurried and self.method == "astar" else weights[self.method]
+        return _Run(self, weight).run()
 
     def forbid_plan(self, candidate: Candidate) -> None:
         """Do not propose exactly this plan again, nor any that begins with it."""
@@ -179,8 +184,10 @@ class _Run:
         search.tree_nodes += 1
         pops, limit = 0, math.inf if search.node_limit is None else search.node_limit
         while self.queue:
-            if (pops % LOOK_AT_CLOCK == 0 or search.expanded_nodes >= limit) and self._interrupted():
+            if (pops % LOOK_AT_CLOCK == 0 or search.expanded_nodes >= limit) and search.out_of_budget():
                 return None
+            if pops == HURRY and search.method == "astar" and not search.hurried:
+                self._hurry()
             pops += 1
             if pops == LONG and search.renaming is not None and not self.remembers:
                 self.representative = True
@@ -258,18 +265,11 @@ class _Run:
             return None
         return following, place, action if self.guided and self.search.guide.reads_previous else None
 
-    def _interrupted(self) -> bool:
-        """Whether the budget ended; half-way through it A* starts to hurry."""
-        search = self.search
-        if search.out_of_budget():
-            return True
-        seconds = search.budget.seconds
-        late = seconds is not None and search.budget.elapsed > seconds / 2
-        if search.method == "astar" and late and self.weight < HURRIED:
-            more, self.weight = HURRIED - self.weight, HURRIED
-            self.queue = [(e[0] + more * e[1], *e[1:]) for e in self.queue]
-            heapq.heapify(self.queue)
-        return False
+    def _hurry(self) -> None:
+        """Weigh the estimate more from now on, in the searches after this one too."""
+        more, self.weight, self.search.hurried = HURRIED - self.weight, HURRIED, True
+        self.queue = [(e[0] + more * e[1], *e[1:]) for e in self.queue]
+        heapq.heapify(self.queue)
 
     def _candidate(self, key: Key, cost: float) -> Candidate:
         search = self.search

@@ -22,6 +22,7 @@ from tamplang.runtime.motion.sequence import solve_sequence
 from tamplang.runtime.motion.starts import effector_pose, inverse, to_tuple
 from tamplang.runtime.search.best_first import SkeletonSearch
 from tamplang.runtime.search.skeletons import build_skeleton
+from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Configuration, beginning
 from tamplang.runtime.verify import verify
 
@@ -36,7 +37,7 @@ def _slots(seed: int = SEED, **parameters: str) -> Problem:
 
 
 def _options(seed: int = SEED) -> SolveOptions:
-    return SolveOptions(time=60.0, seed=seed)
+    return SolveOptions(time=600.0, seed=seed)
 
 
 def _thesis(seed: int) -> Outcome:
@@ -165,7 +166,7 @@ def test_switches_behind_a_window_are_drawn_anew_with_it() -> None:
     candidate = SkeletonSearch(problem, successors, "astar", Budget(None), None).next()
     assert candidate is not None
     skeleton = build_skeleton(problem, candidate.actions, successors)
-    sequence = solve_sequence(skeleton, bounds.settings, 0, Budget(30.0))
+    sequence = solve_sequence(skeleton, bounds.settings, Seed(0), Budget(30.0))
     sequence.configurations[1].modules["c"][2] += 1.0
     judgement = bounds.motion(skeleton, sequence, 1)
     assert judgement.accepted and judgement.paths is not None and len(judgement.paths) == 1

@@ -19,6 +19,7 @@ from tamplang.runtime.horizon.route import PRESSED, Route
 from tamplang.runtime.horizon.sensing import PERIOD, Sensing
 from tamplang.runtime.horizon.world import Interval, World
 from tamplang.runtime.lgp import SolveOptions, motion_settings
+from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Phase
 from tamplang.runtime.verify.replay import Interpreter
 
@@ -95,7 +96,7 @@ def test_a_robot_moves_aside_to_where_it_has_room() -> None:
     problem = foreseen_problem(world.problem, world.reached, {}, frozenset(), {})
     skeleton = Planner(SolveOptions()).skeleton(problem, first_actions(problem)[:1])
     assert skeleton is not None
-    path = way_aside(skeleton, motion_settings(problem, SolveOptions()), 0, Budget(30.0))
+    path = way_aside(skeleton, motion_settings(problem, SolveOptions()), Seed(0), Budget(30.0))
     assert path is not None
     done = world.carry_out(Interval(skeleton.phases[0].action, world.reached.mode, frozenset(), path, False), 21)
     assert done.joints["c"][0] == pytest.approx(problem.world.modules["c"].joints)

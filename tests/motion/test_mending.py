@@ -11,6 +11,7 @@ from tamplang.runtime.motion.mending import Mend, mended, spans
 from tamplang.runtime.motion.phases import solve_sequence_path
 from tamplang.runtime.motion.sequence import solve_sequence
 from tamplang.runtime.motion.settings import MotionSettings
+from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Breach, Violation
 
 from .fixtures import pick_and_place
@@ -23,11 +24,11 @@ def test_stretches_that_overlap_are_one() -> None:
 
 def test_a_mend_leaves_all_other_switches_and_paths() -> None:
     skeleton, settings, budget = pick_and_place(3), MotionSettings(), Budget(60.0)
-    sequence = solve_sequence(skeleton, settings, 0, budget)
-    paths = solve_sequence_path(skeleton, sequence.configurations, settings, 0, budget)
+    sequence = solve_sequence(skeleton, settings, Seed(0), budget)
+    paths = solve_sequence_path(skeleton, sequence.configurations, settings, Seed(0), budget)
     assert sequence.feasible and paths.feasible
     refused = replace(paths, feasible=False, violations=[Violation(2, Breach.COLLISION, ("a", "b"), 0.1, "m")])
-    again = mended(skeleton, sequence, refused, Mend(1, 1), settings, 0, budget)
+    again = mended(skeleton, sequence, refused, Mend(1, 1), settings, Seed(0), budget)
     assert again.feasible
     same = [
         all(np.array_equal(slot, after.modules[name]) for name, slot in before.modules.items())
@@ -36,7 +37,7 @@ def test_a_mend_leaves_all_other_switches_and_paths() -> None:
     assert same == [True, True, False, False, True, True, True]
     for before, after in zip(sequence.configurations[4:], again.configurations[4:], strict=True):
         assert all(np.array_equal(pose, after.bodies[name]) for name, pose in before.bodies.items())
-    found = solve_sequence_path(skeleton, again.configurations, settings, 0, budget, known=refused)
+    found = solve_sequence_path(skeleton, again.configurations, settings, Seed(0), budget, known=refused)
     assert found.feasible
     kept = [np.array_equal(found.paths[k].modules["c"][:, 7:], paths.paths[k].modules["c"][:, 7:]) for k in range(6)]
     assert kept == [True, False, False, False, True, True]

@@ -34,6 +34,7 @@ from tamplang.runtime.motion.phases.swept import sweep
 from tamplang.runtime.motion.phases.tree import link_frames, phase_tree
 from tamplang.runtime.motion.sequence import solve_sequence
 from tamplang.runtime.motion.settings import MotionSettings
+from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import BoundResult, Breach, Configuration, Phase, Skeleton, start_configuration
 
 from .fixtures import (
@@ -90,7 +91,7 @@ def arm_scene(
 
 
 def solve(scene: tuple[Skeleton, list[Configuration]], seed: int = 0) -> BoundResult:
-    return solve_sequence_path(*scene, SETTINGS, seed, Budget(20.0))
+    return solve_sequence_path(*scene, SETTINGS, Seed(seed), Budget(20.0))
 
 
 def penetration(skeleton: Skeleton, result: BoundResult) -> float:
@@ -205,7 +206,7 @@ def test_a_switch_beyond_a_joint_limit_names_the_joint() -> None:
 
 def test_too_large_a_motion_for_the_slices_gets_more_slices() -> None:
     skeleton, states = arm_scene(planar_arm(2), [], (-2.5, 0.0), (2.5, 0.0))
-    result = solve_sequence_path(skeleton, states, MotionSettings(slices=6), 0, Budget(20.0))
+    result = solve_sequence_path(skeleton, states, MotionSettings(slices=6), Seed(0), Budget(20.0))
     assert result.feasible
     joints = result.paths[0].modules["arm"][:, 7:]
     assert len(joints) > 7 and np.abs(np.diff(joints, axis=0)).max() <= 0.5
@@ -223,7 +224,7 @@ def test_without_collisions_everything_passes() -> None:
     block = box("block", (0.2, 0.2, 0.2), (0.8, 0.0, 0.0))
     skeleton, states = arm_scene(planar_arm(2), [block], (1.5, 0.0), (0.0, 0.0))
     settings = MotionSettings(collisions=False)
-    assert solve_sequence_path(skeleton, states, settings, 0, Budget(20.0)).feasible
+    assert solve_sequence_path(skeleton, states, settings, Seed(0), Budget(20.0)).feasible
 
 
 def test_modules_need_no_shapes() -> None:
@@ -277,14 +278,14 @@ def test_polish_never_costs_more() -> None:
     wall = box("wall", (0.5, 0.06, 0.3), (0.85, 0.0, 0.0))
     scene = arm_scene(planar_arm(3, 0.33), [wall], (0.7, -0.2, 0.1), (-0.7, 0.2, -0.1))
     first = solve(scene)
-    better = polish(scene[0], first, SETTINGS, 0, Budget(20.0))
+    better = polish(scene[0], first, SETTINGS, Seed(0), Budget(20.0))
     assert better.feasible and better.cost <= first.cost
     assert penetration(scene[0], better) <= 0.0
 
 
 def test_a_spent_budget_ends_the_bound() -> None:
     with pytest.raises(OutOfTime):
-        solve_sequence_path(*arm_scene(planar_arm(2), [], (0.0, 0.0), (0.3, 0.2)), SETTINGS, 0, Budget(0.0))
+        solve_sequence_path(*arm_scene(planar_arm(2), [], (0.0, 0.0), (0.3, 0.2)), SETTINGS, Seed(0), Budget(0.0))
 
 
 def test_two_feet_on_the_ground_close_the_chain() -> None:
@@ -296,7 +297,7 @@ def test_two_feet_on_the_ground_close_the_chain() -> None:
         phase_tree(closed.problem, 0, closed.phases[0], configurations[0], configurations[1])
     assert caught.value.reason is Reason.CLOSED and caught.value.names == ("arm",)
     still = [configurations[0], configurations[0].copy()]
-    assert solve_sequence_path(closed, still, SETTINGS, 0, Budget(10.0)).feasible
+    assert solve_sequence_path(closed, still, SETTINGS, Seed(0), Budget(10.0)).feasible
 
 
 def test_rows_hold_along_the_way() -> None:
@@ -307,9 +308,9 @@ def test_rows_hold_along_the_way() -> None:
     problem = replace(skeleton.problem, motions={**MOTIONS, "near": near})
     mode = skeleton.phases[0].mode | {("near", "arm.B", "arm.A")}
     bound = Skeleton(problem, (Phase(Action("move", ()), mode, frozenset()),), mode)
-    free = solve_sequence_path(skeleton, configurations, SETTINGS, 0, Budget(20.0))
+    free = solve_sequence_path(skeleton, configurations, SETTINGS, Seed(0), Budget(20.0))
     blind = replace(SETTINGS, collisions=False)
-    kept = solve_sequence_path(bound, configurations, blind, 0, Budget(20.0))
+    kept = solve_sequence_path(bound, configurations, blind, Seed(0), Budget(20.0))
     assert free.feasible and kept.feasible
     assert longest(free) > 1.15 and longest(kept) <= 1.102
 
@@ -331,7 +332,7 @@ def test_a_still_robot_is_an_obstacle() -> None:
         configuration.modules["m"][7:] = [yaw, 1.1, 0.0, 0.0, 0.0, 0.3, 0.0]
         configuration.modules["s"][7:] = 0.0
     skeleton = Skeleton(problem, (Phase(Action("move", ()), frozenset(mode), frozenset()),), frozenset(mode))
-    result = solve_sequence_path(skeleton, configurations, SETTINGS, 0, Budget(20.0))
+    result = solve_sequence_path(skeleton, configurations, SETTINGS, Seed(0), Budget(20.0))
     assert result.feasible, result.violations
     path = result.paths[0].modules["m"]
     assert np.array_equal(result.paths[0].modules["s"], np.tile(configurations[0].modules["s"], (21, 1)))
@@ -344,9 +345,9 @@ def test_a_still_robot_is_an_obstacle() -> None:
 def test_the_benchmarks_between_solved_switches(make: object) -> None:
     assert callable(make)
     skeleton: Skeleton = make()
-    sequence = solve_sequence(skeleton, SETTINGS, 0, Budget(20.0))
+    sequence = solve_sequence(skeleton, SETTINGS, Seed(0), Budget(20.0))
     assert sequence.feasible
-    result = solve_sequence_path(skeleton, sequence.configurations, SETTINGS, 0, Budget(20.0))
+    result = solve_sequence_path(skeleton, sequence.configurations, SETTINGS, Seed(0), Budget(20.0))
     assert result.feasible, result.violations
     assert len(result.paths) == len(skeleton) and len(result.configurations) == len(skeleton) + 1
     for index, path in enumerate(result.paths):

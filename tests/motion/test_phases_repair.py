@@ -21,6 +21,7 @@ from tamplang.runtime.motion.phases.swept import sweep
 from tamplang.runtime.motion.phases.tree import phase_tree
 from tamplang.runtime.motion.sequence import solve_sequence
 from tamplang.runtime.motion.settings import MotionSettings
+from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Configuration, Phase, Skeleton, start_configuration
 
 from .fixtures import box, make_problem, pick_and_place
@@ -92,7 +93,7 @@ def test_sliding_joints_make_no_jumps() -> None:
     far = group_of(*cart_scene([], (-4.5, 0.0), (4.5, 0.0)), [0])
     checked = sweep(far.batch, far.paths)
     assert checked.step[0] > 0.0 and not checked.clean[0]
-    result = solve_sequence_path(*cart_scene([], (-4.5, 0.0), (4.5, 0.0)), SETTINGS, 0, Budget(20.0))
+    result = solve_sequence_path(*cart_scene([], (-4.5, 0.0), (4.5, 0.0)), SETTINGS, Seed(0), Budget(20.0))
     assert result.feasible and np.abs(np.diff(result.paths[0].modules["arm"][:, 7:], axis=0)).max() <= 0.5
     near = group_of(*cart_scene([], (-2.0, 0.0), (2.0, 0.0)), [0])
     assert sweep(near.batch, near.paths).clean[0]
@@ -111,7 +112,7 @@ def test_kinds_of_pairs_fade_as_contacts_do() -> None:
 
 def test_repair_sees_the_true_corners_of_what_is_put_down() -> None:
     skeleton = pick_and_place(2)
-    sequence = solve_sequence(skeleton, SETTINGS, 0, Budget(20.0))
+    sequence = solve_sequence(skeleton, SETTINGS, Seed(0), Budget(20.0))
     batch = group_of(skeleton, sequence.configurations, [1, 3]).batch
     assert batch.fading is None
     seen = batch.looking(2).fading
@@ -122,8 +123,8 @@ def test_repair_sees_the_true_corners_of_what_is_put_down() -> None:
 
 def test_polishing_saves_cost_and_says_how_much() -> None:
     scene = cart_scene([box("post", (0.02, 0.02, 0.3), (0.2, 0.01, 0.0))], (-2.8, 0.0), (2.8, 0.0))
-    raw = solve_sequence_path(*scene, replace(SETTINGS, polish=False), 0, Budget(20.0))
-    fine = solve_sequence_path(*scene, SETTINGS, 0, Budget(20.0))
+    raw = solve_sequence_path(*scene, replace(SETTINGS, polish=False), Seed(0), Budget(20.0))
+    fine = solve_sequence_path(*scene, SETTINGS, Seed(0), Budget(20.0))
     assert raw.feasible and fine.feasible and raw.cost_before is None
     assert fine.cost_before == raw.cost and fine.cost < 0.99 * raw.cost
 
@@ -131,6 +132,6 @@ def test_polishing_saves_cost_and_says_how_much() -> None:
 def test_hard_phases_fail_soon_when_switches_can_be_drawn_anew() -> None:
     walls = [box("east", (1.0, 0.06, 0.3), (0.62, 0.0, 0.0)), box("west", (1.0, 0.06, 0.3), (-0.62, 0.0, 0.0))]
     scene = arm_scene(planar_arm(2, 0.4), walls, (0.8, 0.2), (-0.8, -0.2))
-    soon = solve_sequence_path(*scene, SETTINGS, 0, Budget(20.0), thorough=False)
-    late = solve_sequence_path(*scene, SETTINGS, 0, Budget(20.0))
+    soon = solve_sequence_path(*scene, SETTINGS, Seed(0), Budget(20.0), thorough=False)
+    late = solve_sequence_path(*scene, SETTINGS, Seed(0), Budget(20.0))
     assert not soon.feasible and not late.feasible and soon.iterations < late.iterations

@@ -12,6 +12,7 @@ from tamplang.runtime.motion.phases.near import close
 from tamplang.runtime.motion.phases.sampling import sampled_starts
 from tamplang.runtime.motion.phases.shares import NEVER
 from tamplang.runtime.motion.sequence import solve_sequence
+from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Configuration, Skeleton
 
 from .fixtures import box, pick_and_place
@@ -22,7 +23,7 @@ from .test_phases_repair import SETTINGS, cart_scene, group_of
 @pytest.mark.parametrize("margin", [0.01, 0.2])
 def test_nothing_near_is_passed_over(fine: bool, margin: float) -> None:
     skeleton = pick_and_place(2)
-    sequence = solve_sequence(skeleton, SETTINGS, 0, Budget(20.0))
+    sequence = solve_sequence(skeleton, SETTINGS, Seed(0), Budget(20.0))
     batch = group_of(skeleton, sequence.configurations, [1, 3]).batch
     geometry = batch.fine if fine else batch.coarse
     values = batch.start[:, None] + np.random.default_rng(0).normal(0.0, 0.5, (2, 7, batch.start.shape[1]))
@@ -60,11 +61,11 @@ def ring() -> tuple[Skeleton, list[Configuration]]:
 
 
 def test_a_long_way_round_a_wall_among_many_bodies_is_found_soon() -> None:
-    soon = solve_sequence_path(*ring(), SETTINGS, 0, Budget(20.0), thorough=False)
+    soon = solve_sequence_path(*ring(), SETTINGS, Seed(0), Budget(20.0), thorough=False)
     assert soon.feasible, soon.violations
     track = soon.paths[0].modules["arm"][:, 7:]
     assert np.abs(track[:, 1]).max() > 2.0
-    again = solve_sequence_path(*ring(), SETTINGS, 0, Budget(20.0), thorough=False)
+    again = solve_sequence_path(*ring(), SETTINGS, Seed(0), Budget(20.0), thorough=False)
     assert np.array_equal(track, again.paths[0].modules["arm"][:, 7:])
 
 

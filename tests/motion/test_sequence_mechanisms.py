@@ -25,6 +25,7 @@ from tamplang.runtime.motion.path import solve_path
 from tamplang.runtime.motion.sequence import solve_sequence
 from tamplang.runtime.motion.settings import MotionSettings
 from tamplang.runtime.motion.starts import effector_pose
+from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Phase, Skeleton
 
 from .fixtures import X, Y, box, call, climb_together, crawler, make_problem, motion, switch
@@ -60,7 +61,7 @@ def gantry(at: tuple[float, float, float], added: set[Fact], *extra: MotionPredi
 
 def test_sliding_joints_reach() -> None:
     skeleton = gantry((0.5, -0.4, 0.8), {("touch", "g.H", "thing")})
-    result = solve_sequence(skeleton, OPEN, 0, Budget(20.0))
+    result = solve_sequence(skeleton, OPEN, Seed(0), Budget(20.0))
     assert result.feasible
     slot = result.configurations[1].modules["g"]
     hand = effector_pose(skeleton.problem.world.modules["g"], "H", slot)
@@ -69,7 +70,7 @@ def test_sliding_joints_reach() -> None:
 
 
 def test_sliding_joints_have_ends() -> None:
-    result = solve_sequence(gantry((2.5, 0.0, 0.8), {("touch", "g.H", "thing")}), OPEN, 0, Budget(20.0))
+    result = solve_sequence(gantry((2.5, 0.0, 0.8), {("touch", "g.H", "thing")}), OPEN, Seed(0), Budget(20.0))
     assert not result.feasible
     assert result.violations[0].amount > 0.1
 
@@ -77,7 +78,7 @@ def test_sliding_joints_have_ends() -> None:
 def test_rows_between_two_effectors_of_one_module() -> None:
     spread = motion("spread", switch(call("gap", X, Y), "=", Number(0.7), 1))
     skeleton = gantry((0.0, 0.0, 5.0), {("spread", "g.H", "g.F")}, spread)
-    result = solve_sequence(skeleton, OPEN, 0, Budget(20.0))
+    result = solve_sequence(skeleton, OPEN, Seed(0), Budget(20.0))
     assert result.feasible
     module, slot = skeleton.problem.world.modules["g"], result.configurations[1].modules["g"]
     ends = [np.array(effector_pose(module, e, slot)[:3]) for e in "HF"]
@@ -96,9 +97,9 @@ def test_during_rows_bind_along_the_path() -> None:
     phase = skeleton.phases[0]
     mode = phase.mode | {("low", "g.H", "thing")}
     skeleton = Skeleton(skeleton.problem, (replace(phase, mode=mode),), mode | phase.added)
-    sequence = solve_sequence(skeleton, OPEN, 0, Budget(20.0))
+    sequence = solve_sequence(skeleton, OPEN, Seed(0), Budget(20.0))
     assert sequence.feasible
-    result = solve_path(skeleton, OPEN, 0, Budget(20.0), sequence)
+    result = solve_path(skeleton, OPEN, Seed(0), Budget(20.0), sequence)
     assert result.feasible
     module = skeleton.problem.world.modules["g"]
     heights = [effector_pose(module, "H", slot)[2] + 0.05 for slot in result.paths[0].modules["g"][1:]]
@@ -110,7 +111,7 @@ def test_during_rows_refuse() -> None:
     phase = skeleton.phases[0]
     mode = phase.mode | {("low", "g.H", "thing")}
     result = solve_sequence(
-        Skeleton(skeleton.problem, (replace(phase, mode=mode),), mode | phase.added), OPEN, 0, Budget(20.0)
+        Skeleton(skeleton.problem, (replace(phase, mode=mode),), mode | phase.added), OPEN, Seed(0), Budget(20.0)
     )
     assert not result.feasible
     assert {v.names[0] for v in result.violations} & {"low", "touch"}
@@ -133,10 +134,10 @@ def test_two_robots_carry_one_thing() -> None:
         Phase(Action("lay", ()), frozenset(feet) | held, laid),
     )
     skeleton = Skeleton(problem, phases, frozenset(feet) | laid)
-    sequence = solve_sequence(skeleton, OPEN, 0, Budget(20.0))
+    sequence = solve_sequence(skeleton, OPEN, Seed(0), Budget(20.0))
     assert sequence.feasible
     assert sequence.configurations[2].bodies["bar"][2] == pytest.approx(0.55, abs=1e-4)
-    result = solve_path(skeleton, OPEN, 0, Budget(20.0), sequence)
+    result = solve_path(skeleton, OPEN, Seed(0), Budget(20.0), sequence)
     assert result.feasible
     track = result.paths[1]
     for name in "pq":
@@ -154,7 +155,7 @@ def test_idle_robots_stay_where_they_are() -> None:
     phases = tuple(replace(p, mode=p.mode | standing) for p in skeleton.phases)
     problem = replace(skeleton.problem, world=world, objects=objects)
     result = solve_sequence(
-        Skeleton(problem, phases, skeleton.final_mode | standing), MotionSettings(), 0, Budget(20.0)
+        Skeleton(problem, phases, skeleton.final_mode | standing), MotionSettings(), Seed(0), Budget(20.0)
     )
     assert result.feasible
     for configuration in result.configurations:

@@ -13,6 +13,7 @@ from tamplang.runtime.motion.places import GAP, MANY, places
 from tamplang.runtime.motion.sequence import solve_sequence
 from tamplang.runtime.motion.settings import MotionSettings
 from tamplang.runtime.motion.spans import judged_alone
+from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Skeleton
 
 from .fixtures import climb_alone, pick_and_place
@@ -63,7 +64,7 @@ def test_places_keep_off_what_lies_there() -> None:
 
 
 def test_a_tray_that_fills_up_needs_no_way_back() -> None:
-    result = solve_sequence(crowd(14), SETTINGS, 0, Budget(60.0))
+    result = solve_sequence(crowd(14), SETTINGS, Seed(0), Budget(60.0))
     assert result.feasible
     assert result.iterations < 3000
 
@@ -74,7 +75,7 @@ def test_a_far_step_late_in_a_long_skeleton_is_refused_soon() -> None:
     last = world.bodies["stair[20]"]
     far = replace(last, pose=(last.pose[0] + 1.2, *last.pose[1:]))
     problem = replace(skeleton.problem, world=replace(world, bodies=world.bodies | {"stair[20]": far}))
-    result = solve_sequence(replace(skeleton, problem=problem), SETTINGS, 0, Budget(60.0))
+    result = solve_sequence(replace(skeleton, problem=problem), SETTINGS, Seed(0), Budget(60.0))
     assert not result.feasible
     assert result.violations[0].phase == 19
     assert result.iterations < 200

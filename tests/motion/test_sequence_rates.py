@@ -10,6 +10,7 @@ from tamplang.runtime.budget import Budget
 from tamplang.runtime.motion.sequence import solve_sequence
 from tamplang.runtime.motion.settings import MotionSettings
 from tamplang.runtime.motion.switches import SwitchProgram
+from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Skeleton
 
 from .fixtures import climb_alone, climb_together, pick_and_place
@@ -37,7 +38,7 @@ def moved(skeleton: Skeleton, name: str, by: tuple[float, float, float]) -> Skel
     ids=["target", "tray", "item", "stride"],
 )
 def test_what_is_out_of_reach_is_refused_soon(skeleton: Skeleton) -> None:
-    result = solve_sequence(skeleton, SETTINGS, 0, Budget(60.0))
+    result = solve_sequence(skeleton, SETTINGS, Seed(0), Budget(60.0))
     assert not result.feasible
     assert result.violations[0].amount > 0.01
     assert result.iterations < 500
@@ -46,7 +47,7 @@ def test_what_is_out_of_reach_is_refused_soon(skeleton: Skeleton) -> None:
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("skeleton", [climb_alone(20, seed=1), pick_and_place(4)], ids=["windows", "whole"])
 def test_accepted_switches_are_exact(skeleton: Skeleton, seed: int) -> None:
-    result = solve_sequence(skeleton, SETTINGS, seed, Budget(60.0))
+    result = solve_sequence(skeleton, SETTINGS, Seed(seed), Budget(60.0))
     assert result.feasible
     start, *_ = result.configurations
     switches = SwitchProgram(skeleton, 0, len(skeleton) - 1, start, SETTINGS, frozen=False)

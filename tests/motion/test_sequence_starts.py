@@ -16,6 +16,7 @@ from tamplang.runtime.motion.sequence import solve_sequence
 from tamplang.runtime.motion.settings import MotionSettings
 from tamplang.runtime.motion.starts import effector_pose
 from tamplang.runtime.search.skeletons import build_skeleton
+from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Skeleton
 
 HEAD = """
@@ -123,12 +124,12 @@ task take() {{
 def test_targets_on_all_sides_are_reached(arm: str, far: float, height: float, angle: float) -> None:
     skeleton = taking(arm, angle, far, height)
     for seed in range(3):
-        assert solve_sequence(skeleton, MotionSettings(), seed, Budget(20.0), tries=3).feasible
+        assert solve_sequence(skeleton, MotionSettings(), Seed(seed), Budget(20.0), tries=3).feasible
 
 
 def test_what_is_out_of_reach_is_still_refused() -> None:
     skeleton = taking("boom", math.pi, 0.8, 0.9)
-    result = solve_sequence(skeleton, MotionSettings(), 0, Budget(20.0))
+    result = solve_sequence(skeleton, MotionSettings(), Seed(0), Budget(20.0))
     assert not result.feasible
     assert result.violations[0].amount > 0.05
     assert result.iterations < 250

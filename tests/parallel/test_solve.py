@@ -22,6 +22,7 @@ from tamplang.runtime.parallel.processes import Processes
 from tamplang.runtime.questions import Attempt, Whole, Window
 from tamplang.runtime.search.best_first import SkeletonSearch
 from tamplang.runtime.search.skeletons import build_skeleton
+from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Skeleton, start_configuration
 
 from .conftest import ROOT, begin, is_solving, session, wait_until
@@ -75,14 +76,14 @@ class Counted(Ahead):
 
 def ready(ahead: Ahead, skeleton: Skeleton) -> None:
     ahead.prepare(skeleton.problem)
-    wait_until(lambda: ahead.expect(skeleton, Whole(MotionSettings(), 0, 3), Budget(None)))
+    wait_until(lambda: ahead.expect(skeleton, Whole(MotionSettings(), Seed(0), 3), Budget(None)))
 
 
 def test_answers_from_elsewhere_are_those_from_here(skeleton: Skeleton) -> None:
     settings, budget = MotionSettings(), Budget(None)
-    whole, window = Whole(settings, 0, 3), Window(settings, 0, 0, 0)
+    whole, window = Whole(settings, Seed(0), 3), Window(settings, Seed(0), 0, 0)
     here = whole.solved(skeleton, budget)
-    attempt = Attempt(settings, 0, 1, 3, here.configurations[1:], len(skeleton))
+    attempt = Attempt(settings, Seed(0), Seed(1), 3, here.configurations[1:], len(skeleton))
     with Processes(1) as side:
         ahead = Counted(side)
         ready(ahead, skeleton)
@@ -103,7 +104,7 @@ def test_questions_about_other_starts_are_other_questions(skeleton: Skeleton) ->
     start = start_configuration(skeleton.problem)
     moved = start.copy()
     moved.modules["c[1]"][8] += 1e-12
-    keys = {Attempt(MotionSettings(), 0, 1, 3, [c], 1).key for c in (start, moved, start.copy())}
+    keys = {Attempt(MotionSettings(), Seed(0), Seed(1), 3, [c], 1).key for c in (start, moved, start.copy())}
     assert len(keys) == 2
 
 
@@ -112,7 +113,7 @@ def test_work_whose_process_dies_is_done_here(skeleton: Skeleton) -> None:
         ahead = Ahead(side)
         ready(ahead, skeleton)
         side.kill()
-        result = ahead.answer(skeleton, Whole(MotionSettings(), 0, 3), Budget(None))
+        result = ahead.answer(skeleton, Whole(MotionSettings(), Seed(0), 3), Budget(None))
     assert result.feasible
 
 
@@ -121,14 +122,14 @@ def test_waiting_ends_with_the_budget(skeleton: Skeleton) -> None:
         ahead = Ahead(side)
         ready(ahead, skeleton)
         with pytest.raises(OutOfTime):
-            ahead.answer(skeleton, Whole(MotionSettings(), 0, 3), Budget(1e-9))
+            ahead.answer(skeleton, Whole(MotionSettings(), Seed(0), 3), Budget(1e-9))
         side.kill()
 
 
 def test_without_other_processes_nothing_is_expected(skeleton: Skeleton) -> None:
     with opened() as ahead:
         assert not ahead.helps
-        assert not ahead.expect(skeleton, Whole(MotionSettings(), 0, 3), Budget(None))
+        assert not ahead.expect(skeleton, Whole(MotionSettings(), Seed(0), 3), Budget(None))
 
 
 # --- the command -------------------------------------------------------------------------------------------------

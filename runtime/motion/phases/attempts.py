@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...budget import Budget
+from ...seeds import Seed
 from ...skeleton import Array
 from .batch import Batch
 from .kinematics import Indices
@@ -136,11 +137,11 @@ def _repair(group: Group, phases: Indices, looks: int, budget: Budget) -> int:
     return iterations
 
 
-def solve_groups(groups: Sequence[Group], seed: int, budget: Budget, thorough: bool) -> int:
+def solve_groups(groups: Sequence[Group], seed: Seed, budget: Budget, thorough: bool) -> int:
     """Attempt after attempt, each at all groups, until every phase is solved; returns the iterations of the longest
     phases. Unless `thorough`, phases are left unsolved after QUICK_LEVELS and one look for a way among samples."""
     iterations = 0
-    randoms = [np.random.default_rng([seed, k]) for k in range(len(groups))]
+    randoms = [seed.child("group", k).random() for k in range(len(groups))]
     for group in groups:
         every = np.arange(len(group.batch))
         iterations += attempt(group, every, straight(group.batch), Schedule(), budget)

@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 
 import numpy as np
 
 from ....compiler.ir import World
 from ....compiler.motion.collision import contacts
-from ...budget import Budget, OutOfTime
+from ...budget import Budget
+from ...seeds import Seed
 from ...skeleton import Array, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
 from ...splines import spline_weights
 from ..settings import MotionSettings
@@ -69,7 +69,7 @@ def _failures(group: Group, world: World) -> list[Violation]:
 
 
 def solve_sequence_path(
-    skeleton: Skeleton, configurations: Sequence[Configuration], settings: MotionSettings, seed: int, budget: Budget,
+    skeleton: Skeleton, configurations: Sequence[Configuration], settings: MotionSettings, seed: Seed, budget: Budget,
     thorough: bool = True, known: BoundResult | None = None,
 ) -> BoundResult:  # fmt: skip
     """P_seqPath (thesis, section 3.2): motions between the given K + 1 switch configurations, whose switch rows hold
@@ -96,8 +96,7 @@ def solve_sequence_path(
         before = cost_of(skeleton.problem.world, trees, kept)
         result.cost = before + _cost(groups)
         if settings.polish:
-            with suppress(OutOfTime):
-                result.iterations += polish_groups(groups, budget)
+            result.iterations += polish_groups(groups, budget)
             result.cost_before, result.cost = result.cost, before + _cost(groups)
         result.paths = _paths(skeleton, _motions(groups) | kept, trees, states, settings.slices)
         _refine(skeleton, result, states, sorted(coarse), settings, budget)
@@ -125,7 +124,7 @@ def _refine(
 
 def _solve_others(
     skeleton: Skeleton, result: BoundResult, states: Sequence[tuple[Configuration, Configuration]],
-    others: Sequence[int], settings: MotionSettings, seed: int, budget: Budget, thorough: bool,
+    others: Sequence[int], settings: MotionSettings, seed: Seed, budget: Budget, thorough: bool,
 ) -> None:  # fmt: skip
     """Phases that are no open chains, until one fails."""
     from ..closed import ONCE, STARTS, solve_phase
@@ -133,7 +132,7 @@ def _solve_others(
     for phase in others:
         if result.violations:
             return
-        random = np.random.default_rng([seed, phase])
+        random = seed.child("phase", phase).random()
         found = solve_phase(skeleton, phase, *states[phase], settings, random, budget, STARTS if thorough else ONCE)
         result.paths[phase] = found.path
         result.violations += found.violations
@@ -144,7 +143,7 @@ def _solve_others(
 
 
 def polish(
-    skeleton: Skeleton, result: BoundResult, settings: MotionSettings, seed: int, budget: Budget, starts: int = 4
+    skeleton: Skeleton, result: BoundResult, settings: MotionSettings, seed: Seed, budget: Budget, starts: int = 4
 ) -> BoundResult:
     """Cheaper motions between the same switches: each phase of a feasible result is optimised to the end, from its
     path and from `starts` bumped ones, and replaced where that is cheaper and passes the swept check. Phases that are
@@ -159,7 +158,7 @@ def polish(
             columns = [modules[module][:, 7 + joint] for module, joint in trees[phase].variables]
             group.paths[row] = np.stack(columns, axis=1)
         group.cost, group.solved = path_cost(group.batch, group.paths), np.ones(len(group.batch), bool)
-        iterations += improve(group, np.random.default_rng([seed, k]), starts, budget)
+        iterations += improve(group, seed.child("polish", k).random(), starts, budget)
     cost = _cost(groups)
     seconds = result.seconds + time.perf_counter() - started
     paths = _paths(skeleton, _motions(groups), trees, states, settings.slices)
