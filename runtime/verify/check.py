@@ -11,13 +11,18 @@ from ..plan import Plan, VerdictRecord
 from .collision import check_collisions
 from .constraints import check_constraints
 from .findings import Findings, place_of
-from .happenings import check_breakdowns, check_courses, check_happenings, happenings_of
+from .happenings import TooManyCorners, check_breakdowns, check_courses, check_happenings, happenings_of
 from .kinematics import Kinematics, check_kinematics, motion_of
+from .limits import LIMITS
+from .links import links_of
 from .motion import check_motion
 from .rates import check_rates
 from .replay import replay
+from .sampler import Sampler, curves_of
+from .samples import check_samples
 from .scene import check_scene, check_sources
 from .structure import check_structure
+from .switches import check_switches
 
 
 def verify(plan: Plan, budget: Budget | None = None) -> VerdictRecord:
@@ -92,10 +97,17 @@ def _examine(plan: Plan, problem: ir.Problem, findings: Findings) -> VerdictReco
     check_kinematics(motion, kinematics, findings)
     story = replay(problem, plan, findings, motion)
     happenings = happenings_of(problem, plan, story.modes)
-    check_motion(problem, plan, story, motion, happenings, findings)
+    links = links_of(problem, story.modes, motion, happenings, LIMITS["rest_m"])
+    sampler = Sampler(problem.world, motion, kinematics, happenings, links, curves_of(plan))
+    check_motion(problem, plan, motion, sampler.curves, happenings, findings)
+    check_samples(motion, sampler, findings)
+    check_switches(problem, plan, story, sampler.curves, findings)
     check_rates(problem, plan, motion, findings)
     check_courses(problem, happenings, motion, findings)
     check_breakdowns(problem, plan, motion, findings)
-    check_constraints(problem, plan, story, motion, happenings, findings)
-    check_collisions(problem, plan, motion, kinematics, happenings, findings)
+    try:
+        check_constraints(problem, plan, story, motion, sampler, findings)
+        check_collisions(plan, motion, sampler, findings)
+    except TooManyCorners as error:
+        findings.fail("undecided", str(error))
     return findings.verdict()

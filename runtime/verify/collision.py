@@ -1,59 +1,71 @@
-"""Penetration of shapes along the whole motion, by coal, swept: between instants a bound on the relative motion
-decides whether a closer look is needed."""
+"""Penetration of shapes along the whole motion, by coal, swept: between instants a bound on the relative motion decides
+whether a closer look is needed.
+
+Two convex shapes whose points, seen from one of them, move by at most c metres in straight lines from one instant to
+the next, and stray from these lines by at most m, are never nearer between both than (d0 + d1 - c) / 2 - m, where d0
+and d1 are their distances at the instants. Where that may be a penetration beyond the limit, the stretch between them
+is halved, which makes m four times smaller; what is not decided in the end is refused."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from ...compiler import ir
 from ..plan import Plan
+from .bounds import Bounds
 from .findings import Findings
 from .geometry import Array, Frames
 from .happenings import Happenings
-from .kinematics import Kinematics, Motion
+from .kinematics import Motion
 from .limits import LIMITS
-from .sampler import Placement, Sampler
+from .sampler import Grid, Sampler
+from .settling import DEEPEST, MOST
 from .shapes import Ruler, transform
 from .solids import Solid, pairs, solids
-from .sweeps import BEND, Sweep, lower_bound, near_instants, near_pairs, relative_steps, sweep
+from .sweeps import Sweep, lower_bound, near_instants, near_pairs, relative_steps, sweep
 
-LOOKS = 10
-"""Instants per knot interval of the splines, which is the planner's own resolution, before any closer look."""
-DEEPEST = 7
-"""How often the interval between two instants is halved at most."""
 SAME = 1e-7
 """Metres that make no difference to a distance."""
+ROUNDING = 1e-5
+"""Metres by which distances that coal gives may be wrong: nothing is halved for them."""
 NO_DEPTH = -np.inf
 
 
-def check_collisions(
-    problem: ir.Problem, plan: Plan, motion: Motion, kinematics: Mapping[str, Kinematics], happenings: Happenings,
-    findings: Findings,
-) -> None:  # fmt: skip
+def check_collisions(plan: Plan, motion: Motion, sampler: Sampler, findings: Findings) -> None:
     """Record the deepest penetration of every pair of shapes in every phase that comes near zero; of what rests, once
     for the same two places. What bodies do to each other that move only by themselves, and what has left the scene, is
     nobody's fault."""
-    found = solids(plan)
+    found, happenings = solids(plan), sampler.happenings
     own = {b for b in happenings.courses if all(b in free for free in happenings.free)}
     looked_at = np.array(pairs(plan, found, own), dtype=np.intp).reshape(-1, 2)
-    sampler = Sampler(problem, plan, motion, kinematics, happenings)
     findings.measure("penetration_m", 0.0, "")
     at_rest = _AtRest({}, set())
     for phase in range(len(plan.phases)):
         begin = float(motion.times[motion.ranges[phase][0]])
-        check = _PhaseCheck(sampler, phase, found, at_rest)
-        left = [k for k, solid in enumerate(found) if solid.thing in happenings.gone]
-        away = [k for k in left if happenings.away(found[k].thing, begin)]
-        for i, k in near_pairs(check.sweeps, looked_at[~np.isin(looked_at, away).any(axis=1)] if away else looked_at):
-            findings.check_time()
-            deepest = check.deepest(int(i), int(k))
-            if deepest.depth > 0.0:
-                names = [found[i].name, found[k].name]
-                message = f"{names[0]} and {names[1]} overlap"
-                findings.measure("penetration_m", deepest.depth, message, time=deepest.time, between=names)
+        here = looked_at[~np.isin(looked_at, _away(found, happenings, begin)).any(axis=1)]
+        for grid in sampler.grid(phase).parts():
+            _check_part(_Part(sampler, phase, grid, found, at_rest), here, findings)
+
+
+def _away(found: list[Solid], happenings: Happenings, begin: float) -> list[int]:
+    return [k for k, solid in enumerate(found) if happenings.away(solid.thing, begin)]
+
+
+def _check_part(part: _Part, looked_at: np.typing.NDArray[np.intp], findings: Findings) -> None:
+    for i, k in near_pairs(part.sweeps, looked_at):
+        findings.check_time()
+        search = part.search(int(i), int(k), findings)
+        if search is None:
+            continue
+        names = [part.sweeps[int(n)].solid.name for n in (i, k)]
+        deepest = search.worst
+        if deepest.depth > 0.0:
+            message = f"{names[0]} and {names[1]} overlap"
+            findings.measure("penetration_m", deepest.depth, message, time=deepest.time, between=names)
+        if search.undecided is not None:
+            message = f"whether {names[0]} and {names[1]} overlap between instants cannot be decided"
+            findings.fail("undecided", message, time=search.undecided, between=names)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,13 +75,11 @@ class _AtRest:
     last: dict[int, tuple[bytes, Sweep]]
     measured: set[tuple[int, bytes, int, bytes]]
 
-    def sweep(self, index: int, solid: Solid, frames: Frames, always: bool) -> Sweep:
-        """The sweep of a solid that rests; `always`: it never does anything else."""
-        if always and index in self.last:
-            return self.last[index][1]
+    def sweep(self, index: int, solid: Solid, frames: Frames) -> Sweep:
+        """The sweep of a solid that rests."""
         place = frames.position.tobytes() + frames.rotation.tobytes()
         if index not in self.last or self.last[index][0] != place:
-            self.last[index] = place, sweep(solid, frames)
+            self.last[index] = place, sweep(solid, frames, np.zeros(0))
         return self.last[index][1]
 
     def is_new(self, i: int, k: int) -> bool:
@@ -89,100 +99,151 @@ class _Depth:
     time: float
 
 
-class _PhaseCheck:
-    """One phase: what all solids sweep between evenly refined instants."""
+class _Part:
+    """A phase, or part of it: what all solids sweep between the instants of a grid."""
 
-    def __init__(self, sampler: Sampler, phase: int, found: list[Solid], at_rest: _AtRest) -> None:
-        placement = sampler.at(phase, sampler.grid(phase, LOOKS))
-        self.times = placement.times
-        frames = [s.frames(placement) for s in found]
-        self.sweeps = [
-            sweep(s, f) if len(f) > 1 else at_rest.sweep(k, s, f, s.thing in sampler.fixed)
-            for k, (s, f) in enumerate(zip(found, frames, strict=True))
-        ]
+    def __init__(self, sampler: Sampler, phase: int, grid: Grid, found: list[Solid], at_rest: _AtRest) -> None:
+        self.sampler, self.phase, self.grid = sampler, phase, grid
+        self.ruler = Ruler()
+        placement = sampler.at(phase, grid.times)
+        self.bounds = Bounds(sampler, phase, grid, placement)
         self._at_rest = at_rest
-        self._sampler, self._phase = sampler, phase
-        self._ruler = Ruler()
-        self._closer: dict[tuple[str, float], Placement] = {}
+        self.sweeps = []
+        for index, solid in enumerate(found):
+            frames = solid.frames(placement)
+            rests = len(frames) == 1
+            made = at_rest.sweep(index, solid, frames) if rests else self._moving(solid, frames)
+            self.sweeps.append(made)
 
-    def deepest(self, i: int, k: int) -> _Depth:
-        """The deepest penetration of two solids, as far as they may have one that is not known yet."""
+    def _moving(self, solid: Solid, frames: Frames) -> Sweep:
+        return sweep(solid, frames, self.bounds.bend(solid.node, solid.reach))
+
+    def search(self, i: int, k: int, findings: Findings) -> _Search | None:
+        """The search for the deepest penetration of two solids, carried out; None where they are not near, or where
+        both rest and their distance is known."""
         a, b = self.sweeps[i], self.sweeps[k]
         if a.rests and b.rests:
-            new = self._at_rest.is_new(i, k)
-            return _Depth(-self.distance(a, b, 0), float(self.times[0])) if new else _Depth(NO_DEPTH, 0.0)
+            return _Search(self, a, b, findings).at_rest() if self._at_rest.is_new(i, k) else None
         near = near_instants(a, b)
         if near is None:
-            return _Depth(NO_DEPTH, 0.0)
-        steps = relative_steps(a, b, *near)
-        bound = lower_bound(a, b, *near)
-        suspect = near[0] + np.flatnonzero(bound[:-1] + bound[1:] - BEND * steps < 0.0)
-        search = _Search(self, a, b, np.concatenate([np.zeros(near[0] + 1), np.cumsum(steps)]))
-        for run in np.split(suspect, np.flatnonzero(np.diff(suspect) > 1) + 1):
-            if len(run):
-                search.between(int(run[0]), int(run[-1]) + 1)
-        return search.worst
+            return None
+        search = _Search(self, *_ordered(a, b), findings)
+        search.moving(*near)
+        return search
 
     def distance(self, a: Sweep, b: Sweep, instant: int) -> float:
         """The signed distance of two solids at an instant."""
-        return self._ruler.distance(
+        return self.ruler.distance(
             a.solid.solid, transform(*a.at(instant)), b.solid.solid, transform(*b.at(instant))
         )
 
-    def closer(self, a: Solid, b: Solid, times: Array) -> tuple[Sweep, Sweep]:
-        """Two solids at other times."""
-        return sweep(a, self._frames(a, times)), sweep(b, self._frames(b, times))
 
-    def _frames(self, solid: Solid, times: Array) -> Frames:
-        parts = []
-        for time in times:
-            key = solid.thing, float(time)
-            if key not in self._closer:
-                self._closer[key] = self._sampler.at(self._phase, np.array([time]), solid.thing)
-            parts.append(solid.frames(self._closer[key]))
-        return Frames(np.vstack([p.position for p in parts]), np.concatenate([p.rotation for p in parts]))
+def _ordered(a: Sweep, b: Sweep) -> tuple[Sweep, Sweep]:
+    """The solid that is seen, of fewer points if possible, and that from which it is seen, which rests if one does."""
+    if a.rests or (not b.rests and len(a.solid.points) > len(b.solid.points)):
+        return b, a
+    return a, b
 
 
 class _Search:
     """Looks for the deepest penetration of two solids: a stretch of time is halved as long as the distances at its
     ends, and how far the solids move between them, leave room for a deeper one."""
 
-    def __init__(self, check: _PhaseCheck, a: Sweep, b: Sweep, way: Array) -> None:
-        """`way` `(T,)`: how far any point of one solid has moved, seen from the other, at each instant."""
+    def __init__(self, part: _Part, a: Sweep, b: Sweep, findings: Findings) -> None:
+        """`a` is seen from `b`."""
         self.worst = _Depth(NO_DEPTH, 0.0)
-        self._check, self._a, self._b, self._way = check, a, b, way
+        self.undecided: float | None = None
+        """A time at which nothing can be said."""
+        self._part, self._a, self._b, self._findings = part, a, b, findings
         self._known: dict[int, float] = {}
+        self._way, self._most = np.zeros(0), np.zeros(0)
+        self._open: list[int] = []
 
-    def between(self, first: int, last: int) -> None:
+    def at_rest(self) -> _Search:
+        """Look at two solids that rest."""
+        self._distance(0)
+        return self
+
+    def moving(self, first: int, last: int) -> None:
         """Look between two instants."""
+        strayed = self._strayed(self._part.bounds, self._a, self._b)
+        steps, strayed = relative_steps(self._a, self._b, first, last), strayed[first:last]
+        steps = np.where(self._part.grid.joined[first:last], steps, 0.0)
+        strayed = np.where(self._part.grid.joined[first:last], strayed, 0.0)
+        bound = lower_bound(self._a, self._b, first, last)
+        suspect = first + np.flatnonzero(bound[:-1] + bound[1:] - steps - 2.0 * strayed < 0.0)
+        self._way = np.concatenate([np.zeros(first + 1), np.cumsum(steps)])
+        self._most = np.concatenate([np.zeros(first), strayed])
+        for run in np.split(suspect, np.flatnonzero(np.diff(suspect) > 1) + 1):
+            if len(run):
+                self._between(int(run[0]), int(run[-1]) + 1)
+        if self._open:
+            self._look_closer()
+
+    def _strayed(self, bounds: Bounds, a: Sweep, b: Sweep) -> Array:
+        """How far points of `a`, seen from `b`, stray from straight lines in each stretch."""
+        apart = np.linalg.norm(a.frames.position - b.frames.position, axis=1) + a.solid.radius
+        apart = np.broadcast_to(apart, (len(bounds.lengths) + 1,))
+        _, seen = bounds.relative(b.solid.node, b.solid.offset, a.solid.node, a.solid.reach, apart)
+        return bounds.strayed(seen.acceleration)
+
+    def _between(self, first: int, last: int) -> None:
+        """Look at instants between two, until no other can show a deeper penetration; keep what may have one beyond
+        the limit between neighbouring instants."""
+        self._findings.check_time()
         ends = self._distance(first), self._distance(last)
-        least = 0.5 * (sum(ends) - BEND * (self._way[last] - self._way[first]))
-        if least >= min(0.0, -self.worst.depth) - SAME:
-            return
-        if last - first > 1:
+        least = 0.5 * (sum(ends) - (self._way[last] - self._way[first]))
+        limit = -LIMITS["penetration_m"] - ROUNDING
+        safe = least - float(self._most[first:last].max()) >= limit
+        if last - first == 1:
+            if not safe:
+                self._open.append(first)
+        elif not safe or least < min(0.0, -self.worst.depth) - SAME:
             middle = (first + last) // 2
-            self.between(first, middle)
-            self.between(middle, last)
-        elif least < -LIMITS["penetration_m"] and self.worst.depth <= LIMITS["penetration_m"]:
-            self._look_closer((float(self._check.times[first]), float(self._check.times[last])), ends, 1)
+            self._between(first, middle)
+            self._between(middle, last)
 
     def _distance(self, instant: int) -> float:
         if instant not in self._known:
-            distance = self._known[instant] = self._check.distance(self._a, self._b, instant)
-            self._note(distance, float(self._check.times[instant]))
+            distance = self._known[instant] = self._part.distance(self._a, self._b, instant)
+            self._note(distance, float(self._part.grid.times[instant]))
         return self._known[instant]
 
     def _note(self, distance: float, time: float) -> None:
         self.worst = max(self.worst, _Depth(-distance, time), key=lambda d: d.depth)
 
-    def _look_closer(self, ends: tuple[float, float], known: tuple[float, float], depth: int) -> None:
-        """Halve the interval between two neighbouring instants until its ends say enough about what lies between."""
-        middle = 0.5 * (ends[0] + ends[1])
-        a, b = self._check.closer(self._a.solid, self._b.solid, np.array([ends[0], middle, ends[1]]))
-        distance = self._check.distance(a, b, 1)
-        self._note(distance, middle)
-        halves = (((ends[0], middle), (known[0], distance)), ((middle, ends[1]), (distance, known[1])))
-        for (half, values), step in zip(halves, relative_steps(a, b, 0, 2), strict=True):
-            unsafe = sum(values) - BEND * step < -2 * LIMITS["penetration_m"]
-            if unsafe and depth < DEEPEST and self.worst.depth <= LIMITS["penetration_m"]:
-                self._look_closer(half, values, depth + 1)
+    def _look_closer(self) -> None:
+        """Halve stretches until their ends say enough about what lies between, or a penetration is found."""
+        stretches = np.array(self._open, dtype=np.intp)
+        distances = np.array([[self._known[k], self._known[k + 1]] for k in self._open])
+        grid = self._part.grid
+        for _ in range(DEEPEST):
+            if self.worst.depth > LIMITS["penetration_m"] or not len(stretches):
+                return
+            if len(stretches) > MOST:
+                break
+            grid = grid.halved(stretches)
+            a, b, strayed = self._closer(grid)
+            middles = np.array([self._measured(a, b, grid, 3 * k + 1) for k in range(len(stretches))])
+            ends = np.column_stack([distances[:, 0], middles, middles, distances[:, 1]]).reshape(-1, 2, 2)
+            steps = np.where(grid.joined, relative_steps(a, b, 0, len(grid.times) - 1), 0.0)
+            halves = np.append(0.5 * steps + strayed, 0.0).reshape(-1, 3)[:, :2]
+            unsafe = 0.5 * ends.sum(axis=2) - halves < -LIMITS["penetration_m"] - ROUNDING
+            which, half = np.nonzero(unsafe)
+            stretches, distances = 3 * which + half, ends[which, half]
+        if len(stretches):
+            self.undecided = float(grid.times[stretches[0]])
+
+    def _measured(self, a: Sweep, b: Sweep, grid: Grid, instant: int) -> float:
+        self._findings.check_time()
+        distance = self._part.distance(a, b, instant)
+        self._note(distance, float(grid.times[instant]))
+        return distance
+
+    def _closer(self, grid: Grid) -> tuple[Sweep, Sweep, Array]:
+        """Both solids at other instants, and how far one strays."""
+        placement = self._part.sampler.at(self._part.phase, grid.times)
+        bounds = Bounds(self._part.sampler, self._part.phase, grid, placement)
+        none = np.zeros(len(grid.joined))
+        a, b = (sweep(s.solid, s.solid.frames(placement), none) for s in (self._a, self._b))
+        return a, b, self._strayed(bounds, a, b)

@@ -1,50 +1,50 @@
-"""The motion predicates of a plan, measured anew: rows at switches, rows during intervals, and what stays constant."""
+"""The motion predicates of a plan, measured anew: rows at switches, rows during intervals, and what stays constant.
+
+What holds during an interval is measured on the motion itself, at instants of the checker's own. How far a value may
+stray between two of them is bounded; where the bound is not enough, the stretch between them is halved."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...compiler import ir
 from ..plan import MeasureRecord, Plan
+from .bounds import Bounds
 from .findings import Findings, place_of
-from .geometry import Array, Indices, angles
-from .happenings import Happenings, kept
+from .geometry import Array, Frames, angles
+from .happenings import kept
 from .kinematics import Motion
 from .limits import LIMITS, unit_of
 from .replay import Story
-from .rows import Evaluator, MeaninglessRow, Quantity, name_of
+from .rows import Evaluator, MeaninglessRow, name_of
+from .sampler import Grid, Sampler, Shown
+from .settling import Look, Slip, settle
+from .strays import Strays
 
 
 def check_constraints(
-    problem: ir.Problem, plan: Plan, story: Story, motion: Motion, happenings: Happenings, findings: Findings
+    problem: ir.Problem, plan: Plan, story: Story, motion: Motion, sampler: Sampler, findings: Findings
 ) -> None:
-    """Measure every motion literal of the story on the samples of the plan. What keeps a body to another one means
-    nothing while it goes its own way."""
-    checker = _Checker(problem, motion, findings)
+    """Measure every motion literal of the story. What keeps a body to another one means nothing while it goes its own
+    way."""
+    switches = _Switches(problem, motion, findings)
     for index, added in enumerate(story.added[: len(plan.phases)]):
         for literal in sorted(added):
-            checker.at_switch(literal, motion.ranges[index][1])
-    for literal, first, last in intervals(story, motion):
-        phase = next(k for k, (_, end) in enumerate(motion.ranges) if first <= end)
-        free = happenings.free[phase] if happenings.free else frozenset[str]()
-        if not any(own in free and base in problem.world.bodies for base, own in kept(problem, [literal])):
-            checker.during(literal, first, last)
-
-
-def intervals(story: Story, motion: Motion) -> Iterator[tuple[ir.Fact, int, int]]:
-    """Every motion literal with the first and last sample of each unbroken interval in which it holds."""
-    open_since: dict[ir.Fact, int] = {}
+            switches.measure(literal, motion.ranges[index][1])
+    begun: dict[ir.Fact, dict[ir.Row, _Held]] = {}
     for index, mode in enumerate(story.modes[: len(motion.ranges)]):
-        first, _ = motion.ranges[index]
-        for literal in sorted(set(open_since) - mode):
-            yield literal, open_since.pop(literal), first - 1
-        for literal in sorted(mode):
-            open_since.setdefault(literal, first)
-    for literal in sorted(open_since):
-        yield literal, open_since[literal], len(motion.times) - 1
+        begun = {literal: begun.get(literal, {}) for literal in sorted(mode)}
+        phase = _Phase(problem, motion, sampler, index, findings)
+        for literal, held in begun.items():
+            if not _goes_its_way(problem, literal, sampler.happenings.free[index]):
+                phase.measure(literal, held)
+
+
+def _goes_its_way(problem: ir.Problem, literal: ir.Fact, free: frozenset[str]) -> bool:
+    return any(own in free and base in problem.world.bodies for base, own in kept(problem, [literal]))
 
 
 def shapes_of(problem: ir.Problem) -> dict[str, ir.Shape | None]:
@@ -56,45 +56,24 @@ def shapes_of(problem: ir.Problem) -> dict[str, ir.Shape | None]:
     return found
 
 
-_KindOf = Callable[[ir.Row, str], str]
-"""Names the measure of a row from the row and its unit."""
-
-
 @dataclass(frozen=True, slots=True)
 class _Residual:
     kind: str
     amount: float
-    sample: int
+    time: float
     row: ir.Row
 
 
-class _Checker:
-    def __init__(self, problem: ir.Problem, motion: Motion, findings: Findings) -> None:
+_Held = Frames | Array
+"""What a `keep` row holds constant: a pose `(1,)` or a value `(1, rows)`, as it was when the literal began to hold."""
+
+
+class _Literals:
+    """The rows of ground literals, and the findings about them."""
+
+    def __init__(self, problem: ir.Problem, findings: Findings) -> None:
         self._problem = problem
-        self._motion = motion
         self._findings = findings
-        self._evaluate = Evaluator(shapes_of(problem), motion, problem.world)
-
-    def at_switch(self, literal: ir.Fact, sample: int) -> None:
-        """Measure the switch rows of a literal at the sample where it is added."""
-        worst: _Residual | None = None
-        for row in self._rows(literal, "switch"):
-            residual = self._measure(literal, row, np.array([sample]), _switch_kind)
-            if residual is not None and (worst is None or _relative(residual) > _relative(worst)):
-                worst = residual
-        if worst is not None:
-            self._findings.residuals.append(MeasureRecord(
-                literal[0], worst.amount, LIMITS[worst.kind], unit_of(worst.kind),
-                float(self._motion.times[sample]), list(literal[1:]), place_of(worst.row.span),
-            ))  # fmt: skip
-
-    def during(self, literal: ir.Fact, first: int, last: int) -> None:
-        """Measure the during and keep rows of a literal on samples `first` … `last`."""
-        samples = np.arange(first, last + 1)
-        for row in self._rows(literal, "during"):
-            self._measure(literal, row, samples, lambda _, unit: "during_m" if unit == "m" else "during")
-        for row in self._rows(literal, "keep"):
-            self._keep(literal, row, samples)
 
     def _rows(self, literal: ir.Fact, when: str) -> list[ir.Row]:
         return [r for r in self._problem.motions[literal[0]].rows if r.when == when]
@@ -103,61 +82,161 @@ class _Checker:
         variables = self._problem.motions[literal[0]].variables
         return dict(zip((v.name for v in variables), literal[1:], strict=True))
 
-    def _measure(
-        self, literal: ir.Fact, row: ir.Row, samples: Indices, kind_of: _KindOf
-    ) -> _Residual | None:
+    def _record(self, literal: ir.Fact, residual: _Residual) -> None:
+        self._findings.measure(
+            residual.kind, residual.amount, f"[{' '.join(literal)}] does not hold",
+            time=residual.time, between=literal[1:], place=place_of(residual.row.span),
+        )  # fmt: skip
+
+    def _meaningless(self, literal: ir.Fact, row: ir.Row, error: MeaninglessRow) -> None:
+        self._findings.fail("constraint", f"[{' '.join(literal)}]: {error}", place=place_of(row.span))
+
+
+class _Switches(_Literals):
+    """Rows at switches."""
+
+    def __init__(self, problem: ir.Problem, motion: Motion, findings: Findings) -> None:
+        super().__init__(problem, findings)
+        self._evaluate = Evaluator(shapes_of(problem), motion, problem.world)
+        self._times = motion.times
+
+    def measure(self, literal: ir.Fact, sample: int) -> None:
+        """Measure the switch rows of a literal at the sample where it is added."""
+        worst: _Residual | None = None
+        for row in self._rows(literal, "switch"):
+            residual = self._residual(literal, row, sample)
+            if residual is not None and (worst is None or _relative(residual) > _relative(worst)):
+                worst = residual
+        if worst is not None:
+            self._findings.residuals.append(MeasureRecord(
+                literal[0], worst.amount, LIMITS[worst.kind], unit_of(worst.kind),
+                worst.time, list(literal[1:]), place_of(worst.row.span),
+            ))  # fmt: skip
+
+    def _residual(self, literal: ir.Fact, row: ir.Row, sample: int) -> _Residual | None:
+        names, at = self._names(literal), np.array([sample])
         try:
-            left = self._evaluate.value(row.left, self._names(literal), samples)
-            right = self._evaluate.value(row.right or ir.Number(0.0), self._names(literal), samples)
+            left, right = (self._evaluate.value(side, names, at) for side in _sides(row))
         except MeaninglessRow as error:
-            self._findings.fail("constraint", f"[{' '.join(literal)}]: {error}", place=place_of(row.span))
+            self._meaningless(literal, row, error)
             return None
-        amounts = _excess(left, right, row.operator)
-        at = int(np.argmax(amounts))
-        kind = kind_of(row, left.unit or right.unit)
-        residual = _Residual(kind, float(amounts[at]), int(samples[at]), row)
+        amount = max(0.0, float(_excess(left.values, right.values, row.operator)[0]))
+        residual = _Residual(_switch_kind(row, left.unit or right.unit), amount, float(self._times[sample]), row)
         self._record(literal, residual)
         return residual
 
-    def _record(self, literal: ir.Fact, residual: _Residual) -> None:
-        time = float(self._motion.times[residual.sample])
-        message = f"[{' '.join(literal)}] does not hold"
-        self._findings.measure(
-            residual.kind, residual.amount, message,
-            time=time, between=literal[1:], place=place_of(residual.row.span),
-        )  # fmt: skip
 
-    def _keep(self, literal: ir.Fact, row: ir.Row, samples: Indices) -> None:
-        left, names = row.left, self._names(literal)
+class _Phase(_Literals):
+    """Rows during one phase."""
+
+    def __init__(self, problem: ir.Problem, motion: Motion, sampler: Sampler, phase: int, findings: Findings) -> None:
+        super().__init__(problem, findings)
+        self._shapes = shapes_of(problem)
+        self._motion, self._sampler, self._phase = motion, sampler, phase
+        self._first, _ = motion.ranges[phase]
+        self._grid: Grid | None = None
+
+    def measure(self, literal: ir.Fact, held: dict[ir.Row, _Held]) -> None:
+        """Measure the during and keep rows of a literal; `held` tells what the latter hold constant, and is filled
+        in."""
+        for row in self._rows(literal, "during"):
+            self._measure_row(literal, row)
+        for row in self._rows(literal, "keep"):
+            try:
+                if isinstance(row.left, ir.Function) and row.left.name == "pose":
+                    self._keep_pose(literal, row, held)
+                else:
+                    self._keep_value(literal, row, held)
+            except MeaninglessRow as error:
+                self._meaningless(literal, row, error)
+
+    def _measure_row(self, literal: ir.Fact, row: ir.Row) -> None:
+        names, kinds = self._names(literal), [""]
+
+        def look(grid: Grid) -> Look:
+            evaluate, strays = self._posed(grid, names)
+            left, right = (evaluate.value(side, names, np.arange(len(grid.times))) for side in _sides(row))
+            kinds[0] = "during_m" if (left.unit or right.unit) == "m" else "during"
+            excess = _excess(left.values, right.values, row.operator)
+            stray = np.max(np.add(*(strays.of(side) for side in _sides(row))), axis=1)
+            highest = np.maximum(excess[1:], excess[:-1]) + stray
+            return Look(np.maximum(excess, 0.0), highest, LIMITS[kinds[0]])
+
         try:
-            if isinstance(left, ir.Function) and left.name == "pose":
-                if all(self._motion.rests(name_of(a, names), int(samples[0]), int(samples[-1])) for a in left.args):
-                    samples = samples[:1]
-                own, base = (self._evaluate.frame(a, names, samples) for a in left.args)
-                relative = own.relative_to(base)
-                shift = np.linalg.norm(relative.position - relative.position[0], axis=1)
-                turn = angles(relative.rotation, relative.rotation[:1])
-                drifts = {"slip_m": shift, "slip_rad": turn}
-            else:
-                value = self._evaluate.value(left, names, samples)
-                change = np.max(np.abs(value.values - value.values[0]), axis=1)
-                drifts = {"slip_m" if value.unit == "m" else "slip_rad": change}
+            self._settle(literal, row, look, lambda: kinds[0])
         except MeaninglessRow as error:
-            self._findings.fail("constraint", f"[{' '.join(literal)}]: {error}", place=place_of(row.span))
+            self._meaningless(literal, row, error)
+
+    def _keep_value(self, literal: ir.Fact, row: ir.Row, held: dict[ir.Row, _Held]) -> None:
+        names = self._names(literal)
+        stored = Evaluator(self._shapes, self._motion, self._problem.world)
+        value = stored.value(row.left, names, np.array([self._first]))
+        kind = "slip_m" if value.unit == "m" else "slip_rad"
+        begin = held.setdefault(row, value.values)
+        assert not isinstance(begin, Frames)
+
+        def look(grid: Grid) -> Look:
+            evaluate, strays = self._posed(grid, names)
+            found = evaluate.value(row.left, names, np.arange(len(grid.times))).values
+            off = np.max(np.abs(found - begin), axis=1)
+            stray = strays.of(row.left).max(axis=1)
+            return Look(off, np.maximum(off[1:], off[:-1]) + stray, LIMITS[kind])
+
+        self._settle(literal, row, look, lambda: kind)
+
+    def _keep_pose(self, literal: ir.Fact, row: ir.Row, held: dict[ir.Row, _Held]) -> None:
+        assert isinstance(row.left, ir.Function)
+        own, base = (name_of(a, self._names(literal)) for a in row.left.args)
+        here = slice(self._first, self._first + 1)
+        now = self._motion.frames[own][here].relative_to(self._motion.frames[base][here])
+        begin = held.setdefault(row, now)
+        assert isinstance(begin, Frames)
+        time = float(self._motion.times[self._first])
+        drift = float(np.linalg.norm(now.position - begin.position)), float(angles(now.rotation, begin.rotation)[0])
+        for kind, amount in zip(("slip_m", "slip_rad"), drift, strict=True):
+            self._record(literal, _Residual(kind, amount, time, row))
+        still = all(self._sampler.rests(self._sampler.mount(n)[0], self._phase) for n in (own, base))
+        if still or self._sampler.links[self._phase].explain(base, own):
             return
-        for kind, drift in drifts.items():
-            at = int(np.argmax(drift))
-            self._record(literal, _Residual(kind, float(drift[at]), int(samples[at]), row))
+        slip = Slip(self._sampler, self._phase, own, base, begin)
+        self._settle(literal, row, slip.shift, lambda: "slip_m")
+        self._settle(literal, row, slip.turn, lambda: "slip_rad")
+
+    def _posed(self, grid: Grid, names: Mapping[str, str]) -> tuple[Evaluator, Strays]:
+        placement = self._sampler.at(self._phase, grid.times)
+        world = self._problem.world
+        evaluate = Evaluator(self._shapes, Shown(placement, self._sampler.kinematics), world)
+        bounds = Bounds(self._sampler, self._phase, grid, placement)
+        return evaluate, Strays(self._sampler, bounds, self._shapes, evaluate, names, world)
+
+    def _settle(
+        self, literal: ir.Fact, row: ir.Row, look: Callable[[Grid], Look], kind: Callable[[], str]
+    ) -> None:
+        """Look closer until the limit is kept or broken for certain."""
+        if self._grid is None:
+            self._grid = self._sampler.grid(self._phase)
+        settled = settle(self._grid, look, self._findings)
+        if settled is None:
+            time = float(self._motion.times[self._first])
+            message = f"whether [{' '.join(literal)}] holds between instants cannot be decided"
+            self._findings.fail("undecided", message, time=time, between=literal[1:], place=place_of(row.span))
+        else:
+            self._record(literal, _Residual(kind(), *settled, row))
 
 
-def _excess(left: Quantity, right: Quantity, operator: str) -> Array:
-    """By how much a row is broken at each sample `(T,)`, the worst of its components."""
-    difference = left.values - right.values
+def _sides(row: ir.Row) -> tuple[ir.Term, ir.Term]:
+    return row.left, row.right or ir.Number(0.0)
+
+
+def _excess(left: Array, right: Array, operator: str) -> Array:
+    """By how much a row is broken at each instant `(T,)`, the worst of its components; negative where it holds with
+    something to spare."""
+    difference = left - right
     if operator == "=":
         difference = np.abs(difference)
     elif operator in (">=", ">"):
         difference = -difference
-    return np.asarray(np.max(np.maximum(np.nan_to_num(difference, nan=np.inf), 0.0), axis=1))
+    return np.asarray(np.max(np.nan_to_num(difference, nan=np.inf), axis=1))
 
 
 def _switch_kind(row: ir.Row, unit: str) -> str:

@@ -10,10 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-ITERATIONS, NEARLY, ORTHOGONAL = 6, 0.3, 1e-13
-"""Of the search for nearest rotations: iterations, and entries of the square of a matrix less the identity, at most
-where it is tried, and where it ends."""
-
 
 @dataclass(frozen=True, slots=True)
 class Frames:
@@ -27,6 +23,12 @@ class Frames:
 
     def __len__(self) -> int:
         return len(self.position)
+
+    def spread(self, count: int) -> Frames:
+        """The same where it is not one frame; else that one, `count` times."""
+        if len(self) == count:
+            return self
+        return Frames(np.broadcast_to(self.position, (count, 3)), np.broadcast_to(self.rotation, (count, 3, 3)))
 
     def compose(self, placement: Frames) -> Frames:
         """The frames placed relative to these ones; `placement` has one instant or as many."""
@@ -55,23 +57,6 @@ def rotation_matrices(quaternions: Array) -> Array:
         [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
     ]
     return np.moveaxis(np.array(rows), 2, 0)
-
-
-def nearest_rotations(matrices: Array) -> Array:
-    """The rotation matrices nearest to matrices `(T, 3, 3)` (in the Frobenius norm): by the iteration of Newton and
-    Schulz where these nearly are rotations (Higham, Functions of Matrices, 2008, section 8.3), else by their singular
-    values."""
-    result = matrices
-    for _ in range(ITERATIONS):
-        gram = np.swapaxes(result, -1, -2) @ result
-        off = float(np.abs(gram - np.eye(3)).max(initial=0.0))
-        if off < ORTHOGONAL:
-            return result
-        if off > NEARLY:
-            break
-        result = result @ (1.5 * np.eye(3) - 0.5 * gram)
-    left, _, right = np.linalg.svd(matrices)
-    return np.asarray(left @ right)
 
 
 def angles(first: Array, second: Array) -> Array:

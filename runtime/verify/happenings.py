@@ -19,7 +19,14 @@ from .kinematics import Motion
 TOLERANCE = 1e-9
 """Seconds, or metres, that make no difference."""
 
+MOST_CORNERS = 10_000
+"""Of the courses of one body in one phase: a body that shakes faster than this is not checked."""
+
 Mode = Iterable[ir.Fact]
+
+
+class TooManyCorners(Exception):
+    """A course changes its direction too often to be looked at; the message says when."""
 
 
 class Course:
@@ -50,15 +57,37 @@ class Course:
             result[chosen] = np.column_stack([np.interp(gone, ends, column) for column in way.T])
         return result
 
+    def jumps(self, start: float, end: float) -> Array:
+        """The times at which the body is moved at once, from `start` to `end`."""
+        found = np.array([c.start for _, _, c in self._legs if c.speed == 0.0])
+        return found[(found >= start) & (found <= end)]
+
+    def corners(self, start: float, end: float) -> Array:
+        """The times, from `start` to `end`, at which the velocity of the body changes: between them it is constant."""
+        found = [np.array(self._begins)]
+        for index, (_, ends, course) in enumerate(self._legs):
+            until = min(end, *self._begins[index + 1 : index + 2], np.inf)
+            if course.speed == 0.0 or until <= course.start or ends[-1] == 0.0:
+                continue
+            passed = np.unique(np.concatenate([ends, 2.0 * ends[-1] - ends])) if course.returns else ends
+            lap = 2.0 * ends[-1] / course.speed
+            first = np.floor((max(start, course.start) - course.start) / lap) if course.returns else 0.0
+            last = np.floor((until - course.start) / lap) if course.returns else 0.0
+            if (last - first + 1) * len(passed) > MOST_CORNERS:
+                raise TooManyCorners(f"a course turns more than {MOST_CORNERS} times from {start:g} s to {end:g} s")
+            laps = np.arange(first, last + 1)[:, None] * lap
+            found.append((course.start + laps + passed / course.speed).ravel())
+        times = np.concatenate(found)
+        return times[(times >= start) & (times <= end)]
+
 
 @dataclass(frozen=True, slots=True)
 class Happenings:
     """The courses of bodies, and per phase which bodies follow theirs: a robot that holds a body ends its course for
-    good. `carrier` tells, per phase, which of these bodies carries a thing, through poses that are kept."""
+    good."""
 
     courses: Mapping[str, Course]
     free: tuple[frozenset[str], ...]
-    carrier: tuple[Mapping[str, str], ...]
     gone: Mapping[str, float]
 
     def placed(self, body: ir.Body, times: Array) -> Frames:
@@ -74,21 +103,20 @@ class Happenings:
 def happenings_of(problem: ir.Problem, plan: Plan, modes: Iterable[Mode]) -> Happenings:
     """What happens in the plan; nothing by itself in one that was made for the scene at rest."""
     if not (plan.courses or plan.breakdowns):
-        return Happenings({}, tuple(frozenset() for _ in modes), tuple({} for _ in plan.phases), {})
+        return Happenings({}, tuple(frozenset() for _ in modes), {})
     bodies = problem.world.bodies
     courses = {
         name: Course(np.array(bodies[name].pose[:3]), [c for c in problem.world.courses if c.body == name])
         for name in sorted({c.body for c in problem.world.courses})
     }
     on_course = frozenset(courses)
-    free, carriers = [], []
+    free = []
     for mode in modes:
         pairs = list(kept(problem, mode))
         on_course -= _held(problem, pairs)
         free.append(on_course)
-        carriers.append(_carriers(problem, pairs, on_course))
     gone = {b.module: b.time for b in problem.world.breakdowns if b.kind == "gone"}
-    return Happenings(courses, tuple(free), tuple(carriers), gone)
+    return Happenings(courses, tuple(free), gone)
 
 
 def kept(problem: ir.Problem, mode: Mode) -> Iterator[tuple[str, str]]:
@@ -125,22 +153,6 @@ def _held(problem: ir.Problem, pairs: list[tuple[str, str]]) -> frozenset[str]:
         if not more:
             return frozenset(found)
         found |= more
-
-
-def _carriers(problem: ir.Problem, pairs: list[tuple[str, str]], on_course: frozenset[str]) -> dict[str, str]:
-    """For everything that is linked to a body on its course, and is none itself, that body."""
-    found = {body: body for body in on_course}
-    grew = True
-    while grew:
-        grew = False
-        for pair in pairs:
-            one, other = (thing_of(problem, name) for name in pair)
-            for known, new in ((one, other), (other, one)):
-                body = problem.world.bodies.get(new)
-                if known in found and new not in found and (body is None or body.movable):
-                    found[new] = found[known]
-                    grew = True
-    return {thing: body for thing, body in found.items() if thing not in on_course}
 
 
 # --- the problem in mid-run ----------------------------------------------------------------------------------------

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from ...compiler import ir
@@ -29,7 +31,7 @@ def mass_of(shape: ir.Shape) -> float:
     return float(KILOGRAMS_PER_LITRE * litres)
 
 
-def centre_of(module: ir.ModuleType, joints: dict[int, Frames], at: Indices) -> tuple[float, Array]:
+def centre_of(module: ir.ModuleType, joints: Mapping[int, Frames], at: Indices) -> tuple[float, Array]:
     """Mass, and centres of mass `(T, 3)` at samples `at`, of a module whose joint frames are given."""
     shapes = [(e.joint, e.placement, e.shape) for e in module.effectors if e.shape is not None]
     shapes += [(k.joint, k.placement, k.shape) for k in module.links]

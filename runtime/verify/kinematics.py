@@ -130,6 +130,14 @@ class Motion:
     changes: dict[str, Indices]
     """Of every body that has a track: how often its pose has changed by each sample `(T,)`."""
 
+    def frame(self, name: str) -> Frames:
+        """The frames `(T,)` of an object."""
+        return self.frames[name]
+
+    def parts(self, name: str) -> Mapping[int, Frames] | None:
+        """The frames `(T,)` of a module by joint; None of what is no module."""
+        return self.joint_frames.get(name)
+
     def rests(self, name: str, first: int, last: int) -> bool:
         """Whether an object is a body that has the very same pose at samples `first` … `last`."""
         changes = self.changes.get(name)

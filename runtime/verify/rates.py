@@ -26,9 +26,6 @@ def check_rates(problem: ir.Problem, plan: Plan, motion: Motion, findings: Findi
     stop at once, whatever their acceleration."""
     modules = {m.name: m for m in plan.modules if m.joints}
     stopped = {k for k, phase in enumerate(plan.phases) if _stopped(plan, phase)}
-    for module in modules.values():
-        for index, (first, last) in enumerate(motion.ranges):
-            _check_samples(problem, module, motion, first, last, index in stopped, findings)
     for spline in plan.splines:
         if spline.module in modules:
             knots, values = np.asarray(spline.knots), np.asarray(spline.values)
@@ -40,28 +37,12 @@ def _stopped(plan: Plan, phase: PhaseRecord) -> bool:
     return not phase.completed and any(abs(b.time - phase.end) < SAME for b in plan.breakdowns)
 
 
-def _check_samples(
-    problem: ir.Problem, module: ModuleRecord, motion: Motion, first: int, last: int, stopped: bool,
-    findings: Findings,
-) -> None:  # fmt: skip
-    """Differences of neighbouring samples: what a player of the samples would see."""
-    times, joints = motion.times[first : last + 1], motion.joints[module.name][first : last + 1]
-    steps = np.diff(times)[:, None]
-    if not len(steps):
-        return
-    speeds = np.diff(joints, axis=0) / steps
-    _record(problem, module, "speed", speeds, times[1:], findings)
-    if len(steps) > 1 and not stopped:
-        changes = 2.0 * np.diff(speeds, axis=0) / (steps[1:] + steps[:-1])
-        _record(problem, module, "acceleration", changes, times[1:-1], findings)
-
-
 def _check_spline(
     problem: ir.Problem, module: ModuleRecord, knots: Array, values: Array, stopped: bool, findings: Findings
 ) -> None:
     """The acceleration of a cubic spline is linear between knots: it is greatest at one of them, and the speed there or
     where the acceleration is zero."""
-    curve = Spline(knots, values, clamped=True)
+    curve = Spline(knots, values)
     if not stopped:
         _record(problem, module, "acceleration", curve(knots, 2), knots, findings)
     _record(problem, module, "speed", curve(knots, 1), knots, findings)

@@ -1,17 +1,17 @@
-"""Values of the terms of motion predicates on the sampled frames of a plan, with their units."""
+"""Values of the terms of motion predicates at some instants of a plan, with their units."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from ...compiler import ir
 from .geometry import Array, Frames, Indices
 from .inertia import centre_of, mass_of
-from .kinematics import Motion
 from .shapes import Ruler, geometry, heights, inside_top, round_radius, transform
 
 LETTERS = {"x": 0, "y": 1, "z": 2}
@@ -30,10 +30,22 @@ class Quantity:
     unit: str
 
 
-class Evaluator:
-    """Evaluates terms with the variables of one ground literal, on some samples of a motion."""
+class Posed(Protocol):
+    """Where everything is at some instants."""
 
-    def __init__(self, shapes: Mapping[str, ir.Shape | None], motion: Motion, world: ir.World | None = None) -> None:
+    def frame(self, name: str) -> Frames:
+        """The frames `(T,)` of an object."""
+        ...
+
+    def parts(self, name: str) -> Mapping[int, Frames] | None:
+        """The frames `(T,)` of a module by joint; None of what is no module."""
+        ...
+
+
+class Evaluator:
+    """Evaluates terms with the variables of one ground literal, at some instants."""
+
+    def __init__(self, shapes: Mapping[str, ir.Shape | None], motion: Posed, world: ir.World | None = None) -> None:
         self._world = world
         self._shapes = shapes
         self._motion = motion
@@ -56,7 +68,7 @@ class Evaluator:
 
     def frame(self, node: ir.Term, names: Mapping[str, str], index: Indices) -> Frames:
         """The frames of the object that a term names."""
-        return self._motion.frames[name_of(node, names)][index]
+        return self._motion.frame(name_of(node, names))[index]
 
     def _function(self, node: ir.Function, names: Mapping[str, str], index: Indices) -> Quantity:
         unit = "m" if node.name in LENGTHS else ""
@@ -86,12 +98,13 @@ class Evaluator:
 
     def _balance(self, name: str, index: Indices) -> tuple[float, Array]:
         """Mass and centre of mass of a body, or of the module that an object is part of."""
-        module = name if name in self._motion.joint_frames else name.rpartition(".")[0]
-        if self._world is not None and module in self._world.modules:
-            return centre_of(self._world.modules[module].type, self._motion.joint_frames[module], index)
+        module = name if self._motion.parts(name) is not None else name.rpartition(".")[0]
+        parts = self._motion.parts(module)
+        if self._world is not None and parts is not None:
+            return centre_of(self._world.modules[module].type, parts, index)
         shape = self._shapes[name]
         mass = 0.0 if shape is None else mass_of(shape)
-        return mass, self._motion.frames[name][index].position
+        return mass, self._motion.frame(name)[index].position
 
     def _heights(self, name: str, frame: Frames, up: bool) -> Array:
         shape = self._shapes[name]

@@ -1,137 +1,212 @@
-"""The motion of a plan at any time: joints from the stored splines, poses smoothly between the stored samples.
+"""The motion of a plan at any time: joints from the stored splines, and everything else from what it holds on to.
 
-Of each module the frame that moves least in a phase, such as that of the end it stands on, is interpolated, and the
-module follows from its joints; so what rests at the samples rests between them.
+Nothing here looks at the stored samples, but at the first of each phase, where its motion begins.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...compiler import ir
 from ..plan import Plan
-from .geometry import Array, Frames, frames, nearest_rotations
+from .geometry import Array, Frames, Indices, frames
 from .happenings import Happenings
 from .kinematics import Kinematics, Motion
+from .links import Hold, Links
 from .splines import Spline
 
 IDENTITY = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+LOOKS = 8
+"""Instants per knot interval of the splines, before any closer look: how many cost least on the examples, no more."""
+LONGEST = 0.25
+"""Seconds between instants where no joint moves, but a body on its course."""
+INSTANT = 1e-8
+"""Seconds: a body that jumps is looked at this long before, and right after; there is no motion between."""
+SAME = 1e-9
+"""Seconds by which two instants differ that are the same, but for rounding."""
+PART = 1500
+"""So many instants of a phase at most are looked at together, for the sake of memory."""
 
 
 @dataclass(frozen=True, slots=True)
-class Placement:
-    """World frames, at some times, of everything that carries shapes: per module by joint, per body."""
+class Grid:
+    """Instants `times` `(T,)` of a phase, and whether the stretch from each to the next, `joined` `(T - 1,)`, is part
+    of it. No spline has a knot, and no course a corner, inside a stretch."""
 
     times: Array
-    modules: dict[str, dict[int, Frames]]
-    bodies: dict[str, Frames]
+    joined: np.typing.NDArray[np.bool_]
+
+    @property
+    def lengths(self) -> Array:
+        """The lengths of the stretches `(T - 1,)`, seconds."""
+        return np.diff(self.times)
+
+    def halved(self, stretches: Indices) -> Grid:
+        """Both halves of some of the stretches."""
+        low, high = self.times[stretches], self.times[stretches + 1]
+        times = np.column_stack([low, 0.5 * (low + high), high]).ravel()
+        return Grid(times, np.tile([True, True, False], len(stretches))[:-1])
+
+    def parts(self) -> Iterable[Grid]:
+        """The same, at most `PART` stretches at a time."""
+        for first in range(0, max(1, len(self.joined)), PART):
+            yield Grid(self.times[first : first + PART + 1], self.joined[first : first + PART])
+
+
+class Placement:
+    """Where things are at some times, `(T,)`, or at all of them where they rest: then their frames are `(1,)`."""
+
+    def __init__(self, sampler: Sampler, phase: int, times: Array) -> None:
+        self.times = times
+        self._sampler, self._phase = sampler, phase
+        self._placed: dict[str, Mapping[int, Frames]] = {}
+
+    def thing(self, name: str) -> Mapping[int, Frames]:
+        """The world frames of a module by joint; -1 is that of the module, or of a body."""
+        if name not in self._placed:
+            self._placed[name] = self._sampler.place(self, self._phase, name)
+        return self._placed[name]
+
+    def frame(self, name: str) -> Frames:
+        """The world frame of an object: a module, a body or an effector."""
+        thing, joint, placement = self._sampler.mount(name)
+        found = self.thing(thing)[joint]
+        return found if placement is None else found.compose(placement)
+
+
+class Shown:
+    """A placement in which every frame is given at all times `(T,)`."""
+
+    def __init__(self, placement: Placement, modules: Mapping[str, Kinematics]) -> None:
+        self._placement, self._modules = placement, modules
+
+    def frame(self, name: str) -> Frames:
+        """The frames `(T,)` of an object."""
+        return self._placement.frame(name).spread(len(self._placement.times))
+
+    def parts(self, name: str) -> Mapping[int, Frames] | None:
+        """The frames `(T,)` of a module by joint; None of what is no module."""
+        if name not in self._modules:
+            return None
+        count = len(self._placement.times)
+        return {joint: frame.spread(count) for joint, frame in self._placement.thing(name).items()}
 
 
 class Sampler:
-    """Samples the phases of a plan. `fixed` holds the one frame `(1,)` of every body that never moves."""
+    """The motion of all phases of a plan. `links` says what follows what in each of them, `curves` are the splines of
+    modules by phase; of the samples in `motion` only the first of each phase counts."""
 
     def __init__(
-        self, problem: ir.Problem, plan: Plan, motion: Motion, kinematics: Mapping[str, Kinematics],
-        happenings: Happenings,
+        self, world: ir.World, motion: Motion, kinematics: Mapping[str, Kinematics], happenings: Happenings,
+        links: Sequence[Links], curves: Mapping[tuple[str, int], Spline],
     ) -> None:  # fmt: skip
+        self._world = world
         self._motion = motion
-        self._world = problem.world
-        self._happenings = happenings
-        self._kinematics = kinematics
-        self._joints: dict[tuple[str, int], Spline] = {
-            (s.module, s.first): Spline(s.knots, s.values, clamped=True)
-            for s in plan.splines
-            if kinematics[s.module].module.joints
-        }
-        self._knots = [
-            max((len(s.knots) for s in plan.splines if s.first == p), default=2) for p in range(len(plan.phases))
-        ]
-        self.fixed = {
-            name: motion.frames[name][:1]
-            for name in motion.poses
-            if name not in motion.moving and name not in happenings.courses
-        }
-        self._carried: dict[tuple[str, int], tuple[str, Spline]] = {}
+        self.kinematics = kinematics
+        self.happenings = happenings
+        self.links = links
+        self.curves = curves
+        self._still: dict[tuple[str, int], bool] = {}
+        self._mounts = _mounts(world)
+        self._rested: dict[str, tuple[bytes, Mapping[int, Frames]]] = {}
 
-    def grid(self, phase: int, looks: int) -> Array:
-        """The stored times of a phase, with each interval cut so that at least `looks` fall on every knot interval of
-        the splines."""
+    def mount(self, name: str) -> tuple[str, int, Frames | None]:
+        """The thing that an object is part of, the joint that carries it, and where it is in the frame of that."""
+        return self._mounts[name]
+
+    def curve(self, module: str, phase: int) -> Spline | None:
+        """The spline of the joints of a module in a phase; None where they rest."""
+        curve = self.curves.get((module, phase))
+        return None if curve is None or curve.constant else curve
+
+    def rests(self, thing: str, phase: int) -> bool:
+        """Whether a thing keeps its place for the whole phase, by its joints and what it holds on to."""
+        key = thing, phase
+        if key not in self._still:
+            hold = self.links[phase].holds.get(thing)
+            if hold is None or self.curve(thing, phase) is not None:
+                self._still[key] = False
+            else:
+                self._still[key] = not hold.base or self.rests(self.mount(hold.base)[0], phase)
+        return self._still[key]
+
+    def grid(self, phase: int) -> Grid:
+        """Instants at which a phase is looked at, whatever its samples: evenly in time, at all knots of the splines
+        that move, and where courses have corners."""
         first, last = self._motion.ranges[phase]
-        stored = self._motion.times[first : last + 1]
-        count = len(stored) - 1
-        factor = max(1, -(-looks * (self._knots[phase] - 1) // count))
-        return np.interp(np.arange(factor * count + 1) / factor, np.arange(count + 1), stored)
+        start, end = (float(t) for t in self._motion.times[[first, last]])
+        curves = [c for name in self.kinematics if (c := self.curve(name, phase)) is not None]
+        steps = [float(np.diff(c.knots).min()) / LOOKS for c in curves]
+        free = self.happenings.free[phase]
+        steps += [LONGEST] if free else []
+        count = int(np.ceil((end - start) / min(steps) - INSTANT)) if steps else 1
+        marks, jumps = [np.linspace(start, end, count + 1), *(c.knots for c in curves)], [np.zeros(0)]
+        for name in sorted(free):
+            course = self.happenings.courses[name]
+            marks.append(course.corners(start, end))
+            jumps.append(course.jumps(start, end))
+        jumped = np.concatenate(jumps)
+        times = np.unique(np.concatenate([*marks, jumped, jumped - INSTANT]))
+        times = times[(times >= start) & (times <= end)]
+        times = times[np.concatenate([[True], np.diff(times) > SAME])]
+        middle = 0.5 * (times[1:] + times[:-1])
+        inside = (middle[:, None] > jumped - INSTANT) & (middle[:, None] < jumped)
+        return Grid(times, ~inside.any(axis=1))
 
-    def at(self, phase: int, times: Array, thing: str | None = None) -> Placement:
-        """Everything, or one thing alone, at `times` `(T,)` of a phase. What rests in it has one frame."""
-        names = [n for n in self._motion.poses if n not in self.fixed] if thing is None else [thing]
-        modules = {name: self._module(name, phase, times) for name in names if name in self._kinematics}
-        bodies = {name: self._body(name, phase, times) for name in names if name not in self._kinematics}
-        return Placement(times, modules, self.fixed | bodies)
+    def at(self, phase: int, times: Array) -> Placement:
+        """Everything at `times` `(T,)` of a phase."""
+        return Placement(self, phase, times)
 
-    def _body(self, name: str, phase: int, times: Array) -> Frames:
-        if name in self._happenings.free[phase]:
-            return self._happenings.placed(self._world.bodies[name], times)
-        first, last = self._motion.ranges[phase]
-        if self._happenings.carrier[phase].get(name) is None and self._motion.rests(name, first, last):
-            return self._motion.frames[name][slice(first, first + 1)]
-        return self._follow(name, name, phase)(times)
+    def place(self, placement: Placement, phase: int, name: str) -> Mapping[int, Frames]:
+        """The frames of a thing at the times of a placement, from those of what it holds on to."""
+        hold = self.links[phase].holds.get(name)
+        if hold is None:
+            return {-1: self.happenings.placed(self._world.bodies[name], placement.times)}
+        end = hold.relative if not hold.base else placement.frame(hold.base).compose(hold.relative)
+        if name not in self.kinematics:
+            return {-1: end}
+        if not self.rests(name, phase):
+            return self._moved(hold, end, self._joints(name, phase, placement.times))
+        joints = self._joints(name, phase, placement.times[:1])
+        key = hold.own.encode() + end.position.tobytes() + end.rotation.tobytes() + joints.tobytes()
+        if name not in self._rested or self._rested[name][0] != key:
+            self._rested[name] = key, self._moved(hold, end, joints)
+        return self._rested[name][1]
 
-    def _module(self, name: str, phase: int, times: Array) -> dict[int, Frames]:
-        kinematics = self._kinematics[name]
-        curve = self._joints.get((name, phase))
-        rest = self._motion.joints[name][self._motion.ranges[phase][0]]
-        joints = np.tile(rest, (len(times), 1)) if curve is None else curve(times)
-        local = kinematics.joint_frames(np.tile(IDENTITY, (len(times), 1)), joints)
-        steady = self._steadiest(name, phase)
-        held = self._follow(name, steady, phase)(times)
-        if steady == name:
-            base = held
-        else:
-            end = kinematics.effector(steady.rpartition(".")[2], local)
-            base = held.compose(frames(IDENTITY).relative_to(end))
+    def _moved(self, hold: Hold, end: Frames, joints: Array) -> Mapping[int, Frames]:
+        """The frames of a module whose frame `hold.own` is at `end`."""
+        local = self.kinematics[hold.thing].joint_frames(np.array([IDENTITY]), joints)
+        _, joint, placement = self.mount(hold.own)
+        own = local[joint] if placement is None else local[joint].compose(placement)
+        base = end.compose(frames(IDENTITY).relative_to(own))
         return {index: base.compose(frame) for index, frame in local.items()}
 
-    def _steadiest(self, name: str, phase: int) -> str:
-        effectors = self._kinematics[name].module.effectors
-        names = [*(f"{name}.{e.name}" for e in effectors), name]
+    def _joints(self, name: str, phase: int, times: Array) -> Array:
+        curve = self.curves.get((name, phase))
+        if curve is not None:
+            return curve(times)
+        first, _ = self._motion.ranges[phase]
+        return np.broadcast_to(self._motion.joints[name][first], (len(times), self._motion.joints[name].shape[1]))
 
-        def travel(frame: str) -> float:
-            points = self._stored(name, frame, phase).position
-            return float(np.sum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
 
-        return min(names, key=travel)
+def curves_of(plan: Plan) -> dict[tuple[str, int], Spline]:
+    """The spline of a module in each phase in which it has one; one and the same where it goes through several."""
+    widths = {m.name: len(m.joints) for m in plan.modules}
+    found: dict[tuple[str, int], Spline] = {}
+    for record in plan.splines:
+        if widths[record.module]:
+            curve = Spline(record.knots, record.values)
+            found |= {(record.module, phase): curve for phase in range(record.first, record.until + 1)}
+    return found
 
-    def _follow(self, thing: str, frame: str, phase: int) -> Callable[[Array], Frames]:
-        """The stored motion of a frame within a phase as a smooth curve, as seen from the moving body that carries it,
-        if any."""
-        key = (thing, phase)
-        if key not in self._carried:
-            first, last = self._motion.ranges[phase]
-            stored = self._stored(thing, frame, phase)
-            rows = np.hstack([stored.position, stored.rotation.reshape(-1, 9)])
-            knots = self._motion.times[first : last + 1]
-            self._carried[key] = (frame, Spline(knots, rows, clamped=False))
-        curve = self._carried[key][1]
-        carrier = self._happenings.carrier[phase].get(thing)
 
-        def sample(times: Array) -> Frames:
-            rows = curve(times)
-            own = Frames(rows[:, :3], nearest_rotations(rows[:, 3:].reshape(-1, 3, 3)))
-            if carrier is None:
-                return own
-            return self._happenings.placed(self._world.bodies[carrier], times).compose(own)
-
-        return sample
-
-    def _stored(self, thing: str, frame: str, phase: int) -> Frames:
-        """The samples of a frame in a phase, as seen from the moving body that carries the thing, if any."""
-        first, last = self._motion.ranges[phase]
-        stored = self._motion.frames[frame][slice(first, last + 1)]
-        carrier = self._happenings.carrier[phase].get(thing)
-        if carrier is None:
-            return stored
-        return stored.relative_to(self._motion.frames[carrier][slice(first, last + 1)])
+def _mounts(world: ir.World) -> dict[str, tuple[str, int, Frames | None]]:
+    things = (*world.modules, *world.bodies)
+    found: dict[str, tuple[str, int, Frames | None]] = {name: (name, -1, None) for name in things}
+    for module in world.modules.values():
+        for effector in module.type.effectors:
+            found[f"{module.name}.{effector.name}"] = module.name, effector.joint, frames(effector.placement)
+    return found

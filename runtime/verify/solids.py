@@ -20,7 +20,8 @@ from .shapes import Ruler, bounding_radius, corners, geometry, transform
 class Solid:
     """A shape fixed to joint `joint` of module `thing`, or (joint None) a body.
 
-    The shape lies within the convex hull of `points` `(M, 3)` (in its own frame) grown by `ball` metres.
+    The shape lies within the convex hull of `points` `(M, 3)` (in its own frame) grown by `ball` metres, and within
+    `reach` metres of the origin of what carries it.
     """
 
     name: str
@@ -32,13 +33,23 @@ class Solid:
     radius: float
     points: Array
     ball: float
+    reach: float
     solid: Any
 
+    @property
+    def node(self) -> tuple[str, int]:
+        """What carries the shape: a thing and its joint, or -1."""
+        return self.thing, -1 if self.joint is None else self.joint
+
+    @property
+    def offset(self) -> float:
+        """How far the centre of the shape is from the origin of what carries it, metres."""
+        return float(np.linalg.norm(self.placement.position[0]))
+
     def frames(self, placement: Placement) -> Frames:
-        """The frames of the shape, at all times of the placement; one of a body that rests."""
-        if self.joint is not None:
-            return placement.modules[self.thing][self.joint].compose(self.placement)
-        return placement.bodies[self.thing]
+        """The frames of the shape, at all times of the placement; one of what rests."""
+        carrier = placement.thing(self.thing)[self.node[1]]
+        return carrier if self.joint is None else carrier.compose(self.placement)
 
 
 def solids(plan: Plan) -> list[Solid]:
@@ -58,9 +69,12 @@ def solids(plan: Plan) -> list[Solid]:
 def _solid(name: str, thing: str, joint: int | None, at: Sequence[float], shape: ShapeRecord) -> Solid:
     size = tuple(shape.size)
     points, ball = _hull(shape.kind, size)
+    placement = frames(at)
+    carried = points @ placement.rotation[0].T + placement.position
+    reach = float(np.linalg.norm(carried, axis=1).max()) + ball
     return Solid(
-        name, thing, joint, frames(at), shape.kind, size,
-        bounding_radius(shape.kind, size), points, ball, geometry(shape.kind, size),
+        name, thing, joint, placement, shape.kind, size,
+        bounding_radius(shape.kind, size), points, ball, reach, geometry(shape.kind, size),
     )  # fmt: skip
 
 

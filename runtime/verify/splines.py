@@ -7,36 +7,38 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .geometry import Array
+from .geometry import Array, Indices
 
 EVEN = 1e-9
 """Relative differences of steps that do not count."""
+LARGEST = 256
+"""Pieces of a spline whose matrix is kept: half a megabyte."""
 
 
 class Spline:
-    """The cubic spline through `values` `(n + 1, k)` at increasing `knots` `(n + 1,)`, n >= 1: with no slope at the
-    ends when `clamped`, else with the first two pieces, and the last two, parts of one cubic. A call gives its values,
-    or a derivative, `(T, k)` at `times` `(T,)`.
+    """The cubic spline through `values` `(n + 1, k)` at increasing `knots` `(n + 1,)`, n >= 1, with no slope at the
+    ends. A call gives its values, or a derivative, `(T, k)` at `times` `(T,)`.
 
     `cubic` and `square` `(n, k)` are the leading coefficients of each piece, by the time since its knot. The same
-    curves as SciPy's `CubicSpline`. Raises ValueError where knots do not increase or a number is not finite."""
+    curves as SciPy's clamped `CubicSpline`. Raises ValueError where knots do not increase or a number is not finite."""
 
-    def __init__(self, knots: ArrayLike, values: ArrayLike, clamped: bool) -> None:
+    def __init__(self, knots: ArrayLike, values: ArrayLike) -> None:
         self.knots: Array = np.asarray(knots, dtype=float)
         rows = np.asarray(values, dtype=float)
         steps = np.diff(self.knots)
         if len(steps) < 1 or not (steps > 0).all() or not np.isfinite(rows).all():
             raise ValueError("a spline needs finite values at increasing knots")
         secants = np.diff(rows, axis=0) / steps[:, None]
-        slopes = _slopes(steps, secants, clamped)
+        slopes = _slopes(steps, secants)
         bend = (slopes[:-1] + slopes[1:] - 2.0 * secants) / steps[:, None]
         self.cubic: Array = bend / steps[:, None]
         self.square: Array = (secants - slopes[:-1]) / steps[:, None] - bend
         self._slopes, self._values = slopes[:-1], rows[:-1]
+        self.constant = bool((rows == rows[0]).all())
 
     def __call__(self, times: ArrayLike, derivative: int = 0) -> Array:
         at = np.asarray(times, dtype=float)
-        piece = np.clip(np.searchsorted(self.knots, at, side="right") - 1, 0, len(self.knots) - 2)
+        piece = self.piece(at)
         t = (at - self.knots[piece])[:, None]
         cubic, square, slope = self.cubic[piece], self.square[piece], self._slopes[piece]
         if derivative == 0:
@@ -47,45 +49,50 @@ class Spline:
             result = 2.0 * square + 6.0 * t * cubic
         return np.asarray(result)
 
+    def piece(self, times: Array) -> Indices:
+        """The pieces that times `(T,)` lie in."""
+        return np.clip(np.searchsorted(self.knots, times, side="right") - 1, 0, len(self.knots) - 2)
 
-def _slopes(steps: Array, secants: Array, clamped: bool) -> Array:
+    def extrema(self) -> tuple[Array, Array]:
+        """Values `(T, k)` at the times `(T, k)` of all knots, and of the turning points between them, of each column
+        (elsewhere a knot stands in their place): its greatest and its least value are among them."""
+        steps = np.diff(self.knots)[:, None]
+        root = np.sqrt(np.maximum(self.square**2 - 3.0 * self.cubic * self._slopes, 0.0))
+        half = -(self.square + np.where(self.square < 0.0, -root, root))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            turns = [half / (3.0 * self.cubic), self._slopes / half]
+        times, values = [np.repeat(self.knots[:, None], self._values.shape[1], axis=1)], [self(self.knots)]
+        for turn in turns:
+            t = np.where((turn > 0.0) & (turn < steps), turn, 0.0)
+            times.append(self.knots[:-1, None] + t)
+            values.append(self._values + t * (self._slopes + t * (self.square + t * self.cubic)))
+        return np.vstack(times), np.vstack(values)
+
+
+def _slopes(steps: Array, secants: Array) -> Array:
     """Slopes `(n + 1, k)` at the knots, from the lengths `(n,)` of the pieces and their secants `(n, k)`."""
-    if np.ptp(steps) <= EVEN * steps[0]:
-        return _even(len(steps), clamped) @ secants
-    left, right = _system(steps, clamped)
-    return np.asarray(np.linalg.solve(left, right @ secants))
+    if np.ptp(steps) <= EVEN * steps[0] and len(steps) <= LARGEST:
+        return _even(len(steps)) @ secants
+    return _solved(steps, secants)
 
 
 @lru_cache(maxsize=64)
-def _even(count: int, clamped: bool) -> Array:
+def _even(count: int) -> Array:
     """The matrix `(n + 1, n)` from secants to slopes where all pieces are equally long."""
-    return np.asarray(np.linalg.solve(*_system(np.ones(count), clamped)))
+    return _solved(np.ones(count), np.eye(count))
 
 
-def _system(steps: Array, clamped: bool) -> tuple[Array, Array]:
-    """Matrices `(n + 1, n + 1)` and `(n + 1, n)`: the first times the slopes equals the second times the secants. The
-    second derivatives agree at each inner knot."""
-    count = len(steps)
-    left, right = np.eye(count + 1), np.zeros((count + 1, count))
-    for i in range(1, count):
-        before, after = steps[i - 1], steps[i]
-        left[i, i - 1 : i + 2] = after, 2.0 * (before + after), before
-        right[i, i - 1 : i + 1] = 3.0 * after, 3.0 * before
-    if not clamped:
-        _free_end(left[0], right[0], steps)
-        _free_end(left[-1, ::-1], right[-1, ::-1], steps[::-1])
-    return left, right
-
-
-def _free_end(left: Array, right: Array, steps: Array) -> None:
-    """Fill the first equation where the end is free: the third derivatives agree at the second knot. Of two pieces one
-    parabola is made, of one a line."""
-    if len(steps) == 1:
-        right[0] = 1.0
-        return
-    first, both = steps[0], steps[0] + steps[1]
-    left[1] = 1.0 if len(steps) == 2 else both / steps[1]
-    if len(steps) == 2:
-        right[0] = 2.0
-    else:
-        right[:2] = (first + 2.0 * both) / both, first**2 / (both * steps[1])
+def _solved(steps: Array, secants: Array) -> Array:
+    """The slopes for which the second derivatives agree at each inner knot, and which are zero at both ends: a
+    tridiagonal system, solved by elimination from the first row to the last and back (its diagonal dominates)."""
+    slopes = np.zeros((len(steps) + 1, secants.shape[1]))
+    above = np.zeros(len(steps) + 1)
+    for i in range(1, len(steps)):
+        before, after = float(steps[i - 1]), float(steps[i])
+        pivot = 2.0 * (before + after) - after * above[i - 1]
+        above[i] = before / pivot
+        right = 3.0 * (after * secants[i - 1] + before * secants[i])
+        slopes[i] = (right - after * slopes[i - 1]) / pivot
+    for i in range(len(steps) - 1, 0, -1):
+        slopes[i] -= above[i] * slopes[i + 1]
+    return slopes

@@ -9,7 +9,7 @@ from itertools import chain
 
 import numpy as np
 
-from ..plan import FORMAT, KNOWN_NEEDS, ModuleRecord, Plan, ShapeRecord
+from ..plan import FORMAT, KNOWN_NEEDS, ModuleRecord, Plan, ShapeRecord, SplineRecord
 from .findings import Findings
 from .geometry import Array
 from .limits import LIMITS
@@ -17,6 +17,12 @@ from .shapes import SIZES, is_solid
 
 LARGEST = 1e10
 """Numbers beyond it, infinities and NaN count as not finite."""
+MOST_FRAMES = 5_000_000
+"""Samples times moving frames of a plan, at most: half a gigabyte of memory, several times what a large plan needs."""
+MOST_KNOTS = 10_000
+"""Knots of one spline, at most: a hundred times as many as planned ones have."""
+NEAREST_KNOTS = 1e-6
+"""Seconds from one knot to the next, at least; time stamps have 10 decimals. Planned ones are some 10 ms apart."""
 
 Rows = Sequence[Sequence[float]]
 
@@ -48,6 +54,11 @@ def check_structure(plan: Plan, findings: Findings) -> Samples | None:
     for need in plan.needs:
         if need not in KNOWN_NEEDS:
             findings.fail("structure", f"the plan needs {need}, which is not known")
+    frames = sum(1 + len(m.joints) + len(m.effectors) for m in plan.modules) + len({t.name for t in plan.body_tracks})
+    if len(plan.times) * frames > MOST_FRAMES:
+        message = f"{len(plan.times)} samples of {frames} frames that move: more than {MOST_FRAMES} are not looked at"
+        findings.fail("structure", message)
+        return None
     _check_times(plan, findings)
     for name in _repeated([m.name for m in plan.modules] + [b.name for b in plan.bodies]):
         findings.fail("structure", f"{name} occurs twice", between=[name])
@@ -240,27 +251,32 @@ def _whole_body_tracks(plan: Plan, pieces: Sequence[Array]) -> dict[str, Array]:
 
 
 def _check_splines(plan: Plan, findings: Findings) -> None:
-    """At most one spline per module and phase, with equidistant knots from its start to its end."""
+    """At most one spline per module and phase, with equidistant knots from the start of its first to the end of its
+    last phase."""
     widths = {m.name: len(m.joints) for m in plan.modules}
-    named = [(s.module, s.first) for s in plan.splines]
-    if len(set(named)) < len(named) or any(s.module not in widths for s in plan.splines):
-        findings.fail("structure", "two splines of one module in a phase, or one of something that is no module")
-        return
-    ranges = phase_ranges(plan.times)
+    taken: set[tuple[str, int]] = set()
     for spline in plan.splines:
-        name = f"spline of {spline.module} in phase {spline.first + 1}"
-        if not 0 <= spline.first < len(plan.phases) or spline.until != spline.first:
-            message = f"{name} is of no phase, or of several"
-            findings.fail("structure", message, between=[spline.module])
+        name = f"spline of {spline.module} from phase {spline.first + 1}"
+        if spline.module not in widths or not 0 <= spline.first <= spline.until < len(plan.phases):
+            findings.fail("structure", f"{name} is of no module, or of no phase", between=[spline.module])
             continue
-        count = len(spline.knots)
-        good = count >= 2 and len(spline.values) == count and _numbers([spline.knots], count)
-        if not good or not _numbers(spline.values, widths[spline.module]):
-            findings.fail("structure", f"{name} is incomplete or not finite", between=[spline.module])
-            continue
-        phase, (first, last) = plan.phases[spline.first], ranges[spline.first]
-        if last - first + 1 < count:
-            findings.fail("structure", f"{name}: more knots than samples", time=phase.start, between=[spline.module])
-        even = np.linspace(phase.start, phase.end, count)
-        if np.max(np.abs(even - spline.knots)) > 10 * LIMITS["time_s"]:
-            findings.fail("times", f"{name}: the knots do not divide the phase evenly", time=phase.start)
+        phases = {(spline.module, k) for k in range(spline.first, spline.until + 1)}
+        if taken & phases:
+            findings.fail("structure", f"{name}: the module has another one then", between=[spline.module])
+        taken |= phases
+        _check_spline(plan, spline, widths[spline.module], name, findings)
+
+
+def _check_spline(plan: Plan, spline: SplineRecord, width: int, name: str, findings: Findings) -> None:
+    count = len(spline.knots)
+    good = count >= 2 and len(spline.values) == count and _numbers([spline.knots], count)
+    if not good or not _numbers(spline.values, width):
+        findings.fail("structure", f"{name} is incomplete or not finite", between=[spline.module])
+        return
+    start, end = plan.phases[spline.first].start, plan.phases[spline.until].end
+    if count > MOST_KNOTS or end - start < (count - 1) * NEAREST_KNOTS:
+        message = f"{name} has {count} knots in {end - start:g} s: more than {MOST_KNOTS}, or nearer than 1 µs"
+        findings.fail("structure", message, time=start, between=[spline.module])
+        return
+    if np.max(np.abs(np.linspace(start, end, count) - spline.knots)) > 10 * LIMITS["time_s"]:
+        findings.fail("times", f"{name}: the knots do not divide its time evenly", time=start)

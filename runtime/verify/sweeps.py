@@ -11,23 +11,18 @@ import numpy as np
 from .geometry import Array, Frames, Indices
 from .solids import Solid
 
-BEND = 1.1
-"""How much longer the way between two instants may be than the straight line."""
-
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
     """A solid in one phase, at `T` instants, or at one when it rests.
 
-    `frames` of its shape; `steps` `(T - 1,)`: how far any of its points moves at most between neighbouring instants,
-    in a straight line; `low` and `high` `(T - 1, 3)`: the corners of a box that holds it all the while between them.
-    `lowest` and `highest` `(3,)` are those for the whole phase. Of what rests, `steps` has no entry, and `low` and
-    `high` have one.
+    `frames` of its shape; `low` and `high` `(T - 1, 3)`: the corners of a box that holds it all the while between
+    neighbouring instants. `lowest` and `highest` `(3,)` are those for all of them. Of what rests, `low` and `high` have
+    one entry.
     """
 
     solid: Solid
     frames: Frames
-    steps: Array
     low: Array
     high: Array
     lowest: Array
@@ -48,16 +43,16 @@ class Sweep:
         return self.frames if self.rests else self.frames[slice(first, last + 1)]
 
 
-def sweep(solid: Solid, frames: Frames) -> Sweep:
-    """What a solid sweeps. A point whose way has some length stays within half of it from one of its ends."""
+def sweep(solid: Solid, frames: Frames, bend: Array) -> Sweep:
+    """What a solid sweeps whose points get at most `bend` `(T - 1,)` metres away from the straight line between where
+    they are at neighbouring instants."""
     points = _points(solid, frames)
     low, high = points.min(axis=1) - solid.ball, points.max(axis=1) + solid.ball
     if len(frames) == 1:
-        return Sweep(solid, frames, np.zeros(0), low, high, low[0], high[0])
-    steps = _steps(points)
-    margin = 0.5 * BEND * steps[:, None]
+        return Sweep(solid, frames, low, high, low[0], high[0])
+    margin = bend[:, None]
     low, high = np.minimum(low[1:], low[:-1]) - margin, np.maximum(high[1:], high[:-1]) + margin
-    return Sweep(solid, frames, steps, low, high, low.min(axis=0), high.max(axis=0))
+    return Sweep(solid, frames, low, high, low.min(axis=0), high.max(axis=0))
 
 
 def near_pairs(sweeps: list[Sweep], looked_at: Indices) -> Indices:
@@ -91,13 +86,12 @@ def lower_bound(a: Sweep, b: Sweep, first: int, last: int) -> Array:
 
 
 def relative_steps(a: Sweep, b: Sweep, first: int, last: int) -> Array:
-    """How far any point of one solid moves, seen from the other, between neighbouring instants `first` … `last`."""
-    for one, other in ((a, b), (b, a)):
-        if other.rests:
-            return one.steps[first:last]
-    if len(a.solid.points) > len(b.solid.points):
-        a, b = b, a
-    return _steps(_points(a.solid, a.during(first, last).relative_to(b.during(first, last))))
+    """How far any point of `a` moves, seen from `b`, between neighbouring instants `first` … `last`, in a straight
+    line."""
+    seen = a.during(first, last)
+    if not b.rests:
+        seen = seen.relative_to(b.during(first, last))
+    return np.zeros(last - first) if len(seen) == 1 else _steps(_points(a.solid, seen))
 
 
 def _points(solid: Solid, frames: Frames) -> Array:

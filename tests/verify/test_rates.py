@@ -86,9 +86,9 @@ def test_a_file_from_before_there_were_accelerations_is_judged_by_the_task() -> 
     assert {f.kind for f in check(old, limited(acceleration=0.2)).failures} == {"joint_acceleration_rad_s2"}
 
 
-def test_samples_that_jerk_are_refused_by_their_own_differences() -> None:
-    """Time stamps squeezed in the middle of the phase: positions on the way, but not at their time."""
+def test_samples_on_the_way_at_another_time_are_refused() -> None:
+    """Time stamps squeezed in the middle of the phase."""
     data = msgspec.to_builtins(wave())
     data["times"][5] = data["times"][4] + 1e-3
     failures = verify(msgspec.convert(data, Plan)).failures
-    assert "joint_speed_rad_s" in {f.kind for f in failures}
+    assert {f.kind for f in failures} == {"spline_rad"}

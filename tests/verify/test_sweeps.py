@@ -41,8 +41,9 @@ def test_bounds_hold(seed: int, resting: bool) -> None:
     draw = np.random.default_rng([seed, resting])
     first, second = (solid(str(draw.choice(list(SHAPES)))) for _ in range(2))
     times = np.linspace(0.0, 1.0, 31)
-    a = sweep(first, motion(draw, times))
-    b = sweep(second, motion(draw, times[:1] if resting else times))
+    none = np.zeros(len(times) - 1)
+    a = sweep(first, motion(draw, times), none + 0.05)
+    b = sweep(second, motion(draw, times[:1] if resting else times), none + 0.05)
     distances = np.array([
         Ruler().distance(first.solid, frame(a.frames, t), second.solid, frame(b.frames, t)) for t in range(len(times))
     ])  # fmt: skip
@@ -61,8 +62,11 @@ def test_bounds_hold(seed: int, resting: bool) -> None:
 def test_boxes_hold_what_lies_between_instants(kind: str) -> None:
     made = solid(kind)
     times = np.linspace(0.0, 1.0, 11)
-    coarse = sweep(made, motion(np.random.default_rng(3), times))
-    fine = sweep(made, motion(np.random.default_rng(3), np.linspace(0.0, 1.0, FINE * 10 + 1)))
+    draw = np.random.default_rng(3)
+    speeds, way = draw.uniform(-1.5, 1.5, size=3), draw.uniform(-0.5, 0.5, size=(3, 3))
+    acceleration = 2.0 * np.linalg.norm(way[2]) + np.linalg.norm(speeds) ** 2 * made.reach
+    coarse = sweep(made, motion(np.random.default_rng(3), times), np.full(10, acceleration * 0.1**2 / 8.0))
+    fine = sweep(made, motion(np.random.default_rng(3), np.linspace(0.0, 1.0, FINE * 10 + 1)), np.zeros(FINE * 10))
     for interval in range(10):
         part = slice(FINE * interval, FINE * (interval + 1))
         points = fine.frames[part].position

@@ -1,0 +1,406 @@
+"""What a plan does between its samples is checked on the motion itself, however its file is stamped."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from tamplang.compiler.pipeline import compile_sources
+from tamplang.langs.source import Source
+from tamplang.runtime.budget import Budget, OutOfTime
+from tamplang.runtime.plan import Plan
+from tamplang.runtime.verify import verify
+from tamplang.runtime.verify.findings import Findings
+from tamplang.runtime.verify.geometry import Array, Frames
+from tamplang.runtime.verify.happenings import happenings_of
+from tamplang.runtime.verify.kinematics import Kinematics, motion_of
+from tamplang.runtime.verify.links import links_of
+from tamplang.runtime.verify.replay import replay
+from tamplang.runtime.verify.sampler import Sampler, curves_of
+
+from .motions import Maker
+
+Data = dict[str, Any]
+Stamps = Callable[[float, float], Array]
+"""Time stamps of a phase from its start to its end, both among them."""
+
+
+# --- files that are stamped anew -----------------------------------------------------------------------------------
+
+
+def sampler_of(plan: Plan) -> Sampler:
+    sources = [Source(s.path, s.text) for s in plan.task.sources]
+    problem, _ = compile_sources(sources, plan.task.name, {}, plan.task.seed)
+    kinematics = {m.name: Kinematics(m) for m in plan.modules}
+    motion, story = motion_of(plan, kinematics), replay(problem, plan, Findings())
+    happenings = happenings_of(problem, plan, story.modes)
+    links = links_of(problem, story.modes, motion, happenings, 1e-6)
+    return Sampler(problem.world, motion, kinematics, happenings, links, curves_of(plan))
+
+
+def poses(frames: Frames, count: int) -> list[list[float]]:
+    spread = frames.spread(count)
+    return np.hstack([spread.position, Rotation.from_matrix(spread.rotation).as_quat()]).tolist()
+
+
+def stamped(plan: Plan, stamps: list[Stamps] | Stamps) -> Plan:
+    """A drawing of the same motion with other time stamps, phase by phase: every sample lies on the motion."""
+    sampler, data = sampler_of(plan), msgspec.to_builtins(plan)
+    times: list[float] = []
+    tracks: dict[str, list[list[float]]] = {t.name: [] for t in plan.tracks}
+    joints: dict[str, list[list[float]]] = {t.name: [] for t in plan.tracks}
+    bodies: dict[str, list[list[float]]] = {t.name: [] for t in plan.body_tracks}
+    for phase, record in enumerate(plan.phases):
+        at = (stamps[phase] if isinstance(stamps, list) else stamps)(record.start, record.end)
+        times += at.tolist()
+        placement = sampler.at(phase, at)
+        for name, rows in [*tracks.items(), *bodies.items()]:
+            rows += poses(placement.frame(name), len(at))
+        for name, rows in joints.items():
+            rows += np.broadcast_to(sampler._joints(name, phase, at), (len(at), len(plan.modules[0].joints))).tolist()
+    data["times"] = times
+    data["tracks"] = [{"name": n, "poses": tracks[n], "joints": joints[n]} for n in tracks]
+    data["body_tracks"] = [{"name": n, "first": 0, "poses": rows} for n, rows in bodies.items()]
+    return msgspec.convert(data, Plan)
+
+
+def even(count: int) -> Stamps:
+    return lambda start, end: np.linspace(start, end, count)
+
+
+def uneven(start: float, end: float) -> Array:
+    share = np.linspace(0.0, 1.0, 40) ** 3
+    return start + (end - start) * share
+
+
+def crowded(start: float, end: float) -> Array:
+    """All but the last stamp in the first hundredth of the phase."""
+    return np.append(np.linspace(start, start + 0.01 * (end - start), 60), end)
+
+
+def random_stamps(start: float, end: float) -> Array:
+    inner = np.random.default_rng(7).uniform(start, end, 50)
+    return np.unique(np.concatenate([[start], inner, [end]]))
+
+
+STAMPS: dict[str, Stamps] = {
+    "two": even(2), "sparse": even(7), "dense": even(400), "uneven": uneven, "crowded": crowded, "random": random_stamps
+}  # fmt: skip
+OWN = {"sample_m", "sample_rad", "spline_rad", "quaternion", "jump_m", "jump_rad", "time_s", "rest_m", "rest_rad"}
+"""Figures about the samples themselves."""
+
+
+@pytest.mark.parametrize("stamps", STAMPS.values(), ids=list(STAMPS))
+def test_a_good_plan_is_good_however_it_is_stamped(hop: Plan, stamps: Stamps) -> None:
+    expected, verdict = verify(hop), verify(stamped(hop, stamps))
+    assert verdict.verified, verdict.failures
+    for kind in expected.worst.keys() - OWN:
+        assert verdict.worst[kind] == pytest.approx(expected.worst[kind], rel=1e-6, abs=1e-7), kind
+
+
+# --- what samples hide ---------------------------------------------------------------------------------------------
+
+PLATE = """
+import std.crawler
+import std.motion
+predicate (waved c: module)
+rule wave(c: module, k: 1 .. 2) {
+    pre   k = 1 or (waved c)
+    post  (waved c)
+}
+task wave() {
+    object slab: box(0.2 m, 0.2 m, 0.05 m) at (0, 0, 0)
+    object plate: box(0.3 m, 0.05 m, 0.4 m) at (0.6 m, WHERE, 0.225 m)
+    crawler c: A on slab
+    goal (waved c)
+}
+"""
+LEVEL = np.array([0.0, np.pi / 2, 0.0, 0.0, 0.0, 0.0, 0.0])
+TURN = np.eye(7)[0]
+
+
+def swing(samples: int, where: str = "0.3 m", seconds: float = 12.0) -> Plan:
+    """A stretched arm turns there and back again by 1 rad; where = 0.3 m puts a plate of 5 cm into its way."""
+    maker = Maker(PLATE.replace("WHERE", where), "wave")
+    maker.phase("wave", ("c", "1"), [LEVEL])
+    ways = 0.5 - 0.5 * np.cos(np.linspace(0.0, 2.0 * np.pi, 201)[1:])
+    maker.phase("wave", ("c", "2"), [LEVEL + way * TURN for way in ways], seconds=seconds, samples=samples)
+    return maker.plan()
+
+
+HIDING: dict[str, Stamps] = {
+    "two": even(2),
+    "crowded": crowded,
+    "crowded at both ends": lambda start, end: np.concatenate([
+        start + np.linspace(0.0, 0.01, 5_000), end - np.linspace(0.01, 0.0, 5_000)
+    ]),
+    "crowded in the middle": lambda start, end: np.unique(np.concatenate([
+        [start], 0.5 * (start + end) + np.linspace(-0.01, 0.01, 50), [end]
+    ])),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("stamps", HIDING.values(), ids=list(HIDING))
+@pytest.mark.parametrize("samples", [2, 20, 300])
+def test_a_swing_through_a_plate_is_seen_whatever_the_samples_show(stamps: Stamps, samples: int) -> None:
+    verdict = verify(stamped(swing(samples), stamps))
+    assert {f.kind for f in verdict.failures} == {"penetration_m"}, verdict.failures
+    assert max(f.amount for f in verdict.failures) > 0.01
+    assert all("plate" in f.between for f in verdict.failures)
+
+
+@pytest.mark.parametrize("samples", [2, 20, 300])
+def test_the_same_swing_beside_the_plate_is_good(samples: int) -> None:
+    assert verify(stamped(swing(samples, "-0.3 m"), HIDING["crowded"])).verified
+
+
+def test_a_short_phase_of_ten_thousand_samples(hop: Plan) -> None:
+    """Nothing but the time is too short for the way."""
+    plan = swing(20, seconds=0.1)
+    kinds = {f.kind for f in verify(stamped(plan, [even(5), even(10_000)])).failures}
+    assert kinds == {"penetration_m", "joint_speed_rad_s", "joint_acceleration_rad_s2"}
+    slow = swing(20, "-0.3 m")
+    verdict = verify(stamped(slow, [even(5), even(10_000)]))
+    assert verdict.verified
+    assert verdict.worst["joint_speed_rad_s"] == pytest.approx(verify(slow).worst["joint_speed_rad_s"])
+
+
+def test_samples_on_the_spline_at_their_stamps_only(hop: Plan) -> None:
+    """A spline of three times as many knots that swings out between the stamps of the file."""
+    data = msgspec.to_builtins(swing(20, "-0.3 m"))
+    spline = data["splines"][1]
+    times = np.linspace(spline["knots"][0], spline["knots"][-1], 61)
+    start, end = times[0], times[-1]
+    plan = msgspec.convert(data, Plan)
+    at = sampler_of(plan).curves["c", 1](times)
+    at[:, 0] += np.where(np.arange(61) % 3 == 1, 0.5, 0.0)
+    spline["knots"], spline["values"] = times.tolist(), at.tolist()
+    wild = msgspec.convert(data, Plan)
+    assert "spline_rad" in {f.kind for f in verify(wild).failures}
+    curve = sampler_of(wild).curves["c", 1]
+    fine = np.linspace(start, end, 20_001)
+    same = fine[np.abs(curve(fine) - sampler_of(plan).curves["c", 1](fine)).max(axis=1) < 1e-3]
+    agreeing = np.unique(np.concatenate([[start], same, [end]]))
+    kinds = {f.kind for f in verify(stamped(wild, [even(10), lambda *_: agreeing])).failures}
+    assert kinds == {"joint_speed_rad_s", "joint_acceleration_rad_s2"}
+
+
+def test_samples_do_not_tell_what_rests() -> None:
+    """Both ends of a robot that stands on nothing rest on all samples, and only there."""
+    text = PLATE.replace("WHERE", "-0.3 m").replace("crawler c: A on slab", "crawler c: at (0, 0, 0.1 m)")
+    maker = Maker(text, "wave")
+    home = maker.now.modules["c"][7:]
+    ways = np.sin(np.linspace(0.0, np.pi, 100))
+    maker.phase("wave", ("c", "1"), [home + 0.5 * way * np.eye(7)[1] for way in ways], seconds=20.0)
+    plan = maker.plan()
+    assert verify(plan).verified, verify(plan).failures
+    verdict = verify(stamped(plan, even(2)))
+    assert {f.kind for f in verdict.failures} == {"rest"}
+    assert "do not tell whether" in verdict.failures[0].message
+
+
+# --- closed loops --------------------------------------------------------------------------------------------------
+
+LOOP = """
+import std.crawler
+import std.motion
+predicate (planted B: effector)
+rule plant(B: effector, Y: object) {
+    pre   not (planted B)
+    post  (planted B), [stable Y B]
+}
+rule sway(B: effector, Y: object) {
+    pre   (planted B)
+    post  (swayed B)
+}
+predicate (swayed B: effector)
+task loop() {
+    object left: box(0.2 m, 0.2 m, 0.05 m) at (0, 0, 0)
+    object right: box(0.2 m, 0.2 m, 0.05 m) at (0.5 m, 0, 0)
+    crawler c: A on left
+    goal (swayed c.B)
+}
+"""
+BEND = math.asin(0.25 / 0.35)
+ARCH = np.array([0.0, BEND, 0.0, np.pi - 2 * BEND, 0.0, BEND, 0.0])
+
+
+def loop(sway: float) -> Plan:
+    """A robot that has planted its second foot sways by a joint of the first and back: the second foot goes with it."""
+    maker = Maker(LOOP, "loop")
+    maker.phase("plant", ("c.B", "right"), [ARCH])
+    ways = 0.5 - 0.5 * np.cos(np.linspace(0.0, 2.0 * np.pi, 101)[1:])
+    maker.phase("sway", ("c.B", "right"), [ARCH + way * sway * TURN for way in ways], seconds=8.0)
+    return maker.plan()
+
+
+@pytest.mark.parametrize("stamps", HIDING.values(), ids=list(HIDING))
+def test_a_foot_that_leaves_its_place_between_samples_is_seen(stamps: Stamps) -> None:
+    failures = verify(stamped(loop(1.0), [even(10), stamps])).failures
+    assert {f.kind for f in failures} >= {"slip_m", "slip_rad"}
+    assert max(f.amount for f in failures if f.kind == "slip_m") > 0.1
+
+
+@pytest.mark.parametrize(("slip", "kept"), [(0.5e-3, True), (0.95e-3, True), (1.05e-3, False), (3e-3, False)])
+def test_a_foot_may_slip_by_as_much_as_the_limit(slip: float, kept: bool) -> None:
+    verdict = verify(stamped(loop(slip / 0.5), even(2)))
+    assert verdict.verified == kept
+    assert kept or "slip_m" in {f.kind for f in verdict.failures}
+    assert verdict.worst["slip_m"] == pytest.approx(slip, rel=0.01)
+
+
+# --- rows that hold all the time -----------------------------------------------------------------------------------
+
+ROWS = """
+import std.crawler
+import std.motion
+predicate (shown c: module)
+motion [fine X: effector, Y: object] { during ROW }
+rule show(c: module, X: effector, Y: object, k: 1 .. 2) {
+    pre   k = 1 or (shown c)
+    post  (shown c), if k = 1 { [fine X Y] }
+}
+task rows() {
+    object slab: box(2 m, 2 m, 0.05 m) at (0, 0, 0)
+    object bead: sphere(0.02 m) at (0.9 m, 0.3 m, 0.6 m)
+    crawler c: A on slab
+    goal (shown c)
+}
+"""
+TERMS = {
+    "position": "dot(position(X), (1, 0, 0)) <= AT",
+    "norm": "norm(position(X) - position(Y)) >= AT m",
+    "product": "dot(position(X), position(X)) * dot(axis(X, z), (0, 0, 1)) <= AT",
+    "quotient": "dot(position(X), (1, 0, 0)) / (1 + dot(position(X), position(X))) <= AT",
+    "root": "sqrt(dot(position(X), position(X))) >= AT",
+    "cross": "dot(cross(position(X), (0, 1, 0)), (0, 0, 1)) <= AT",
+    "axis": "dot(axis(X, z), (0, 0, 1)) >= AT",
+    "centre": "dot(centre(X), (1, 0, 0)) <= AT",
+    "bottom": "bottom(X) >= AT m",
+    "top": "top(X) >= AT m",
+    "gap": "gap(X, Y) >= AT m",
+    "inside": "inside(X, slab) >= AT m",
+}
+
+
+def nod(row: str) -> Plan:
+    """An arm nods by 1 rad and comes back."""
+    maker = Maker(ROWS.replace("ROW", row.replace("slab", "Y")), "rows")
+    thing = "slab" if "slab" in row else "bead"
+    maker.phase("show", ("c", "c.B", thing, "1"), [0.3 * np.eye(7)[1]])
+    ways = 0.5 - 0.5 * np.cos(np.linspace(0.0, 2.0 * np.pi, 101)[1:])
+    knots = [(0.3 + way) * np.eye(7)[1] + 0.5 * way * np.eye(7)[3] for way in ways]
+    maker.phase("show", ("c", "c.B", thing, "2"), knots, seconds=8.0)
+    return maker.plan()
+
+
+@pytest.mark.parametrize("row", TERMS.values(), ids=list(TERMS))
+def test_a_row_that_breaks_between_samples_is_seen(row: str) -> None:
+    """By how much it is broken does not depend on the samples; a row that asks just that little less holds."""
+    sign = 1.0 if ">=" in row else -1.0
+    assert verify(stamped(nod(row.replace("AT", f"{-9.0 * sign!r}")), even(2))).verified
+    (failure,) = verify(stamped(nod(row.replace("AT", f"{9.0 * sign!r}")), even(2))).failures
+    limit = {"during_m": 2e-3, "during": 5e-3}[failure.kind]
+    edge = sign * (9.0 - failure.amount)
+    for off, kept in ((0.9 * limit, True), (1.1 * limit, False)):
+        verdict = verify(stamped(nod(row.replace("AT", f"{edge + sign * off!r}")), even(2)))
+        assert verdict.verified == kept, verdict.failures
+        assert verdict.worst[failure.kind] == pytest.approx(off, abs=5e-5)
+
+
+# --- splines through switches --------------------------------------------------------------------------------------
+
+SEEN = """
+import std.crawler
+import std.motion
+predicate (waved c: module)
+motion [seen X: effector] { at switch bottom(X) >= 0 m }
+rule wave(c: module, X: effector) {
+    pre   not (waved c)
+    post  (waved c), [seen X]
+}
+task wave() {
+    object slab: box(2 m, 2 m, 0.05 m) at (0, 0, 0)
+    for k in 1 .. 2 {
+        crawler c[k]: A on slab at (0, 0.8 m * k - 1.2 m)
+    }
+    goal forall k in 1 .. 2 { (waved c[k]) }
+}
+"""
+
+
+def through(module: int, back: bool) -> Plan:
+    """Module c[1] is bound by the first switch, c[2] by the second; one of them moves on through the first, or is just
+    about to turn back there."""
+    maker = Maker(SEEN, "wave")
+    home = maker.now.modules["c[1]"][7:]
+    maker.phase("wave", ("c[1]", "c[1].B"), [home])
+    maker.phase("wave", ("c[2]", "c[2].B"), [home])
+    data = msgspec.to_builtins(maker.plan())
+    end = data["phases"][1]["end"]
+    knots, shares = np.linspace(0.0, end, 41), np.linspace(0.0, 1.0, 41)
+    way = 0.5 - 0.5 * np.cos((2.0 if back else 1.0) * np.pi * shares)
+    start = np.array(data["modules"][module - 1]["start"])
+    values = start + 0.3 * way[:, None] * np.eye(7)[1]
+    data["splines"] = [{
+        "module": f"c[{module}]", "from": 0, "until": 1, "knots": knots.tolist(), "values": values.tolist()
+    }]  # fmt: skip
+    return stamped(msgspec.convert(data, Plan), even(30))
+
+
+def test_a_spline_goes_through_switches_that_do_not_bind_its_module() -> None:
+    verdict = verify(through(2, back=False))
+    assert verdict.verified, verdict.failures
+
+
+def test_a_module_rests_at_switches_that_bind_it() -> None:
+    failures = verify(through(1, back=False)).failures
+    assert {f.kind for f in failures} == {"switch_rad_s"} and failures[0].between == ["c[1]"]
+    assert verify(through(1, back=True)).verified
+
+
+@pytest.mark.parametrize(("first", "until"), [(-1, 1), (0, 2), (1, 0), (1, 1)])
+def test_a_spline_of_other_phases_than_its_knots_is_refused(first: int, until: int) -> None:
+    data = msgspec.to_builtins(through(2, back=False))
+    data["splines"][0] |= {"from": first, "until": until}
+    assert {f.kind for f in verify(msgspec.convert(data, Plan)).failures} & {"structure", "times"}
+
+
+def test_two_splines_of_one_module_at_once_are_refused() -> None:
+    data = msgspec.to_builtins(through(2, back=False))
+    spline = data["splines"][0]
+    data["splines"].append({**spline, "from": 1, "knots": np.linspace(4.0, 8.0, 41).tolist()})
+    assert {f.kind for f in verify(msgspec.convert(data, Plan)).failures} == {"structure"}
+
+
+# --- sizes ---------------------------------------------------------------------------------------------------------
+
+
+def test_absurd_sizes_are_refused_at_once(hop: Plan) -> None:
+    data = msgspec.to_builtins(hop)
+    data["splines"][0]["knots"] = np.linspace(0.0, data["phases"][0]["end"], 10_001).tolist()
+    data["splines"][0]["values"] = [data["splines"][0]["values"][0]] * 10_001
+    (failure,) = verify(msgspec.convert(data, Plan)).failures
+    assert failure.kind == "structure" and "10001 knots" in failure.message
+    data = msgspec.to_builtins(hop)
+    data["times"] = np.linspace(0.0, 1.0, 500_000).tolist()
+    (failure,) = verify(msgspec.convert(data, Plan)).failures
+    assert failure.kind == "structure" and "500000 samples" in failure.message
+
+
+def test_a_hostile_plan_ends_with_the_budget() -> None:
+    """Ten thousand knots of a joint that trembles where the arm touches a plate."""
+    data = msgspec.to_builtins(stamped(swing(20, "-0.3 m"), [even(10), even(5_000)]))
+    spline = data["splines"][1]
+    knots = np.linspace(spline["knots"][0], spline["knots"][-1], 10_000)
+    values = np.tile(spline["values"][0], (10_000, 1))
+    values[1:-1, 0] += 1e-3 * np.random.default_rng(0).uniform(size=9_998)
+    spline |= {"knots": knots.tolist(), "values": values.tolist()}
+    with pytest.raises(OutOfTime):
+        verify(msgspec.convert(data, Plan), Budget(0.3))
