@@ -251,6 +251,10 @@ class Problem:
     """Pairs of objects, in alphabetical order, that may touch at the start though no motion literal speaks of it:
     things side by side, or a robot in mid-run that has just let go."""
 
+    def called(self, path: str) -> str:
+        """How a source or file is called on any machine."""
+        return self.names.get(path, path)
+
     def is_a(self, type_name: str, ancestor: str) -> bool:
         """Whether type `type_name` is `ancestor` or a subtype of it."""
         current: str | None = type_name

@@ -39,3 +39,14 @@ def _texts() -> dict[str, str]:
     """The files of the standard library by name."""
     files = sorted(STANDARD_FOLDER.glob(f"*{EXTENSION}"))
     return {path.stem: path.read_text(encoding="utf-8") for path in files}
+
+
+def installed_text(name: str) -> str | None:
+    """The text of `std.NAME` as it is installed; None where there is none."""
+    from ..langs.diagnostics import SourceError
+    from ..langs.reader import read_source
+
+    try:
+        return read_source(STANDARD_FOLDER / f"{name}{EXTENSION}").text
+    except SourceError:
+        return None

@@ -18,7 +18,6 @@ from . import plan as record
 from .native import MissingLibrary, load_native
 from .resampling import Resampled, resample
 from .skeleton import Array, Phase, PhasePath, Skeleton, start_configuration
-from .verify.findings import place_of
 from .verify.formulas import ReplayError
 from .verify.replay import Interpreter
 
@@ -154,14 +153,17 @@ def _splines(world: ir.World, motions: Sequence[Motion], paths: Sequence[PhasePa
 
 def _task_record(problem: ir.Problem) -> record.TaskRecord:
     sources = [
-        record.SourceRecord(s.path, s.text, hashlib.sha256(s.text.encode()).hexdigest()) for s in problem.sources
+        record.SourceRecord(problem.called(s.path), s.text, hashlib.sha256(s.text.encode()).hexdigest())
+        for s in problem.sources
     ]
     files = [
-        record.FileRecord(path, data, hashlib.sha256(data).hexdigest()) for path, data in sorted(problem.files.items())
+        record.FileRecord(path, data, hashlib.sha256(data).hexdigest())
+        for path, data in sorted((problem.called(path), data) for path, data in problem.files.items())
     ]
     return record.TaskRecord(
-        problem.task, problem.file, dict(problem.parameters), problem.seed, sources, format_formula(problem.goal), files
-    )
+        problem.task, problem.called(problem.file), dict(problem.parameters), problem.seed, sources,
+        format_formula(problem.goal), files,
+    )  # fmt: skip
 
 
 def _shape(shape: ir.Shape) -> record.ShapeRecord:
@@ -193,6 +195,11 @@ def module_record(module: ir.Module) -> record.ModuleRecord:
 
 def _body_record(body: ir.Body) -> record.BodyRecord:
     return record.BodyRecord(body.name, body.type, _shape(body.shape), list(body.pose), body.movable)
+
+
+def placed(problem: ir.Problem, span: Span | None) -> record.PlaceRecord | None:
+    """The record of a place in a source of the problem."""
+    return None if span is None else record.PlaceRecord(problem.called(span.file), span.line, span.column)
 
 
 # --- the phases --------------------------------------------------------------------------------------------------
@@ -233,7 +240,7 @@ def phase_record(
         action=str(action),
         rule=action.rule,
         args=[str(a) for a in action.args],
-        place=place_of(rule.span) if rule else None,
+        place=placed(problem, rule.span) if rule else None,
         start=round(float(motion.times[0]), DIGITS),
         end=round(float(motion.times[-1]), DIGITS),
         literals=literal_records(problem, facts, before),
@@ -253,5 +260,5 @@ def literal_records(
         if span is None:
             declared = problem.motions.get(fact[0]) or problem.predicates.get(fact[0])
             span = declared.span if declared is not None else None
-        result.append(record.LiteralRecord(fact[0], list(fact[1:]), place_of(span)))
+        result.append(record.LiteralRecord(fact[0], list(fact[1:]), placed(problem, span)))
     return result

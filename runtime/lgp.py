@@ -22,7 +22,7 @@ from .budget import Budget, ending
 from .judgement import Judgement
 from .motion.settings import MotionSettings
 from .plan import Plan, StatisticsRecord, TimingRecord
-from .refusals import Refusals, fewer
+from .refusals import Refusals, distrust, fewer
 from .search.best_first import Candidate, SkeletonSearch
 from .search.roomy import roomier
 from .search.skeletons import build_skeleton
@@ -88,7 +88,8 @@ class Progress:
 @dataclass(slots=True)
 class Outcome:
     """What a run found. `status` is solved, infeasible (proved), exhausted (every candidate refused), budget,
-    interrupted or refused (only plans that the verifier does not believe). `plans` are best first.
+    interrupted or refused (by the verifier). `plans` are best first, all of them verified; `refused` is one that the
+    verifier does not believe, where there is no other.
 
     With bound "seq" there is no motion, hence no plan: `actions` and `cost` tell the skeleton that P_seq accepts.
     """
@@ -100,6 +101,7 @@ class Outcome:
     explanation: list[Diagnostic] = field(default_factory=list)
     actions: list[str] = field(default_factory=list)
     cost: float = 0.0
+    refused: Plan | None = None
 
 
 def solve(
@@ -126,7 +128,7 @@ class _Run:
         self.candidates = 0
         self.plans: list[Plan] = []
         self.accepted: list[Candidate] = []
-        self.distrusted: list[Plan] = []
+        self.distrusted: Plan | None = None
         self.first_bound: float | None = None
         settings, seed = motion_settings(problem, options), Seed(options.seed)
         self.bounds = Bounds(problem, settings, options.bound, seed, self.budget, self._tell, options.ahead)
@@ -190,7 +192,7 @@ class _Run:
         statistics = self._statistics([*self.accepted, candidate])
         plan = self.bounds.believe(skeleton, candidate.actions, judgement, statistics, self._timing())
         if plan.verdict is None or not plan.verdict.verified:
-            self.distrusted.append(plan)
+            self.distrusted = self.distrusted or plan
             return False
         self.plans.append(plan)
         if self.found is not None:
@@ -229,12 +231,13 @@ class _Run:
             missing = self.options.solutions - len(self.accepted)
             explanation = [fewer(status, len(self.accepted), self.options.solutions)] if missing else []
             status = "interrupted" if status == "interrupted" else "solved"
-        elif self.distrusted:
-            status, plans = "refused", self.distrusted
+        elif self.distrusted is not None:
+            status, explanation = "refused", distrust(self.distrusted.verdict)
         actions = [str(a) for a in self.accepted[0].actions] if self.accepted else []
-        if not actions and plans:
-            actions = [phase.action for phase in plans[0].phases]
-        return Outcome(status, plans, statistics, timing, explanation, actions, statistics.cost)
+        if self.distrusted is not None and not self.accepted:
+            actions = [phase.action for phase in self.distrusted.phases]
+        refused = None if self.accepted else self.distrusted
+        return Outcome(status, plans, statistics, timing, explanation, actions, statistics.cost, refused)
 
     def _tell(self, stage: str, message: str) -> None:
         if self.report is None:

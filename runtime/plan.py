@@ -264,12 +264,19 @@ class MeasureRecord(Record, frozen=True):
 
 
 class VerdictRecord(Record, frozen=True):
+    """`verified`: nothing was refused. Only with `goal_reached` does the plan do what it was made for; else `unmet`
+    holds the parts of the goal that do not hold at its end. `at_rest`: things move or fail in the scene, but the plan
+    was made, and is checked, for the scene at rest."""
+
     verified: bool
     worst: dict[str, float]
     measures: list[MeasureRecord]
     failures: list[FailureRecord]
     residuals: list[MeasureRecord]
     """One entry per switch constraint of every phase: its own worst row."""
+    goal_reached: bool = False
+    unmet: list[str] = []
+    at_rest: bool = False
 
 
 class Plan(Record, frozen=True):

@@ -7,11 +7,12 @@ from dataclasses import replace
 from ..compiler.ir import Problem
 from ..langs.diagnostics import Diagnostic, Label
 from ..langs.source import Span
+from .assemble import placed
 from .judgement import Conflict
 from .lack import achievers, lacking
 from .motion.program import DIVERGED
 from .nearest import nearest
-from .plan import PlaceRecord, RefusalRecord
+from .plan import RefusalRecord, VerdictRecord
 from .skeleton import Breach, Skeleton, Violation
 
 MOST_EXPLAINED = 5
@@ -128,8 +129,17 @@ class Refusals:
             reason=self._reason(conflict),
             amount=float(worst.amount) if worst else 0.0,
             unit=worst.unit if worst else "",
-            place=PlaceRecord(span.file, span.line, span.column) if span else None,
+            place=placed(self.problem, span),
         )
+
+
+def distrust(verdict: VerdictRecord | None) -> list[Diagnostic]:
+    """What the verifier says against a plan, the first few things."""
+    failures = [] if verdict is None else verdict.failures
+    told = [Diagnostic("S0004", f"the verifier refuses the plan: {f.message}") for f in failures[:MOST_EXPLAINED]]
+    if len(failures) > MOST_EXPLAINED:
+        told[-1] = replace(told[-1], note=f"and {len(failures) - MOST_EXPLAINED} more failures")
+    return told
 
 
 def fewer(status: str, found: int, wanted: int) -> Diagnostic:

@@ -78,7 +78,7 @@ class Task:
 
         def hand_on(record: PlanRecord) -> None:
             if found is not None:
-                found(Plan(record))
+                found(Plan(record, fresh=True))
 
         with opened(jobs, cluster) as ahead:
             outcome = _solved(
@@ -86,12 +86,13 @@ class Task:
             )
         return Result(
             outcome.status,
-            tuple(Plan(record) for record in outcome.plans),
+            tuple(Plan(record, fresh=True) for record in outcome.plans),
             tuple(outcome.explanation),
             outcome.statistics,
             outcome.timing,
             tuple(outcome.actions),
             outcome.cost,
+            None if outcome.refused is None else Plan(outcome.refused, fresh=True),
         )
 
     def run(
@@ -135,7 +136,8 @@ def _solved(
 @dataclass(frozen=True, slots=True)
 class Result:
     """What a run found. `status` is "solved", "infeasible" (proved), "exhausted", "budget", "interrupted" or
-    "refused" (by the verifier); `plans` are best first; `explanation` says what refused the task."""
+    "refused" (by the verifier); `plans` are best first, and all verified; `explanation` says what refused the task.
+    `refused` is a plan that the verifier does not believe, to look into, where there is no other."""
 
     status: str
     plans: tuple[Plan, ...]
@@ -144,6 +146,7 @@ class Result:
     timing: TimingRecord
     actions: tuple[str, ...]
     cost: float
+    refused: Plan | None = None
 
     @property
     def plan(self) -> Plan | None:
@@ -165,7 +168,7 @@ class RunResult:
     @property
     def plan(self) -> Plan:
         """What was carried out."""
-        return Plan(self.record)
+        return Plan(self.record, fresh=True)
 
     @property
     def replans(self) -> int:
@@ -205,28 +208,38 @@ def task_of_plan(record: PlanRecord) -> Task:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A plan; `record` is what a plan file holds (`docs/plan-format.md`)."""
+    """A plan; `record` is what a plan file holds (`docs/plan-format.md`). The verdict in it is `fresh` when it was made
+    in this process, and not read from a file."""
 
     record: PlanRecord
+    fresh: bool = False
 
     @property
     def actions(self) -> tuple[str, ...]:
         """The actions in order."""
         return tuple(phase.action for phase in self.record.phases)
 
-    def verify(self, time: float | None = None) -> VerdictRecord:
-        """Check the plan anew, with none of the planner's code. Raises `tamplang.runtime.budget.OutOfTime` when `time`
+    def verify(self, time: float | None = None, against: Task | None = None) -> VerdictRecord:
+        """Check the plan anew, with none of the planner's code. Its own texts are what it is checked against; with
+        `against`, it is refused where that task says otherwise. Raises `tamplang.runtime.budget.OutOfTime` when `time`
         seconds are not enough."""
         from .runtime.budget import Budget
         from .runtime.verify import verify
 
-        return verify(self.record, Budget(time))
+        return verify(self.record, Budget(time), None if against is None else against.problem)
 
-    def report(self, path: str | PathLike[str]) -> None:
-        """Write the report: one HTML file that works offline. Raises OSError."""
+    def report(self, path: str | PathLike[str], unchecked: bool = False, time: float | None = None) -> None:
+        """Write the report: one HTML file that works offline. A verdict that was read from a file is made anew, within
+        `time` seconds, or, with `unchecked`, shown as what it is. Raises OSError, and
+        `tamplang.runtime.budget.OutOfTime`."""
+        from msgspec.structs import replace as changed
+
         from .runtime.report import write_report
 
-        write_report(self.record, fspath(path))
+        record = self.record
+        if not self.fresh and not unchecked:
+            record = changed(record, verdict=self.verify(time))
+        write_report(record, fspath(path), checked=self.fresh or not unchecked)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the plan file, atomically. Raises OSError."""

@@ -10,6 +10,7 @@ from ...compiler import ir
 from ...langs.diagnostics import Diagnostic
 from ..lgp import options_of
 from ..plan import Plan
+from ..refusals import distrust
 from ..verify import verify
 from .drives import Noise
 from .rerun import window_of
@@ -32,10 +33,10 @@ def execute(
     if plan is not None and (plan.courses or plan.breakdowns or not moves):
         plan = msgspec.structs.replace(plan, verdict=verify(plan))
         assert plan.verdict is not None
-        status = "solved" if plan.verdict.verified and plan.complete else "refused"
         if not plan.verdict.verified:
-            return status, plan, (), Deviations((), 0.0, "", None, ())
-        return status if plan.complete else "stuck", plan, (), follow(plan, problem, noise, seed)
+            return "refused", plan, tuple(distrust(plan.verdict)), Deviations((), 0.0, "", None, ())
+        status = "solved" if plan.verdict.goal_reached else "stuck"
+        return status, plan, (), follow(plan, problem, noise, seed)
     bound = "path" if problem.options.bound == "seq" else None
     options = options_of(problem, bound=bound, time=seconds, otherwise=SECONDS)
     delay = LATENCY if latency is None else latency

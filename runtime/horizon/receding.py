@@ -22,6 +22,7 @@ from ..bounds import WIDER
 from ..budget import Budget, ending
 from ..lgp import Outcome, Progress, SolveOptions
 from ..plan import Plan, StatisticsRecord, TimingRecord, WindowRecord
+from ..refusals import distrust
 from ..seeds import Seed
 from ..skeleton import PhasePath, Skeleton
 from ..verify import verify
@@ -249,12 +250,15 @@ class _Run:
         if self.plan is None and self.kept:
             self.plan = self._verified(False)
         plan, statistics, timing = self.plan, self._statistics(), self._timing()
+        refused: Plan | None = None
+        if plan is not None and (plan.verdict is None or not plan.verdict.verified):
+            explanation = [*explanation, *distrust(plan.verdict)]
+            plan, refused = None, plan
         if plan is not None and status == "solved" and self.found is not None:
             self.found(plan)
-        actions = [] if plan is None else [phase.action for phase in plan.phases]
-        return Outcome(
-            status, [] if plan is None else [plan], statistics, timing, explanation, actions, statistics.cost
-        )
+        actions = [phase.action for found in (plan or refused,) if found is not None for phase in found.phases]
+        plans = [] if plan is None else [plan]
+        return Outcome(status, plans, statistics, timing, explanation, actions, statistics.cost, refused)
 
     def _explanation(self, status: str) -> list[Diagnostic]:
         """Why the goal was not reached, what was tried, and what stands."""

@@ -22,6 +22,7 @@ from ...langs.source import Span
 from ..assemble import FACTOR
 from ..budget import Budget, ending
 from ..plan import StatisticsRecord, TimingRecord, WindowRecord
+from ..refusals import distrust
 from ..seeds import Seed
 from ..skeleton import Phase, PhasePath
 from ..verify import verify
@@ -37,6 +38,7 @@ from .route import Route
 from .sensing import PERIOD, Sensing
 from .steering import Steering
 from .terms import RunOptions, RunOutcome, RunProgress
+from .windows import INFEASIBLE
 from .world import Interval, World, moves
 
 BACK, SHORT = 0.5, 0.4
@@ -117,7 +119,8 @@ class Run:
         planner = self._route.planner
         if planner.refusals is not None:
             self._explanation = planner.refusals.explain("exhausted" if planner.status == "stuck" else planner.status)
-        return "stuck"
+        # What moves by itself may come to where the conditions of another action hold.
+        return "infeasible" if planner.status == INFEASIBLE and not self.problem.world.courses else "stuck"
 
     def _hold(self) -> None:
         """Rest until the next window can be there, or go back where something would press. Planning goes on since it
@@ -368,8 +371,9 @@ class Run:
         timing = TimingRecord({"total": self.budget.elapsed}, self.seconds)
         plan = msgspec.structs.replace(plan, verdict=verify(plan), timing=timing)
         assert plan.verdict is not None
-        if status == "solved" and not plan.verdict.verified:
-            status = "refused"
+        if not plan.verdict.verified:
+            status = status if status == "interrupted" else "refused"
+            self._explanation = [*self._explanation, *distrust(plan.verdict)]
         executed = [step.executed for step in self.steps]
         modules = self.problem.world.modules.values()
         rest = {m.name: [np.array([m.joints])] for m in modules}

@@ -66,12 +66,13 @@ def environment() -> Environment:
     return result
 
 
-def render_report(plan: Plan) -> str:
-    """The whole page as text: HTML with style, scripts, scene and motion inside. Same plan, same text."""
+def render_report(plan: Plan, checked: bool = True) -> str:
+    """The whole page as text: HTML with style, scripts, scene and motion inside. Same plan, same text. Unless it was
+    `checked`, the page says that its verdict is only what the file holds."""
     script, licences = meshcat_script()
     scripts = [script, *(script_text((FOLDER / name).read_text(encoding="utf-8")) for name in SCRIPTS)]
     return environment().get_template("report.html.j2").render(
-        view=build_view(plan),
+        view=build_view(plan, checked),
         style=Markup((FOLDER / "report.css").read_text(encoding="utf-8")),
         scripts=scripts,
         hashes=[script_hash(s) for s in scripts],
@@ -80,6 +81,6 @@ def render_report(plan: Plan) -> str:
     )
 
 
-def write_report(plan: Plan, path: str | Path) -> None:
-    """Write the page for `plan`, atomically. Raises OSError."""
-    write_text_atomically(path, render_report(plan))
+def write_report(plan: Plan, path: str | Path, checked: bool = True) -> None:
+    """Write the page for `plan`, whose verdict was just made or is not `checked`, atomically. Raises OSError."""
+    write_text_atomically(path, render_report(plan, checked))

@@ -58,6 +58,8 @@ class Linked:
 class View:
     plan: Plan
     verdict: str
+    checked: bool
+    """Whether the verdict was made for this page, and not read from the file."""
     optimality: str
     seconds: float
     duration: float
@@ -140,7 +142,17 @@ def robot_text(plan: Plan, robot: Robot) -> str:
     return " + ".join(plan.modules[i].name for i in robot.modules)
 
 
-def build_view(plan: Plan) -> View:
+def standing(plan: Plan) -> str:
+    """The verdict in words. Only a plan that reaches its goal is called verified, without more."""
+    verdict = plan.verdict
+    if verdict is None:
+        return "not verified"
+    if not verdict.verified:
+        return "refused"
+    return "verified" if verdict.goal_reached else "motion verified, goal not reached"
+
+
+def build_view(plan: Plan, checked: bool) -> View:
     """The page's content, from nothing but the plan; phases, verdict, tracks and tree may be missing."""
     sources = Sources(plan.task.sources)
     colours = rule_colours(plan)
@@ -167,7 +179,8 @@ def build_view(plan: Plan) -> View:
     times, total = stages(plan)
     return View(
         plan,
-        "not verified" if verdict is None else "verified" if verdict.verified else "refused",
+        standing(plan),
+        checked or verdict is None,
         optimality(plan),
         total,
         total_time(plan),

@@ -16,23 +16,27 @@ from .kinematics import Kinematics, check_kinematics, motion_of
 from .limits import LIMITS
 from .links import links_of
 from .motion import check_motion
+from .provenance import check_against, check_sources, check_task, check_windows
 from .rates import check_rates
 from .replay import replay
 from .sampler import Sampler, curves_of
 from .samples import check_samples
-from .scene import check_scene, check_sources
+from .scene import check_scene
 from .structure import check_structure
 from .switches import check_switches
 
 
-def verify(plan: Plan, budget: Budget | None = None) -> VerdictRecord:
-    """The verdict on a plan, from nothing but what stands in it. Raises MissingLibrary, and OutOfTime once the budget
-    is spent."""
+def verify(plan: Plan, budget: Budget | None = None, against: ir.Problem | None = None) -> VerdictRecord:
+    """The verdict on a plan, from nothing but what stands in it. It is refused where its task is not the one of
+    `against`, which also lends the files that a plan of format 1 lacks. Raises MissingLibrary, and OutOfTime once the
+    budget is spent."""
     findings = Findings(budget)
     if not check_sources(plan, findings):
         return findings.verdict()
-    problem = _problem(plan, findings)
-    return findings.verdict() if problem is None else _examine(plan, problem, findings)
+    problem = _problem(plan, findings, against)
+    if problem is None or (against is not None and not check_against(problem, against, findings)):
+        return findings.verdict()
+    return _examine(plan, problem, findings)
 
 
 def check(plan: Plan, problem: ir.Problem) -> VerdictRecord:
@@ -40,8 +44,8 @@ def check(plan: Plan, problem: ir.Problem) -> VerdictRecord:
     return _examine(plan, problem, Findings())
 
 
-def _problem(plan: Plan, findings: Findings) -> ir.Problem | None:
-    """The task, compiled anew from nothing but the stored sources."""
+def _problem(plan: Plan, findings: Findings, against: ir.Problem | None) -> ir.Problem | None:
+    """The task, compiled anew from nothing but the stored sources and files, and those of `against`."""
     from ...compiler.pipeline import UsageError, compile_sources
 
     sources = [Source(s.path, s.text) for s in plan.task.sources]
@@ -49,7 +53,8 @@ def _problem(plan: Plan, findings: Findings) -> ir.Problem | None:
         findings.fail("source", "the plan holds no source text")
         return None
     try:
-        files = {f.path: f.data for f in plan.task.files}
+        lent = {} if against is None else {against.names[path]: data for path, data in against.files.items()}
+        files = lent | {f.path: f.data for f in plan.task.files}
         texts = parameter_texts(plan, sources)
         problem, _ = compile_sources(sources, plan.task.name, texts, plan.task.seed, files)
     except SourceError as error:
@@ -64,10 +69,7 @@ def _problem(plan: Plan, findings: Findings) -> ir.Problem | None:
     except UsageError as error:
         findings.fail("source", str(error))
         return None
-    if problem.parameters != plan.task.parameters or problem.file != plan.task.file:
-        findings.fail("source", "file name or parameters of the plan are not those of its sources")
-        return None
-    return problem
+    return problem if check_task(plan, problem, findings) else None
 
 
 def parameter_texts(plan: Plan, sources: list[Source]) -> dict[str, str]:
@@ -87,6 +89,8 @@ def parameter_texts(plan: Plan, sources: list[Source]) -> dict[str, str]:
 
 
 def _examine(plan: Plan, problem: ir.Problem, findings: Findings) -> VerdictRecord:
+    check_windows(plan, findings)
+    findings.at_rest = bool(problem.world.courses or problem.world.breakdowns) and not (plan.courses or plan.breakdowns)
     samples = check_structure(plan, findings)
     same = check_scene(plan, problem, findings) and check_happenings(plan, problem, findings)
     if samples is None or not same:

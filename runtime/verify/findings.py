@@ -28,6 +28,9 @@ class Findings:
         self.measures: dict[str, MeasureRecord] = {}
         self.failures: list[FailureRecord] = []
         self.residuals: list[MeasureRecord] = []
+        self.unmet: list[str] | None = None
+        """The parts of the goal that do not hold at the end; None where the end is not known."""
+        self.at_rest = False
 
     def check_time(self) -> None:
         """Raise OutOfTime once the budget is spent."""
@@ -79,4 +82,7 @@ class Findings:
         """What was found; verified when nothing failed."""
         measures = [self.measures[k] for k in (*LIMITS, *RATES) if k in self.measures]
         worst = {m.kind: m.amount for m in measures}
-        return VerdictRecord(not self.failures, worst, measures, self.failures, self.residuals)
+        return VerdictRecord(
+            not self.failures, worst, measures, self.failures, self.residuals,
+            goal_reached=self.unmet == [], unmet=self.unmet or [], at_rest=self.at_rest,
+        )  # fmt: skip

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ...compiler import ir
+from ...langs.source import Span
 from .guards import Guards
 
 Value = str | int | float | ir.Chain
@@ -278,3 +280,29 @@ def _previous(state: State, formula: ir.Previous, environment: Environment) -> b
     if action is None or action.rule != formula.rule:
         return False
     return formula.args is None or matches(pattern(state, formula.args, environment), [str(a) for a in action.args])
+
+
+# --- what is measured --------------------------------------------------------------------------------------------
+
+MEASURED = ("distance", "stride")
+"""Functions whose value follows what moves."""
+
+
+def unmeasured(problem: ir.Problem, condition: ir.Formula) -> ir.Formula:
+    """The parts of a conjunction that measure nothing which moves."""
+    if isinstance(condition, ir.And):
+        kept = tuple(unmeasured(problem, part) for part in condition.operands if not _measures(problem, part))
+        return ir.And(kept)
+    return ir.And(()) if _measures(problem, condition) else condition
+
+
+def _measures(problem: ir.Problem, node: object) -> bool:
+    if isinstance(node, ir.Function) and node.name in MEASURED:
+        return True
+    if isinstance(node, ir.Literal) and node.predicate in problem.derived:
+        return _measures(problem, problem.derived[node.predicate].body)
+    if isinstance(node, tuple):
+        return any(_measures(problem, part) for part in node)
+    if dataclasses.is_dataclass(node) and not isinstance(node, type | Span):
+        return any(_measures(problem, getattr(node, f.name)) for f in dataclasses.fields(node))
+    return False

@@ -7,10 +7,23 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 
 from ...compiler import ir
+from ...compiler.printing_terms import format_formula
 from ...langs.source import Span
 from ..plan import LiteralRecord, PhaseRecord, Plan
 from .findings import Findings, place_of
-from .formulas import Environment, ReplayError, State, Value, bindings, holds, matches, number, pattern, values
+from .formulas import (
+    Environment,
+    ReplayError,
+    State,
+    Value,
+    bindings,
+    holds,
+    matches,
+    number,
+    pattern,
+    unmeasured,
+    values,
+)
 from .guards import Guards
 from .happenings import left_at, scene_at, without
 from .kinematics import Motion
@@ -92,6 +105,13 @@ class Interpreter:
         environment = {v.name: a for v, a in zip(rule.variables, action.args, strict=True)}
         self._require(self.state(facts, previous), rule.condition, environment, action)
         return self.effects(facts, motion, action, previous)
+
+    def require_unmeasured(self, facts: Facts, action: ir.Action, previous: ir.Action | None) -> None:
+        """As much of the action's condition as does not measure a scene that may have moved. Raises Inapplicable,
+        ReplayError."""
+        rule = self.problem.rules[action.rule]
+        environment = {v.name: a for v, a in zip(rule.variables, action.args, strict=True)}
+        self._require(self.state(facts, previous), unmeasured(self.problem, rule.condition), environment, action)
 
     def effects(
         self, facts: Facts, motion: Facts, action: ir.Action, previous: ir.Action | None = None
@@ -253,9 +273,11 @@ def replay(problem: ir.Problem, plan: Plan, findings: Findings, measured: Motion
         _compare(f"phase {index + 1}: literals", _facts(phase.literals), interpreter.fluents(facts), phase, findings)
         try:
             action = interpreter.action(facts, phase.rule, phase.args)
+            _check_label(problem, index, phase, action, findings)
             if not phase.completed:
                 added.append(frozenset())
                 _broken_off(index, phase, findings)
+                interpreter.require_unmeasured(facts, action, previous)
                 continue
             scenes = _scenes(interpreter, plan, measured, index)
             outcome = _applied(scenes, facts, motion, action, previous)
@@ -263,10 +285,6 @@ def replay(problem: ir.Problem, plan: Plan, findings: Findings, measured: Motion
             place = place_of(error.place) if isinstance(error, Inapplicable) else phase.place
             findings.fail("action", f"phase {index + 1}, {phase.action}: {error}", time=phase.end, place=place)
             return _as_stored(plan, interpreter, modes, added)
-        if str(action) != phase.action:
-            findings.fail("action", f"phase {index + 1} is called {phase.action} but is {action}", time=phase.end)
-        if phase.place != place_of(problem.rules[action.rule].span):
-            findings.fail("action", f"phase {index + 1} does not name the place of rule {action.rule}", time=phase.end)
         added.append(outcome.added_motion)
         stored = interpreter.canonical(_facts(phase.added))
         if not (outcome.added_motion - motion <= stored <= outcome.added_motion):
@@ -274,12 +292,33 @@ def replay(problem: ir.Problem, plan: Plan, findings: Findings, measured: Motion
         facts, motion, previous = outcome.facts, outcome.motion, action
     last = plan.phases[-1] if plan.phases else None
     _compare("final mode", interpreter.canonical(_facts(plan.final_mode)), motion, last, findings)
+    _check_goal(problem, plan, interpreter, facts, findings)
+    return Story(tuple(modes), tuple(added), motion)
+
+
+def _check_goal(
+    problem: ir.Problem, plan: Plan, interpreter: Interpreter, facts: Facts, findings: Findings
+) -> None:
+    end = plan.phases[-1].end if plan.phases else 0.0
+    parts = problem.goal.operands if isinstance(problem.goal, ir.And) else (problem.goal,)
     try:
-        if plan.complete and not interpreter.holds(facts, problem.goal):
-            findings.fail("goal", "the goal does not hold at the end", time=last.end if last else 0.0)
+        findings.unmet = [format_formula(p) for p in parts if not interpreter.holds(facts, p)]
     except ReplayError as error:
         findings.fail("goal", f"the goal cannot be evaluated: {error}")
-    return Story(tuple(modes), tuple(added), motion)
+        return
+    if plan.complete and findings.unmet:
+        findings.fail("goal", "the goal does not hold at the end", time=end)
+    if plan.complete and plan.phases and not plan.phases[-1].completed:
+        findings.fail("goal", "the plan is called complete, but its last action did not take place", time=end)
+
+
+def _check_label(
+    problem: ir.Problem, index: int, phase: PhaseRecord, action: ir.Action, findings: Findings
+) -> None:
+    if str(action) != phase.action:
+        findings.fail("action", f"phase {index + 1} is called {phase.action} but is {action}", time=phase.end)
+    if phase.place != place_of(problem.rules[action.rule].span):
+        findings.fail("action", f"phase {index + 1} does not name the place of rule {action.rule}", time=phase.end)
 
 
 def _remaining(facts: Facts, left: frozenset[str]) -> Facts:

@@ -1,8 +1,7 @@
-"""The task anew from the plan's stored sources, and whether the plan's modules and bodies are those of its scene."""
+"""Whether the plan's modules and bodies are those of its scene."""
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,18 +11,6 @@ from ..plan import NO_LIMIT, BodyRecord, ModuleRecord, Plan, ShapeRecord
 from .findings import Findings
 
 TOLERANCE = 1e-9
-
-
-def check_sources(plan: Plan, findings: Findings) -> bool:
-    """Whether every stored source and file has the hash that is stored with it."""
-    before = len(findings.failures)
-    for source in plan.task.sources:
-        if hashlib.sha256(source.text.encode("utf-8", "surrogatepass")).hexdigest() != source.sha256:
-            findings.fail("source", f"the text of {source.path} was changed: its hash differs")
-    for file in plan.task.files:
-        if hashlib.sha256(file.data).hexdigest() != file.sha256:
-            findings.fail("source", f"the file {file.path} was changed: its hash differs")
-    return len(findings.failures) == before
 
 
 def check_scene(plan: Plan, problem: ir.Problem, findings: Findings) -> bool:

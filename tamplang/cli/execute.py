@@ -13,9 +13,10 @@ import click
 from .horizon import checked_horizon
 from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
-from .outputs import checked_output
+from .outputs import checked_apart
 from .parameters import Real, Seconds, Whole, parameters_option, plain
-from .plans import read
+from .plans import read, standing
+from .solution import Written
 from .sources import reading_sources, show_diagnostics
 from .status import ExitStatus
 
@@ -59,6 +60,8 @@ def _noise(context: click.Context, option: click.Parameter, texts: tuple[str, ..
 @click.option("--time", "seconds", type=Seconds(), help="Budget in seconds; inf for none.")
 @click.option("--out", type=click.Path(path_type=Path), help="The plan file.  [default: TASK.run.json in this folder]")
 @click.option("--report", type=click.Path(path_type=Path), help="Write the report too: one HTML file.")
+@click.option("--keep-refused", "refused", type=click.Path(path_type=Path), metavar="FILE",
+              help="Where to write a plan that the verifier refuses.  [default: nowhere]")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object on standard output.")
 def run(
     file: Path,
@@ -71,6 +74,7 @@ def run(
     seconds: float | None,
     out: Path | None,
     report: Path | None,
+    refused: Path | None,
     as_json: bool,
 ) -> int:
     """Carry out a task, planning on the way, or a plan, in the simulated world.
@@ -84,10 +88,7 @@ def run(
         raise click.UsageError("a plan file says itself which task it solves, with which parameters")
     loaded = _loaded(file, plan, task, parameters, seed, as_json=as_json)
     out = out if out is not None else Path(f"{loaded.problem.task}.run.json")
-    for path in (p for p in (out, report) if p is not None):
-        checked_output(path, inputs=(file,))
-    if report is not None and report.absolute() == out.absolute():
-        raise click.UsageError(f"--out and --report are the same file: {report}")
+    checked_apart({"--out": out, "--report": report, "--keep-refused": refused}, inputs=(file,))
     with needing_libraries():
         load_libraries()
         with kept_interrupt() as check:
@@ -95,13 +96,11 @@ def run(
                 plan=plan, horizon=horizon, noise=Noise(**noise), latency=latency, time=seconds, seed=seed,
                 progress=_told(check),
             )
-        result.plan.save(out)
-        if report is not None:
-            result.plan.report(report)
+        written = _write(result, out, report, refused)
     if as_json:
-        click.echo(json.dumps(_json(loaded, result, out, report)))
+        click.echo(json.dumps(_json(loaded, result, written)))
     else:
-        click.echo("\n".join(_lines(loaded, result, out, report)))
+        click.echo("\n".join(_lines(loaded, result, written)))
     return STATUS.get(result.status, ExitStatus.NO_PLAN)
 
 
@@ -120,6 +119,20 @@ def _loaded(
     return loaded
 
 
+def _write(result: RunResult, out: Path, report: Path | None, refused: Path | None) -> Written:
+    """Write what was carried out and its report, or, if it is refused, that alone and only where it was asked for.
+    Raises OSError."""
+    verdict = result.record.verdict
+    if verdict is None or not verdict.verified:
+        if refused is not None:
+            result.plan.save(refused)
+        return Written((), None, refused)
+    result.plan.save(out)
+    if report is not None:
+        result.plan.report(report)
+    return Written((out,), report)
+
+
 def _told(check: Callable[[], None]) -> Callable[[RunProgress], None]:
     last = float("-inf")
 
@@ -134,7 +147,7 @@ def _told(check: Callable[[], None]) -> Callable[[RunProgress], None]:
     return show
 
 
-def _json(loaded: Task, result: RunResult, out: Path, report: Path | None) -> dict[str, object]:
+def _json(loaded: Task, result: RunResult, written: Written) -> dict[str, object]:
     """The object that `run --json` prints; `docs/cli.md` lists its fields."""
     import msgspec
 
@@ -156,11 +169,11 @@ def _json(loaded: Task, result: RunResult, out: Path, report: Path | None) -> di
         "replans": result.replans,
         "latency": {"median": result.latency, "worst": result.worst_latency},
         "deviations": msgspec.to_builtins(result.deviations),
-        "verified": verdict is not None and verdict.verified,
-        "complete": record.complete,
+        **standing(verdict, record.complete),
         "worst": verdict.worst if verdict is not None else {},
-        "plan": str(out),
-        "report": None if report is None else str(report),
+        "plan": str(written.plans[0]) if written.plans else None,
+        "refused": None if written.refused is None else str(written.refused),
+        "report": None if written.report is None else str(written.report),
         "explanation": as_objects(result.explanation),
     }
 
@@ -176,7 +189,7 @@ HEADLINES = {
 }
 
 
-def _lines(loaded: Task, result: RunResult, out: Path, report: Path | None) -> list[str]:
+def _lines(loaded: Task, result: RunResult, written: Written) -> list[str]:
     """What a person wants to know, on a terminal."""
     from .plans import verdict_lines
     from .progress import counted
@@ -200,8 +213,9 @@ def _lines(loaded: Task, result: RunResult, out: Path, report: Path | None) -> l
         lines.append(f"{kept}; the goal is not reached")
     if result.explanation:
         lines.append(as_text(result.explanation, "full", loaded.problem.sources))
-    lines.append(f"plan: {out}")
-    return [*lines, f"report: {report}"] if report is not None else lines
+    lines += [f"plan: {file}" for file in written.plans]
+    lines += [] if written.refused is None else [f"refused plan: {written.refused}"]
+    return lines if written.report is None else [*lines, f"report: {written.report}"]
 
 
 def _deviation_lines(result: RunResult) -> list[str]:

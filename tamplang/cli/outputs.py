@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 import click
@@ -39,6 +40,18 @@ def checked_output(path: Path, inputs: tuple[Path, ...] = ()) -> Path:
     except OSError as error:
         raise UnwritableFile(path, error.strerror or "the folder cannot be written") from error
     return path
+
+
+def checked_apart(files: Mapping[str, Path | None], inputs: tuple[Path, ...] = ()) -> None:
+    """Make sure that the files of some options can be written, and that no two are the same. Raises UnwritableFile and
+    click.UsageError."""
+    taken: dict[Path, str] = {}
+    for option, path in files.items():
+        if path is not None:
+            checked_output(path, inputs)
+            other = taken.setdefault(path.absolute(), option)
+            if other != option:
+                raise click.UsageError(f"{other} and {option} are the same file: {path}")
 
 
 def numbered(path: Path, number: int) -> Path:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .outputs import numbered
-from .plans import verdict_lines
+from .plans import standing, verdict_lines
 from .progress import counted
 from .sources import as_objects, as_text
 
@@ -19,10 +19,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """The files that stand: a plan file for each plan, best first, and the report of the best."""
+    """The files that stand: a plan file for each plan, best first, the report of the best, and a refused plan that was
+    asked for."""
 
     plans: tuple[Path, ...]
     report: Path | None
+    refused: Path | None = None
 
 
 class Keeper:
@@ -37,11 +39,14 @@ class Keeper:
         plan.save(numbered(self.plan_file, self.count))
 
 
-def write(result: Result, plan_file: Path, report_file: Path | None) -> Written:
-    """Write every plan, also one that the verifier refused, and the report of the best. Raises OSError."""
+def write(result: Result, plan_file: Path, report_file: Path | None, refused_file: Path | None) -> Written:
+    """Write every plan, and the report of the best. Raises OSError."""
     files = tuple(numbered(plan_file, number) for number in range(1, len(result.plans) + 1))
     for plan, file in zip(result.plans, files, strict=True):
         plan.save(file)
+    if result.refused is not None and refused_file is not None:
+        result.refused.save(refused_file)
+        return Written(files, None, refused_file)
     if result.plan is None or report_file is None:
         return Written(files, None)
     result.plan.report(report_file)
@@ -51,7 +56,8 @@ def write(result: Result, plan_file: Path, report_file: Path | None) -> Written:
 def result_json(problem: Problem, result: Result, written: Written, compile_seconds: float) -> dict[str, object]:
     """The object that `solve --json` prints; `docs/cli.md` lists its fields."""
     statistics = result.statistics
-    verdict = result.plan.record.verdict if result.plan is not None else None
+    plan = result.plan or result.refused
+    verdict = plan.record.verdict if plan is not None else None
     return {
         "status": result.status,
         "task": problem.task,
@@ -65,10 +71,11 @@ def result_json(problem: Problem, result: Result, written: Written, compile_seco
         "bounds": {b.bound: {"solved": b.solved, "refused": b.refused} for b in statistics.bounds},
         "cost": result.cost,
         "seconds": _seconds(result.timing, compile_seconds),
-        "verified": verdict is not None and verdict.verified,
+        **standing(verdict, plan is not None and plan.record.complete),
         "worst": verdict.worst if verdict is not None else {},
         "plan": str(written.plans[0]) if written.plans else None,
         "plans": [str(file) for file in written.plans],
+        "refused": str(written.refused) if written.refused is not None else None,
         "report": str(written.report) if written.report is not None else None,
         "explanation": as_objects(result.explanation),
     }
@@ -102,11 +109,13 @@ def result_lines(problem: Problem, result: Result, written: Written) -> list[str
     if result.actions:
         lines.append(f"{counted(len(result.actions), 'action')}, cost {result.cost:g}{_quality(result.statistics)}")
     lines.append(_effort(result.statistics, result.timing))
-    if result.plan is not None and result.plan.record.verdict is not None:
-        lines += verdict_lines(result.plan.record.verdict)
+    plan = result.plan or result.refused
+    if plan is not None and plan.record.verdict is not None:
+        lines += verdict_lines(plan.record.verdict)
     if result.explanation:
         lines.append(as_text(result.explanation, "full", problem.sources))
     lines += [f"plan: {file}" for file in written.plans]
+    lines += [] if written.refused is None else [f"refused plan: {written.refused}"]
     if written.report is not None:
         lines.append(f"report: {written.report}")
     return lines

@@ -11,7 +11,7 @@ import click
 from .horizon import checked_horizon
 from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
-from .outputs import checked_output, numbered
+from .outputs import checked_apart, checked_output, numbered
 from .parameters import Seconds, Whole, parameters_option
 from .progress import shown_progress
 from .side import checked_side, needing_cluster, side_options, without_broken_pipes
@@ -35,6 +35,8 @@ from .status import OF_OUTCOME
 @click.option("--solver", type=click.Choice(["algn", "ipopt"]), help="For the motion programs.")
 @click.option("--out", type=click.Path(path_type=Path), help="The plan file.  [default: TASK.plan.json in this folder]")
 @click.option("--report", type=click.Path(path_type=Path), help="Write the report too: one HTML file.")
+@click.option("--keep-refused", "refused", type=click.Path(path_type=Path), metavar="FILE",
+              help="Where to write a plan that the verifier refuses.  [default: nowhere]")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object on standard output.")
 def solve(
     file: Path,
@@ -52,6 +54,7 @@ def solve(
     solver: str | None,
     out: Path | None,
     report: Path | None,
+    refused: Path | None,
     as_json: bool,
 ) -> int:
     """Plan the TASK of FILE: actions, motion, and an independent check of both.
@@ -75,7 +78,7 @@ def solve(
     warnings = (*loaded.warnings, *((later,) if later is not None else ()))
     if warnings:
         show_diagnostics(warnings, loaded.problem.sources)
-    plan_file, report_file = _files(file, loaded.problem.task, solutions, out, report)
+    plan_file, report_file = _files(file, loaded.problem.task, solutions, out, report, refused)
     with needing_libraries():
         load_libraries()
         with (
@@ -97,7 +100,7 @@ def solve(
                 progress=progress,
                 found=Keeper(plan_file),
             )
-        written = write(result, plan_file, report_file)
+        written = write(result, plan_file, report_file, refused)
     if as_json:
         click.echo(json.dumps(result_json(loaded.problem, result, written, compiled)))
     else:
@@ -105,13 +108,12 @@ def solve(
     return OF_OUTCOME[result.status]
 
 
-def _files(source: Path, task: str, solutions: int, out: Path | None, report: Path | None) -> tuple[Path, Path | None]:
-    """The plan file and the report file, both known to be writable."""
+def _files(
+    source: Path, task: str, solutions: int, out: Path | None, report: Path | None, refused: Path | None
+) -> tuple[Path, Path | None]:
+    """The plan file and the report file, both, and the file of a refused plan, known to be writable."""
     plan_file = out if out is not None else Path(f"{task}.plan.json")
     for number in range(1, solutions + 1):
         checked_output(numbered(plan_file, number), inputs=(source,))
-    if report is not None:
-        checked_output(report, inputs=(source,))
-        if report.absolute() == plan_file.absolute():
-            raise click.UsageError(f"--out and --report are the same file: {report}")
+    checked_apart({"--out": plan_file, "--report": report, "--keep-refused": refused}, inputs=(source,))
     return plan_file, report

@@ -14,6 +14,7 @@ class ExitStatus(IntEnum):
     INFEASIBLE = 3
     NO_PLAN = 4
     REFUSED = 5
+    UNFINISHED = 6
     INTERNAL_ERROR = 70
     INTERRUPTED = 130
 

@@ -35,7 +35,7 @@ def test_every_command_and_option_is_documented() -> None:
 def test_no_option_is_documented_that_does_not_exist() -> None:
     for name, command in application.commands.items():
         known = {option for parameter in command.params for option in parameter.opts}
-        mentioned = set(re.findall(r"(?<![\w-])--[a-z]+", section(name)))
+        mentioned = set(re.findall(r"(?<![\w-])--[a-z]+(?:-[a-z]+)*", section(name)))
         assert mentioned <= known, name
 
 
