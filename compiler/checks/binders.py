@@ -65,8 +65,8 @@ def _check_range(context: Context, scope: Scope, node: syntax.RangeType) -> ir.R
 def _check_chain(context: Context, scope: Scope, node: syntax.ChainType) -> tuple[ir.Type, Kind]:
     findings, library = context.findings, context.library
     chain = ir.ChainType(node.element, node.predicate)
-    if scope.place not in ("rule", "heuristic"):
-        findings.report("E0311", node.span, "chains are formed in rules and heuristics only")
+    if scope.place not in ("rule", "heuristic", "goal"):
+        findings.report("E0311", node.span, "chains are formed in rules, goals and heuristics only")
         return chain, UNKNOWN
     if node.element not in library.types:
         findings.unknown("E0102", "type", node.element, findings.word(node.span, node.element), library.types)

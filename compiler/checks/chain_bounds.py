@@ -10,9 +10,10 @@ from .. import ir
 from .context import Context
 
 
-def check_chain_bounds(context: Context, rule: ir.Rule) -> None:
-    """Report each range variable of a rule that counts the modules of a chain whose length the rule never asks for."""
-    nodes = list(_nodes(rule))
+def check_chain_bounds(context: Context, part: ir.Rule | ir.Derived | ir.Formula) -> None:
+    """Report each range variable that counts the modules of a chain whose length the rule, derived predicate or goal
+    never asks for."""
+    nodes = list(_nodes(part))
     measured = {a.name for f in nodes if isinstance(f, ir.Function) and f.name == "length" for a in _vars(f)}
     ranges = {v.name for v in nodes if isinstance(v, ir.Variable) and _counts(v.type)}
     for node in nodes:

@@ -52,7 +52,9 @@ def check_derived(context: Context) -> dict[str, ir.Derived]:
     for declaration in context.library.derived.values():
         scope, variables = bind(context, Scope("rule"), _unique(declaration.parameters))
         body = check_formula(context, scope, declaration.body)
-        lowered[declaration.name] = ir.Derived(declaration.name, variables, body, context.logic[declaration.name].span)
+        derived = ir.Derived(declaration.name, variables, body, context.logic[declaration.name].span)
+        check_chain_bounds(context, derived)
+        lowered[declaration.name] = derived
     _check_circles(context, lowered)
     return lowered
 

@@ -11,6 +11,7 @@ from ..library import Library
 from .check_logic import Placement, predicates_in
 from .context import Context
 from .effects import flatten
+from .names import names_in
 from .relaxation import conjuncts
 
 
@@ -218,23 +219,11 @@ def _check_parameters(context: Context) -> None:
     for owner, span, parameters, body in declarations:
         if context.findings.errors_within([span]):
             continue
-        named = set(_names(body)) | set(_names(tuple((p.type, p.default) for p in parameters)))
+        named = names_in(body) | names_in(tuple((p.type, p.default) for p in parameters))
         for parameter in parameters:
             if parameter.name not in named:
                 where = context.findings.word(parameter.span, parameter.name)
                 context.findings.report("W0005", where, f"`{owner}` never uses its parameter `{parameter.name}`")
-
-
-def _names(node: object) -> Iterator[str]:
-    if isinstance(node, syntax.Name):
-        yield node.name
-    elif isinstance(node, tuple):
-        for part in node:
-            yield from _names(part)
-    elif isinstance(node, syntax.Node):
-        for field in node.__dataclass_fields__:
-            if field != "span":
-                yield from _names(getattr(node, field))
 
 
 def _literals(node: object) -> Iterator[str]:

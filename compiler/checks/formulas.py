@@ -10,7 +10,7 @@ from ..library import Signature
 from .binders import bind, unrolled
 from .context import Context
 from .kinds import added
-from .names import Scope, Typed
+from .names import Scope, Typed, names_in
 from .terms import check_term
 
 TRUE = ir.And(())
@@ -176,18 +176,26 @@ def _written(term: syntax.Term) -> str:
 
 def _check_quantifier(context: Context, scope: Scope, formula: syntax.Exists | syntax.Forall) -> ir.Formula:
     if scope.place in ("goal", "scene"):
-        ranges = [b for b in formula.binders if isinstance(b.type, syntax.RangeType)]
+        ranges = [b for b in formula.binders if isinstance(b.type, syntax.RangeType) and _has_value(scope, formula, b)]
         if ranges and scope.values_known:
-            return _unroll(context, scope, formula)
+            return _unroll(context, scope, formula, ranges)
     inner, variables = bind(context, scope, formula.binders)
     body = check_formula(context, inner, formula.body)
     return ir.Exists(variables, body) if isinstance(formula, syntax.Exists) else ir.Forall(variables, body)
 
 
-def _unroll(context: Context, scope: Scope, formula: syntax.Exists | syntax.Forall) -> ir.Formula:
+def _has_value(scope: Scope, formula: syntax.Exists | syntax.Forall, binder: syntax.Parameter) -> bool:
+    """Whether the ends of a range depend on no variable, such as a chain, whose values the state decides."""
+    own = {b.name for b in formula.binders if not isinstance(b.type, syntax.RangeType)}
+    bound = {name for name, entry in scope.entries.items() if isinstance(entry.typed.term, ir.Var)}
+    return not names_in(binder.type) & (own | bound)
+
+
+def _unroll(
+    context: Context, scope: Scope, formula: syntax.Exists | syntax.Forall, ranges: list[syntax.Parameter]
+) -> ir.Formula:
     """Loops over ranges are written out; the rest of the binders stays a quantifier inside."""
-    ranges = [b for b in formula.binders if isinstance(b.type, syntax.RangeType)]
-    others = tuple(b for b in formula.binders if not isinstance(b.type, syntax.RangeType))
+    others = tuple(b for b in formula.binders if b not in ranges)
     rounds = unrolled(context, scope, ranges)
     if rounds is None:
         return TRUE

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
+from ...langs import syntax
 from ...langs.source import Span
 from .. import ir
 from .kinds import UNKNOWN, Kind
@@ -86,3 +87,14 @@ class Scope:
     def names(self) -> Iterator[str]:
         yield from self.entries
         yield from self.objects.families
+
+
+def names_in(node: object) -> set[str]:
+    """The names that a part of the syntax tree speaks of."""
+    if isinstance(node, syntax.Name):
+        return {node.name}
+    if isinstance(node, tuple):
+        return set().union(*map(names_in, node))
+    if isinstance(node, syntax.Node):
+        return set().union(*(names_in(getattr(node, f)) for f in node.__dataclass_fields__ if f != "span"))
+    return set()

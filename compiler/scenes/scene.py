@@ -14,6 +14,7 @@ from ...langs.build_terms import MAX_DEPTH
 from ...langs.source import Span
 from .. import ir
 from ..checks.binders import bind, spend, unrolled
+from ..checks.chain_bounds import check_chain_bounds
 from ..checks.context import Context
 from ..checks.formulas import check_formula, check_literal
 from ..checks.kinds import ANGLE, LENGTH
@@ -128,7 +129,10 @@ class SceneBuilder:
             help = "join them: `goal (…) and (…)`"
             self.findings.report("E0511", item.span, "a task has one goal", help=help, labels=[(first, "first goal")])
         goal_scope = Scope("goal", scope.entries, scope.objects, scope.values_known)
-        self.built.goals += [check_formula(self.context, goal_scope, f) for f in item.formulas]
+        goals = [check_formula(self.context, goal_scope, f) for f in item.formulas]
+        for goal in goals:
+            check_chain_bounds(self.context, goal)
+        self.built.goals += goals
 
     def loop(self, scope: Scope, item: syntax.ForItem) -> None:
         over_objects = [b for b in item.binders if not isinstance(b.type, syntax.RangeType)]

@@ -44,7 +44,7 @@ class Successors:
         self._blocks_of: dict[int, list[Block]] = {}
         self._words: dict[int, Word] = {}
         self._goal = self.normal.normal(problem.goal, {}, False)
-        self._goal_mask = self.layout.flag_mask if has_chains(self._goal) else 0
+        self._goal_of_chains = has_chains(self._goal)
         self._goals: dict[int, Callable[[int], bool]] = {}
 
     def expand(self, state: int) -> list[Successor]:
@@ -83,10 +83,10 @@ class Successors:
         return len(self._actions)
 
     def is_goal(self, state: int) -> bool:
-        word = state & self._goal_mask
+        word = state & self.layout.flag_mask if self._goal_of_chains else 0
         check = self._goals.get(word)
         if check is None:
-            known = self.word(word) if self._goal_mask else None
+            known = self.word(word) if self._goal_of_chains else None
             check = self._goals[word] = self.condition(self.guards.reduce(self._goal, {}, known))
         return check(state)
 
