@@ -121,13 +121,13 @@ class Bounds:
         return seat, Rates(seat.turn + point.turn, turning, seen, acceleration)
 
     def _along(self, line: tuple[Step, ...], common: int) -> Rates:
-        if common >= len(line):
-            return NONE
-        base = line[common - 1].node if common else None
-        key = base, line[-1].node
-        if key not in self._rates:
-            self._rates[key] = self._stepped(self._along(line[:-1], common), line[-1])
-        return self._rates[key]
+        base, rates = line[common - 1].node if common else None, NONE
+        for step in line[common:]:
+            key = base, step.node
+            if key not in self._rates:
+                self._rates[key] = self._stepped(rates, step)
+            rates = self._rates[key]
+        return rates
 
     def _stepped(self, before: Rates, step: Step) -> Rates:
         if step.course:
@@ -168,28 +168,30 @@ class Bounds:
     def _line(self, node: Node) -> tuple[Step, ...]:
         """The steps from the world to a frame."""
         if node not in self._lines:
-            self._lines[node] = self._found(node)
+            steps, before = [], [node]
+            while before and before[0] not in self._lines:
+                step, before = self._last(before[0])
+                steps.append(step)
+            known = self._lines[before[0]] if before else ()
+            self._lines[node] = known + tuple(steps[::-1])
         return self._lines[node]
 
-    def _found(self, node: Node) -> tuple[Step, ...]:
+    def _last(self, node: Node) -> tuple[Step, list[Node]]:
+        """The last step to a frame, and the frame from which it starts; none where that is the world."""
         name, joint = node
         hold = self._sampler.links[self._phase].holds.get(name)
         if hold is None:
-            return (Step((name, -1), 0.0, course=True),)
+            return Step((name, -1), 0.0, course=True), []
         thing, entry, _ = self._sampler.mount(hold.own)
         if joint == entry:
-            if not hold.base:
-                return (Step(node, 0.0),)
-            base = self._sampler.mount(hold.base)[:2]
-            return (*self._line(base), Step(node, self._distance(base, node)))
+            base = self._sampler.mount(hold.base)[:2] if hold.base else None
+            return (Step(node, 0.0), []) if base is None else (Step(node, self._distance(base, node)), [base])
         joints = self._sampler.kinematics[thing].module.joints
         above = _above([j.parent for j in joints], entry)
         if joint in above:
             below = above[above.index(joint) - 1]
-            step = Step(node, _length(joints[below].placement), (name, below), up=True)
-            return (*self._line((name, below)), step)
-        step = Step(node, _length(joints[joint].placement), (name, joint))
-        return (*self._line((name, joints[joint].parent)), step)
+            return Step(node, _length(joints[below].placement), (name, below), up=True), [(name, below)]
+        return Step(node, _length(joints[joint].placement), (name, joint)), [(name, joints[joint].parent)]
 
     def _distance(self, first: Node, second: Node) -> float:
         """How far the origins of two frames are apart whose relative pose is constant."""

@@ -15,6 +15,7 @@ from ..plan import Plan
 from .findings import Findings, place_of
 from .geometry import Array, Frames, frames
 from .kinematics import Motion
+from .splines import Spline
 
 TOLERANCE = 1e-9
 """Seconds, or metres, that make no difference."""
@@ -225,14 +226,20 @@ def check_courses(problem: ir.Problem, happenings: Happenings, motion: Motion, f
                 )  # fmt: skip
 
 
-def check_breakdowns(problem: ir.Problem, plan: Plan, motion: Motion, findings: Findings) -> None:
-    """Joints that are stuck stay as they are."""
+def check_breakdowns(
+    problem: ir.Problem, plan: Plan, motion: Motion, curves: Mapping[tuple[str, int], Spline], findings: Findings
+) -> None:
+    """Joints that are stuck stay as they are, on the samples and on the splines."""
     for breakdown in problem.world.breakdowns if plan.breakdowns else ():
         rows = motion.joints[breakdown.module][motion.times >= breakdown.time - TOLERANCE]
         if breakdown.kind != "locked" or not len(rows) or not rows.shape[1]:
             continue
-        off = np.max(np.abs(rows - rows[0]), axis=1)
+        off = float(np.max(np.abs(rows - rows[0])))
+        for curve in {id(c): c for (name, _), c in curves.items() if name == breakdown.module}.values():
+            times, values = curve.extrema()
+            later = times >= breakdown.time - TOLERANCE
+            off = max(off, float(np.max(np.abs(values - rows[0]), where=later, initial=0.0)))
         findings.measure(
-            "stuck_rad", float(off.max()), f"{breakdown.module} moves a joint that is stuck",
+            "stuck_rad", off, f"{breakdown.module} moves a joint that is stuck",
             time=breakdown.time, between=[breakdown.module], place=place_of(breakdown.span),
         )  # fmt: skip

@@ -195,6 +195,7 @@ def check_kinematics(motion: Motion, kinematics: Mapping[str, Kinematics], findi
     MissingLibrary."""
     some = np.array(sorted({*range(0, len(motion.times), REPEATED), *(end for _, end in motion.ranges)}))
     for name, module in kinematics.items():
+        findings.check_time()
         found = {index: frame[some] for index, frame in motion.joint_frames[name].items()}
         off = module.disagreement(motion.poses[name][some], motion.joints[name][some], found)
         if not off <= AGREEMENT:

@@ -5,7 +5,7 @@ Nothing here looks at the stored samples, but at the first of each phase, where 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,8 +66,9 @@ class Placement:
 
     def thing(self, name: str) -> Mapping[int, Frames]:
         """The world frames of a module by joint; -1 is that of the module, or of a body."""
-        if name not in self._placed:
-            self._placed[name] = self._sampler.place(self, self._phase, name)
+        for thing in self._sampler.line(name, self._phase):
+            if thing not in self._placed:
+                self._placed[thing] = self._sampler.place(self, self._phase, thing)
         return self._placed[name]
 
     def frame(self, name: str) -> Frames:
@@ -110,6 +111,7 @@ class Sampler:
         self.links = links
         self.curves = curves
         self._still: dict[tuple[str, int], bool] = {}
+        self._followed: dict[tuple[str, int], tuple[str, ...]] = {}
         self._mounts = _mounts(world)
         self._rested: dict[str, tuple[bytes, Mapping[int, Frames]]] = {}
 
@@ -122,15 +124,24 @@ class Sampler:
         curve = self.curves.get((module, phase))
         return None if curve is None or curve.constant else curve
 
+    def line(self, thing: str, phase: int) -> tuple[str, ...]:
+        """A thing after all that it follows, from what rests or is on its course: not by recursion, for robots are
+        long."""
+        key = thing, phase
+        if key not in self._followed:
+            found = [thing]
+            while (hold := self.links[phase].holds.get(found[-1])) is not None and hold.base:
+                found.append(self.mount(hold.base)[0])
+            self._followed[key] = tuple(found[::-1])
+        return self._followed[key]
+
     def rests(self, thing: str, phase: int) -> bool:
-        """Whether a thing keeps its place for the whole phase, by its joints and what it holds on to."""
+        """Whether a thing keeps its place for the whole phase, by its joints and what it follows."""
         key = thing, phase
         if key not in self._still:
-            hold = self.links[phase].holds.get(thing)
-            if hold is None or self.curve(thing, phase) is not None:
-                self._still[key] = False
-            else:
-                self._still[key] = not hold.base or self.rests(self.mount(hold.base)[0], phase)
+            line = self.line(thing, phase)
+            on_course = line[0] not in self.links[phase].holds
+            self._still[key] = not on_course and all(self.curve(name, phase) is None for name in line)
         return self._still[key]
 
     def grid(self, phase: int) -> Grid:
@@ -192,11 +203,13 @@ class Sampler:
         return np.broadcast_to(self._motion.joints[name][first], (len(times), self._motion.joints[name].shape[1]))
 
 
-def curves_of(plan: Plan) -> dict[tuple[str, int], Spline]:
-    """The spline of a module in each phase in which it has one; one and the same where it goes through several."""
+def curves_of(plan: Plan, tick: Callable[[], None] = lambda: None) -> dict[tuple[str, int], Spline]:
+    """The spline of a module in each phase in which it has one; one and the same where it goes through several. `tick`
+    is called for each spline."""
     widths = {m.name: len(m.joints) for m in plan.modules}
     found: dict[tuple[str, int], Spline] = {}
     for record in plan.splines:
+        tick()
         if widths[record.module]:
             curve = Spline(record.knots, record.values)
             found |= {(record.module, phase): curve for phase in range(record.first, record.until + 1)}

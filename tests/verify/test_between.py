@@ -379,6 +379,77 @@ def test_two_splines_of_one_module_at_once_are_refused() -> None:
     assert {f.kind for f in verify(msgspec.convert(data, Plan)).failures} == {"structure"}
 
 
+# --- scenes that move ----------------------------------------------------------------------------------------------
+
+MOVING = """
+import std.crawler
+import std.motion
+predicate (waved c: module)
+rule wave(c: module) {
+    pre   not (waved c)
+    post  (waved c)
+}
+task wave() {
+    object slab: box(2 m, 2 m, 0.05 m) at (0, 0, 0)
+    object sledge: box(0.1 m, 0.1 m, 0.1 m) at (1.5 m, 0, 0.6 m)
+    crawler c: A on slab
+    EVENT
+    goal (waved c)
+}
+"""
+
+
+def moving(event: str) -> Plan:
+    """A robot stands, for 8 s, in the way of a sledge, or near it; the joints of another event are stuck."""
+    maker = Maker(MOVING.replace("EVENT", event), "wave")
+    maker.phase("wave", ("c",), [maker.now.modules["c"][7:]], seconds=8.0)
+    data, world = msgspec.to_builtins(maker.plan()), maker.problem.world
+    data["courses"] = [
+        {"body": c.body, "start": c.start, "points": c.points, "speed": c.speed, "returns": c.returns}
+        for c in world.courses
+    ]
+    data["breakdowns"] = [{"module": b.module, "time": b.time, "kind": b.kind} for b in world.breakdowns]
+    if world.courses:
+        pose = list(world.bodies["sledge"].pose)
+        data["body_tracks"] = [{"name": "sledge", "first": 0, "poses": [pose for _ in data["times"]]}]
+    return stamped(msgspec.convert(data, Plan), even(2))
+
+
+@pytest.mark.parametrize(("way", "hit"), [
+    ("(-3 m, 0, 0) at 1 m/s from 1 s and back", True),
+    ("(-1.2 m, 0, 0), (0, 0, 0) at 2 m/s from 1 s", False),
+    ("(-1.5 m, 0, 0), (0, 0, 0) at 2 m/s from 1 s", True),
+])  # fmt: skip
+def test_a_body_that_comes_and_goes_between_two_samples_is_seen(way: str, hit: bool) -> None:
+    verdict = verify(moving(f"moves sledge along {way}"))
+    assert {f.kind for f in verdict.failures} == ({"penetration_m"} if hit else set()), verdict.failures
+
+
+def test_a_body_that_jumps_there_and_back_between_two_samples_is_seen() -> None:
+    jumps = "disturb sledge by (-1.5 m, 0, 0) at 3 s\n    disturb sledge by (1.5 m, 0, 0) at 3.001 s"
+    assert {f.kind for f in verify(moving(jumps)).failures} == {"penetration_m"}
+    assert verify(moving(jumps.replace("-1.5 m", "-1.2 m"))).verified
+
+
+def test_a_body_that_turns_too_often_is_refused() -> None:
+    verdict = verify(moving("moves sledge along (0, 0, 1 mm) at 20 m/s and back"))
+    assert {f.kind for f in verdict.failures} == {"undecided"}
+
+
+def test_stuck_joints_move_not_even_between_samples() -> None:
+    plan = moving("fail c at 2 s: locked")
+    assert verify(plan).verified, verify(plan).failures
+    data = msgspec.to_builtins(plan)
+    knots, start = np.linspace(0.0, 8.0, 41), np.array(data["modules"][0]["start"])
+    way = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.linspace(0.0, 1.0, 41))
+    data["splines"] = [{
+        "module": "c", "from": 0, "until": 0, "knots": knots.tolist(),
+        "values": (start + 0.3 * way[:, None] * np.eye(7)[1]).tolist(),
+    }]  # fmt: skip
+    failures = verify(stamped(msgspec.convert(data, Plan), even(2))).failures
+    assert "stuck_rad" in {f.kind for f in failures}
+
+
 # --- sizes ---------------------------------------------------------------------------------------------------------
 
 

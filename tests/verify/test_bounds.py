@@ -130,3 +130,24 @@ def test_a_grid_knows_all_knots_and_corners() -> None:
     for time in (0.0, 0.1, 0.1 + 1 / 3, 0.1 + 2 / 3, 0.25, 0.5, 0.75, END):
         assert np.abs(grid.times - time).min() < 1e-9
     assert np.diff(grid.times).max() <= 0.25 / 8 + 1e-9 and grid.joined.all()
+
+
+def test_chains_of_hundreds_of_joints_are_followed() -> None:
+    sampler, length = make(0), 300
+    module = sampler.kinematics["a"]
+    names = [f"m{k}" for k in range(length)]
+    world = ir.World({n: replace(random_module(np.random.default_rng(0)), name=n) for n in names}, {})
+    holds = {n: Hold(n, n, f"m{k - 1}.E5" if k else "", frames((0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 1.0)))
+             for k, n in enumerate(names)}  # fmt: skip
+    still = np.zeros((2, 6))
+    rows = {n: np.tile((0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0), (2, 1)) for n in names}
+    kinematics = {n: module for n in names}
+    times = np.array([0.0, END])
+    motion = place(times, [(0, 1)], rows, {n: still for n in names}, frozenset(names), kinematics)
+    curves = {("m0", 0): sampler.curves["a", 0]}
+    links = [Links(dict(reversed(holds.items())), (), ())]
+    long = Sampler(world, motion, kinematics, Happenings({}, (frozenset(),), {}), links, curves)
+    grid = long.grid(0)
+    placement = long.at(0, grid.times)
+    assert not long.rests(names[-1], 0) and len(placement.frame(names[-1])) == len(grid.times)
+    assert Bounds(long, 0, grid, placement).of((names[-1], 5)).speed.max() > 0.0
