@@ -38,7 +38,7 @@ good plans are given where they come near.
 - orientation_rad, residual: the same, of axes and of plain numbers. On a lever of 0.4 m as much as position_m.
 - during_m, during: rows that hold all the time. As at switches.
 - slip_m, slip_rad: change of what a `keep` row holds constant, where closed loops leave that to joints. Half of
-  position_m, for it comes on top of it; robots on several feet slip by 0.04 mm between the instants they are planned at.
+  position_m, for it comes on top of it; robots on several feet slip by 0.04 mm between planned instants.
 - penetration_m: overlap of two shapes. Half of gap_m: what is meant to touch may overlap by as much as it may gape, and
   keeps a half for what goes by; planners, which look at instants, leave 0.25 mm.
 - joint_limit_rad, joint_limit_m: joint values beyond their limits. On a lever of 1 m as much as penetration_m.

@@ -223,12 +223,12 @@ def _check_body_tracks(plan: Plan, samples: Samples, findings: Findings) -> None
         return
     ranges = phase_ranges(plan.times)
     starts, ends = {first for first, _ in ranges}, {last for _, last in ranges}
-    bodies, ended, tables = {b.name for b in plan.bodies}, dict[str, int](), []
+    bodies, ended, tables = {b.name for b in plan.bodies if len(b.pose) == 7}, dict[str, int](), []
     before = len(findings.failures)
     for piece in plan.body_tracks:
         name, last = piece.name, piece.first + len(piece.poses) - 1
         if name not in bodies:
-            findings.fail("structure", f"a track of {name}, which is no body", between=[name])
+            findings.fail("structure", f"a track of {name}, which is no body with a pose", between=[name])
         elif not (piece.first in starts and last in ends and last > piece.first > ended.get(name, -1)):
             message = f"a track of {name} does not begin and end with phases, after the one before it"
             findings.fail("structure", message, between=[name])

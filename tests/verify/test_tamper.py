@@ -190,6 +190,11 @@ def short_row(data: Data) -> None:
     track(data)["poses"][7].pop()
 
 
+def short_pose(data: Data) -> None:
+    """Of the ball, which has a track."""
+    data["bodies"][2]["pose"].pop()
+
+
 def drop_track(data: Data) -> None:
     data["tracks"] = []
 
@@ -285,6 +290,7 @@ CASES: list[tuple[Callable[[Data], None], str]] = [
     (put_infinity, "structure"),
     (drop_row, "structure"),
     (short_row, "not finite"),
+    (short_pose, "structure"),
     (drop_track, "structure"),
     (drop_body_track, "sample_m"),
     (stretch_quaternion, "quaternion"),
