@@ -51,6 +51,13 @@ def compose(a: Pose, b: Pose) -> Pose:
     return make((a[0] + offset[0], a[1] + offset[1], a[2] + offset[2]), product(orientation(a), orientation(b)))
 
 
+def inverse(pose: Pose) -> Pose:
+    """The frame in which `pose` is given, in the frame `pose`."""
+    turn = (-pose[3], -pose[4], -pose[5], pose[6])
+    x, y, z = rotate(turn, position(pose))
+    return make((-x, -y, -z), turn)
+
+
 def about(axis: Vec3, angle: float) -> Quaternion:
     """A turn by `angle` radians about a unit axis."""
     s = math.sin(angle / 2)

@@ -10,7 +10,7 @@ from ...compiler import poses
 from ...compiler.ir import Fact, Pose, Problem
 from ...compiler.motion.collision import keeps_pose
 from ..skeleton import Array, Configuration
-from .starts import effector_pose, inverse, put_effector, to_tuple
+from .starts import effector_pose, put_effector, to_tuple
 
 
 def object_pose(problem: Problem, name: str, configuration: Configuration) -> Pose:
@@ -32,7 +32,7 @@ class Carried:
             kept = keeps_pose(problem, literal)
             if kept:
                 base, follower = (object_pose(problem, name, reference) for name in kept)
-                self.links.append((*kept, poses.compose(inverse(base), follower)))
+                self.links.append((*kept, poses.compose(poses.inverse(base), follower)))
 
     def _slot(self, name: str) -> str:
         found = self.problem.world.effector(name)
@@ -53,7 +53,7 @@ class Carried:
                     placed = placed | {b}
                     grew = True
                 elif b in placed and a not in placed:
-                    target = poses.compose(object_pose(self.problem, follower, configuration), inverse(relation))
+                    target = poses.compose(object_pose(self.problem, follower, configuration), poses.inverse(relation))
                     self._put(base, configuration, target)
                     placed = placed | {a}
                     grew = True

@@ -96,16 +96,18 @@ class Span:
             )  # fmt: skip
         return self._programs[frozen]
 
-    def _guess(self) -> list[Configuration]:
+    def _guess(self, wide: bool) -> list[Configuration]:
         """All slices, the state before included."""
         if not self.free:
             phases = range(self.first, self.last + 1)
-            return [self.start, *guess(self.skeleton, phases, self.start, self.random, NOISE)]
-        return guess(self.skeleton, range(self.last + 1), self.start, self.random, NOISE)[self.first - 1 :]
+            return [self.start, *guess(self.skeleton, phases, self.start, self.random, NOISE, wide)]
+        phases = range(self.last + 1)
+        return guess(self.skeleton, phases, self.start, self.random, NOISE, wide)[self.first - 1 :]
 
     def search(self, warm: Sequence[Configuration] | None, tries: int) -> BoundResult:
         """Attempt after attempt, from `warm` first. Until one has succeeded so, a new guess is solved without
-        collisions, which shows whether the span is out of reach, and from there with them."""
+        collisions, which shows whether the span is out of reach, and from there with them. Once one has failed so,
+        guesses take postures from anywhere: what fails from one kind of posture may be in reach from another."""
         best = nearest = None
         loose: list[float] = []
         full: list[float] = []
@@ -113,7 +115,7 @@ class Span:
             if number >= tries and (warm is not None or not self.reached):
                 break
             switches = self._program(number % 2 == 0)
-            slices = [self.start, *warm] if warm is not None and number == 0 else self._guess()
+            slices = [self.start, *warm] if warm is not None and number == 0 else self._guess(bool(loose))
             if best is not None and number % REPAIR == 1:
                 slices = _repair(switches, best.configurations, slices)
             elif (warm is None or number > 0) and not self.reached:

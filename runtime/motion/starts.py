@@ -15,14 +15,14 @@ from ...compiler.motion.collision import bounding_radius, keeps_pose
 from ..skeleton import Array, Configuration, Skeleton
 from .movement import followers
 from .places import outline, places
-from .postures import Aim, Stance, reaching, rooms
+from .postures import Aim, Stance, closing, freedom, reaching, rooms
 
 LIMIT = 0.1
 """Radians by which guesses keep away from joint limits."""
 SPREAD = 0.4
 """The share of a base's top, around its middle, over which guesses spread what is put down there."""
-ENOUGH = 6
-"""Joints with which a solve finds its way from any posture."""
+ANY = 6
+"""Directions in which a hand can move with which a solve finds its way from any posture."""
 HALF_TURN = (1.0, 0.0, 0.0, 0.0)
 """About x: effectors that are docked look at each other."""
 
@@ -30,12 +30,6 @@ HALF_TURN = (1.0, 0.0, 0.0, 0.0)
 def to_tuple(pose: Array) -> Pose:
     x, y, z, a, b, c, w = (float(v) for v in pose)
     return (x, y, z, a, b, c, w)
-
-
-def inverse(pose: Pose) -> Pose:
-    turn = (-pose[3], -pose[4], -pose[5], pose[6])
-    x, y, z = poses.rotate(turn, (pose[0], pose[1], pose[2]))
-    return (-x, -y, -z, *turn)
 
 
 def effector_pose(module: Module, effector: str, slot: Array) -> Pose:
@@ -46,7 +40,7 @@ def effector_pose(module: Module, effector: str, slot: Array) -> Pose:
 def put_effector(module: Module, effector: str, slot: Array, target: Pose) -> None:
     """Move the module as a rigid thing, in place, so that its effector comes to `target`."""
     local = poses.effector_pose(module.type, effector, slot[7:].tolist())
-    slot[:7] = poses.compose(target, inverse(local))
+    slot[:7] = poses.compose(target, poses.inverse(local))
 
 
 def _height(body: Body) -> float:
@@ -58,11 +52,14 @@ def _height(body: Body) -> float:
 class Guess:
     """Guesses one slice after the other: feet that are kept stay, feet that are set down go on top of their base."""
 
-    def __init__(self, skeleton: Skeleton, start: Configuration, random: np.random.Generator, noise: float) -> None:
+    def __init__(
+        self, skeleton: Skeleton, start: Configuration, random: np.random.Generator, noise: float, wide: bool = False,
+    ) -> None:  # fmt: skip
         self.problem: Problem = skeleton.problem
         self.skeleton = skeleton
         self.random = random
         self.noise = noise
+        self.wide = wide
         self.current = start.copy()
         self.feet: dict[str, Pose] = {}
         self.places = places(skeleton)
@@ -107,7 +104,7 @@ class Guess:
         stances = self._stand(mode, carried, before)
         placed = set(stances)
         feet = self._set_down(phase, carried, before, list(stances.values()), placed)
-        self._turn_to(self._aims(phase, feet, before), stances)
+        self._turn_to(self._aims(phase, feet, before), stances, feet)
         self._dock(mode, placed)
         for leader, follower in self._relations(mode):
             if follower in carried and follower not in {b for _, b in self._relations(added)}:
@@ -167,17 +164,26 @@ class Guess:
                 if hand in feet:
                     aim = Aim(found[1].name, np.array(feet[hand][:3]), 0.0)
                 elif thing == name:
-                    aim = replace(aim, upright=np.array(poses.rotate(inverse(before[hand])[3:], (0.0, 0.0, 1.0))))
+                    aim = replace(aim, upright=np.array(poses.rotate(poses.inverse(before[hand])[3:], (0.0, 0.0, 1.0))))
                 aims.setdefault(found[0].name, aim)
         return aims
 
-    def _turn_to(self, aims: dict[str, Aim], stances: dict[str, Stance]) -> None:
-        """Joint values from which modules that stand on their own and have few joints come near to their aims."""
+    def _turn_to(self, aims: dict[str, Aim], stances: dict[str, Stance], feet: dict[str, Pose]) -> None:
+        """Joint values from which modules that stand on their own and cannot turn as they like come near to their aims.
+        A foot that is set down gets there, and is turned as this posture turns it: the next one starts from there."""
         for name, stance in stances.items():
             module, slot, aim = self.problem.world.modules[name], self.current.modules[name], aims.get(name)
-            if aim is not None and aim.effector != stance[0] and len(module.type.joints) < ENOUGH:
-                slot[7:] = reaching(module, slot[7:], stance, aim, LIMIT, self.random)
-                put_effector(module, stance[0], slot, stance[1])
+            if aim is None or aim.effector == stance[0]:
+                continue
+            if not self.wide and freedom(module.type, stance[0], aim.effector) >= ANY:
+                continue
+            slot[7:] = reaching(module, slot[7:], stance, aim, LIMIT, self.random)
+            foot = f"{name}.{aim.effector}"
+            if foot in feet:
+                slot[7:] = closing(module, slot[7:], stance, aim, LIMIT)
+            put_effector(module, stance[0], slot, stance[1])
+            if foot in feet:
+                feet[foot] = (*feet[foot][:3], *self._pose(foot)[3:])
 
     def _dock(self, mode: frozenset[tuple[str, ...]], placed: set[str]) -> None:
         """Put modules that hang on placed ones against them, effector to effector."""
@@ -197,11 +203,13 @@ class Guess:
 
 
 def guess(
-    skeleton: Skeleton, phases: Sequence[int], start: Configuration, random: np.random.Generator, noise: float
-) -> list[Configuration]:
+    skeleton: Skeleton, phases: Sequence[int], start: Configuration, random: np.random.Generator, noise: float,
+    wide: bool = False,
+) -> list[Configuration]:  # fmt: skip
     """Guesses for the switches of `phases`, by the poses of feet and `noise` radians on every joint. Modules that stand
-    on their own and have few joints take postures that come near to what they are to meet."""
-    maker = Guess(skeleton, start, random, noise)
+    on their own and cannot turn as they like, with `wide` all that stand on their own, take postures from anywhere
+    within their limits that come near to what they are to meet."""
+    maker = Guess(skeleton, start, random, noise, wide)
     return [maker.advance(phase) for phase in phases]
 
 

@@ -19,7 +19,7 @@ from tamplang.runtime.horizon.state import after, start
 from tamplang.runtime.horizon.windows import plan_window, remember
 from tamplang.runtime.lgp import Outcome, Progress, SolveOptions
 from tamplang.runtime.motion.sequence import solve_sequence
-from tamplang.runtime.motion.starts import effector_pose, inverse, to_tuple
+from tamplang.runtime.motion.starts import effector_pose, to_tuple
 from tamplang.runtime.search.best_first import SkeletonSearch
 from tamplang.runtime.search.skeletons import build_skeleton
 from tamplang.runtime.seeds import Seed
@@ -181,4 +181,4 @@ def _held(problem: Problem, configuration: Configuration, hand: str, thing: str)
     found = problem.world.effector(hand)
     assert found is not None
     gripper = effector_pose(found[0], found[1].name, configuration.modules[found[0].name])
-    return poses.compose(inverse(gripper), to_tuple(configuration.bodies[thing]))
+    return poses.compose(poses.inverse(gripper), to_tuple(configuration.bodies[thing]))
