@@ -3,7 +3,8 @@
 It shares no code with solver, search or constraint builder; of the compiler it uses the way from sources to IR.
 
     replay.py      carries out every action by the rules' text
-    scene.py       builds the task anew from the stored sources and compares modules and bodies
+    provenance.py  what the plan is of: hashes, sources, goal, windows, and a task of the reader's
+    scene.py       modules, bodies and what happens by itself against those of the task, compiled from the sources
     structure.py   sizes, finite numbers, unit quaternions, time stamps
     kinematics.py  forward kinematics of every sample, repeated by Pinocchio at some
     constraints.py motion predicates at switches, during intervals, and what they keep constant

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from ...compiler import ir
 from ...compiler.printing_terms import format_formula
 from ...langs.source import Span
-from ..plan import LiteralRecord, PhaseRecord, Plan
+from ..plan import LiteralRecord, PhaseRecord, PlaceRecord, Plan
 from .findings import Findings, place_of
 from .formulas import (
     Environment,
@@ -317,7 +317,9 @@ def _check_label(
 ) -> None:
     if str(action) != phase.action:
         findings.fail("action", f"phase {index + 1} is called {phase.action} but is {action}", time=phase.end)
-    if phase.place != place_of(problem.rules[action.rule].span):
+    span = problem.rules[action.rule].span
+    place = None if span is None else PlaceRecord(problem.called(span.file), span.line, span.column)
+    if phase.place != place:
         findings.fail("action", f"phase {index + 1} does not name the place of rule {action.rule}", time=phase.end)
 
 

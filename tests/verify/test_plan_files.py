@@ -230,6 +230,7 @@ DAMAGE: dict[str, Callable[[str], str]] = {
     "foreign field": lambda text: text[:-1] + ',"note":1}',
     "foreign field inside": lambda text: text.replace('"kind":"box"', '"kind":"box","colour":"red"', 1),
     "size twice": lambda text: text.replace('"size":[0.3', '"size":[9.0,9.0,9.0],"size":[0.3', 1),
+    "rows twice": lambda text: text.replace('"joints":[[', '"joints":[],"joints":[[', 1),
     "name twice": lambda text: text[:-1] + ',"complete":false,"complete":true}',
     "number as text": lambda text: text.replace('"seed":0', '"seed":"0"', 1),
     "truth as number": lambda text: text.replace('"movable":false', '"movable":0', 1),
@@ -260,7 +261,7 @@ def test_a_damaged_file_is_refused_with_a_sentence(
     assert told.output.startswith("Error: ") and len(told.output) < 600 and "Traceback" not in told.output
 
 
-@pytest.mark.parametrize("kind", ["folder", "fifo", "device", "missing", "locked"])
+@pytest.mark.parametrize("kind", ["folder", "fifo", "device", "missing", "long name", "huge"])
 def test_what_is_no_file_is_refused_at_once(kind: str, tmp_path: Path) -> None:
     path = tmp_path / "p.json"
     if kind == "folder":
@@ -269,7 +270,10 @@ def test_what_is_no_file_is_refused_at_once(kind: str, tmp_path: Path) -> None:
         os.mkfifo(path)
     elif kind == "device":
         path = Path("/dev/zero")
-    elif kind == "locked":
+    elif kind == "long name":
         path = tmp_path / ("x" * 300 + ".json")
+    elif kind == "huge":
+        path.touch()
+        os.truncate(path, 2_000_000_000)
     told = run("verify", path)
     assert told.exit_code == 1 and told.output.startswith("Error: cannot read")
