@@ -41,7 +41,7 @@ def check_task(plan: Plan, problem: ir.Problem, findings: Findings) -> bool:
     if problem.parameters != plan.task.parameters or problem.file != plan.task.file:
         findings.fail("source", "file name or parameters of the plan are not those of its sources")
     if plan.task.goal != format_formula(problem.goal):
-        findings.fail("source", f"the goal of the task is {format_formula(problem.goal)}, not {plan.task.goal}")
+        findings.fail("goal", f"the goal of the task is {format_formula(problem.goal)}, not {plan.task.goal}")
     unnamed = {s.path for s in plan.task.sources} - {s.path for s in problem.sources}
     unnamed |= {f.path for f in plan.task.files} - set(problem.files)
     for path in sorted(unnamed):
