@@ -159,6 +159,7 @@ def break_text_and_hash(data: Data) -> None:
 def change_goal(data: Data) -> None:
     source = data["task"]["sources"][0]
     source["text"] = source["text"].replace("goal (shown ball)", "goal (on right c.B)")
+    data["task"]["goal"] = "(on right c.B)"
     source["sha256"] = hashlib.sha256(source["text"].encode()).hexdigest()
 
 
