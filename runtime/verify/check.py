@@ -16,7 +16,7 @@ from .kinematics import Kinematics, check_kinematics, motion_of
 from .limits import LIMITS
 from .links import links_of
 from .motion import check_motion
-from .provenance import check_against, check_sources, check_task, check_windows
+from .provenance import check_against, check_sources, check_task, check_windows, files_beside
 from .rates import check_rates
 from .replay import replay
 from .sampler import Sampler, curves_of
@@ -53,7 +53,7 @@ def _problem(plan: Plan, findings: Findings, against: ir.Problem | None) -> ir.P
         findings.fail("source", "the plan holds no source text")
         return None
     try:
-        lent = {} if against is None else {against.names[path]: data for path, data in against.files.items()}
+        lent = {} if against is None else files_beside(plan.task.file, against)
         files = lent | {f.path: f.data for f in plan.task.files}
         texts = parameter_texts(plan, sources)
         problem, _ = compile_sources(sources, plan.task.name, texts, plan.task.seed, files)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import posixpath
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 from ...compiler import ir
+from ...compiler.foreign import beside
 from ...compiler.printing_terms import format_formula
 from ...langs.source import Span
 from ..plan import Plan
@@ -101,6 +103,12 @@ def check_against(problem: ir.Problem, own: ir.Problem, findings: Findings) -> b
             findings.fail("against", f"{what} of the plan's text are others" if what.endswith("start") else
                           f"{what} of the plan's text is another")  # fmt: skip
     return len(findings.failures) == before
+
+
+def files_beside(main: str, own: ir.Problem) -> dict[str, bytes]:
+    """The files that the reader's own task names, called as if its main file were `main`."""
+    folder = posixpath.dirname(own.called(own.file))
+    return {beside(main, posixpath.relpath(own.called(path), folder or ".")): data for path, data in own.files.items()}
 
 
 def _by(items: Iterable[Any], name: str) -> dict[str, tuple[Any, ...]]:

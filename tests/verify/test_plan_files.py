@@ -145,6 +145,42 @@ def test_a_changed_or_lost_mesh_is_refused_by_its_name(meshes: Path, tmp_path: P
     assert told.exit_code == 5 and f"the file {file['path']} was changed" in told.output
 
 
+def as_format_1(data: Data, folder: str) -> Data:
+    """The plan as format 1 would have it, made from outside the folder of its task: meshes as lists of corners."""
+    old = copy.deepcopy(data)
+    renamed = {s["path"]: f"{folder}/{s['path']}" for s in old["task"]["sources"] if not s["path"].startswith("std/")}
+    text = json.dumps(old)
+    for path, name in renamed.items():
+        text = text.replace(json.dumps(path), json.dumps(name))
+    old = json.loads(text) | {"format": "tamplang-plan/1"}
+    for file in old["task"].pop("files"):
+        corners = "0.0 0.0 0.0\n"
+        digest = hashlib.sha256(corners.encode()).hexdigest()
+        old["task"]["sources"].append({"path": f"{folder}/{file['path']}", "text": corners, "sha256": digest})
+    del old["needs"], old["timing"], old["verdict"]
+    old["statistics"]["bounds"] = []
+    old["splines"] = [{**s, "phase": s["from"]} for s in old["splines"]]
+    for spline in old["splines"]:
+        del spline["from"], spline["until"]
+    old["body_tracks"] = []
+    return old
+
+
+def test_meshes_of_a_plan_of_format_1_come_from_the_readers_own_text(meshes: Path, tmp_path: Path) -> None:
+    data = json.loads(meshes.read_text())
+    pieces = data["body_tracks"]
+    old = as_format_1(data, "good")
+    for piece in pieces:
+        rest = next(b["pose"] for b in data["bodies"] if b["name"] == piece["name"])
+        rows = [rest] * piece["first"] + piece["poses"]
+        rows += [rows[-1]] * (len(data["times"]) - len(rows))
+        old["body_tracks"].append({"name": piece["name"], "poses": rows})
+    told = verified(tmp_path, old)
+    assert told.exit_code == 5 and "the plan lacks the file good/parts/wedge.stl" in told.output
+    told = run("verify", tmp_path / "p.json", "--against", PROGRAMS / "meshes.tamp")
+    assert told.exit_code == 0, told.output
+
+
 def names_disk(data: Data, path: Path, text: str) -> None:
     source = data["task"]["sources"][0]
     source["text"] += "\n" + text.replace("PATH", str(path)) + "\n"
