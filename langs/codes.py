@@ -281,6 +281,9 @@ CODES: dict[str, CodeInfo] = {
         "A collision shape without volume, such as a box without height, is left out. A `quat_xyzw` counts from "
         "version 1.1 of URDF on, as other readers have it.",
         '<robot name="arm">', '<robot name="arm" version="1.1">'),
+    "W0011": CodeInfo("damaged results", "warning",
+        "Some lines in the results file of a sweep hold no result. They stay where they are; the instances that have "
+        "no other line are solved again."),
 }
 
 

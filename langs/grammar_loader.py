@@ -7,11 +7,13 @@ import io
 import os
 import pickle
 import sys
-import tempfile
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
 import lark
+
+from .writer import write_atomically
 
 PARTS = ("tamplang", "terms", "logic", "modules", "motion", "rules", "heuristics", "scenes", "tasks")
 _FOLDER = Path(__file__).parent / "grammar"
@@ -72,14 +74,6 @@ def store(built: lark.Lark, file: Path) -> None:
     """Write the tables in one step, so that no other process ever reads half of them; give up silently."""
     content = io.BytesIO()
     built.save(content)
-    try:
+    with suppress(OSError):
         file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=file.parent)
-        try:
-            with os.fdopen(handle, "wb") as stream:
-                stream.write(content.getvalue())
-            os.replace(name, file)
-        except OSError:
-            os.unlink(name)
-    except OSError:
-        return
+        write_atomically(file, content.getvalue())

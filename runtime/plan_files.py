@@ -6,12 +6,12 @@ import json
 import os
 import re
 import stat
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
+from ..langs.writer import write_atomically
 from .plan import FORMAT, KNOWN_NEEDS, Plan
 from .plan_upgrade import FORMAT_1, Plan1, upgraded
 
@@ -31,25 +31,9 @@ class _Head(msgspec.Struct):
     format: str
 
 
-def write_text_atomically(path: str | Path, text: str) -> None:
-    """Write `text` so that a reader, or an interrupted run, never sees half of it. Raises OSError."""
-    target = Path(path)
-    descriptor, temporary = tempfile.mkstemp(dir=target.parent or ".", prefix=f".{target.name}.")
-    try:
-        with os.fdopen(descriptor, "w", encoding="utf-8") as stream:
-            stream.write(text)
-        umask = os.umask(0)
-        os.umask(umask)
-        os.chmod(temporary, 0o666 & ~umask)
-        os.replace(temporary, target)
-    except BaseException:
-        os.unlink(temporary)
-        raise
-
-
 def write_plan(plan: Plan, path: str | Path) -> None:
     """Write the plan as JSON, atomically. Raises OSError."""
-    write_text_atomically(path, msgspec.json.encode(plan).decode())
+    write_atomically(path, msgspec.json.encode(plan))
 
 
 def read_plan(path: str | Path) -> Plan:

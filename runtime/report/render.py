@@ -12,8 +12,8 @@ import msgspec
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from ...langs.writer import write_atomically
 from ..plan import Plan
-from ..plan_files import write_text_atomically
 from .replay import replay_data
 from .view import build_view, figure, measure_name
 
@@ -83,4 +83,4 @@ def render_report(plan: Plan, checked: bool = True) -> str:
 
 def write_report(plan: Plan, path: str | Path, checked: bool = True) -> None:
     """Write the page for `plan`, whose verdict was just made or is not `checked`, atomically. Raises OSError."""
-    write_text_atomically(path, render_report(plan, checked))
+    write_atomically(path, render_report(plan, checked).encode())

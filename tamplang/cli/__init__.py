@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import gc
+import os
 import signal
 import sys
 from collections.abc import Sequence
@@ -15,8 +16,12 @@ from ..runtime.native import use_one_thread
 from .crash import report_crash
 from .status import ExitStatus
 
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-"""What a disk says that takes no more; for standard output nothing can find it out beforehand."""
+SURROUNDINGS = (
+    errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS, errno.EACCES, errno.EPERM, errno.ENOENT,
+    errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP, errno.EMFILE, errno.ENFILE, errno.ESTALE,
+)  # fmt: skip
+"""What a disk says that is full, broken, gone or forbidden: no fault of the program, and not always to be found out
+beforehand."""
 
 
 COLLECTED = (20_000, 20, 20)
@@ -28,6 +33,7 @@ def main() -> None:
     # A reader that closes the pipe, such as `head`, ends the process without a word, as it does other Unix commands.
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     sys.excepthook = report_crash
+    _open_closed_streams()
     use_one_thread()
     gc.set_threshold(*COLLECTED)
     for stream in (sys.stdout, sys.stderr):
@@ -37,6 +43,15 @@ def main() -> None:
     if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # while Python ends, Ctrl-C would show a traceback
     sys.exit(status)
+
+
+def _open_closed_streams() -> None:
+    """A closed stream is one that takes everything. Else the next file to be opened got its number, and what libraries
+    print would land in it."""
+    for name, flags in (("stdin", os.O_RDONLY), ("stdout", os.O_WRONLY), ("stderr", os.O_WRONLY)):
+        if getattr(sys, name) is None:
+            mode = "r" if flags == os.O_RDONLY else "w"
+            setattr(sys, name, os.fdopen(os.open(os.devnull, flags), mode, encoding="utf-8", errors="replace"))
 
 
 def run(arguments: Sequence[str]) -> int:
@@ -52,8 +67,10 @@ def run(arguments: Sequence[str]) -> int:
         click.echo("interrupted", err=True)
         return ExitStatus.INTERRUPTED
     except OSError as error:
-        if error.errno not in FULL:
+        if error.errno not in SURROUNDINGS:
             raise
-        click.echo(f"Error: cannot write: {error.strerror}", err=True)
+        where = f" {error.filename}" if error.filename is not None else ""
+        verb = "use" if error.errno in (errno.ENOENT, errno.ENOTDIR, errno.ELOOP) else "write"
+        click.echo(f"Error: cannot {verb}{where}: {error.strerror}", err=True)
         return ExitStatus.USAGE
     return status if isinstance(status, int) else ExitStatus.DONE

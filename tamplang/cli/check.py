@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from ..langs.render import FORMATS
+from .outputs import UnwritableFile
 from .progress import counted
 from .sources import as_text, diagnostics_in, reading_sources, wants_colour
 from .status import ExitStatus
@@ -51,10 +52,10 @@ def _format(file: Path, only_check: bool) -> bool:
     if text == source.text:
         return False
     if not only_check:
-        from ..runtime.plan_files import write_text_atomically
+        from ..langs.writer import rewrite
 
         try:
-            write_text_atomically(file.resolve(), text)
+            rewrite(file, text)
         except OSError as error:
-            raise click.UsageError(f"cannot write {file}: {error.strerror}") from error
+            raise UnwritableFile(file, error.strerror or "the write failed") from error
     return True

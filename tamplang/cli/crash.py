@@ -20,11 +20,24 @@ def report_crash(kind: type[BaseException], error: BaseException, trace: Traceba
         raise SystemExit(int(ExitStatus.INTERRUPTED))
     from .. import __version__
 
-    descriptor, path = tempfile.mkstemp(prefix="tamplang-crash-", suffix=".txt")
-    with os.fdopen(descriptor, "w", encoding="utf-8", errors="backslashreplace") as stream:
-        stream.write(f"tamplang {__version__}, Python {platform.python_version()}, {platform.platform()}\n")
-        stream.write(f"command: {sys.argv}\n\n")
-        stream.writelines(traceback.format_exception(kind, error, trace))
+    about = f"tamplang {__version__}, Python {platform.python_version()}, {platform.platform()}\n"
     print(f"internal error: {kind.__name__}: {error}", file=sys.stderr)
-    print(f"This is a bug in tamplang. Please report it with the file {path}", file=sys.stderr)
+    try:
+        path = _kept(f"{about}command: {sys.argv}\n\n" + "".join(traceback.format_exception(kind, error, trace)))
+    except OSError as reason:
+        print(f"This is a bug in tamplang. No crash file could be written: {reason.strerror}", file=sys.stderr)
+    else:
+        print(f"This is a bug in tamplang. Please report it with the file {path}", file=sys.stderr)
     raise SystemExit(int(ExitStatus.INTERNAL_ERROR))
+
+
+def _kept(text: str) -> str:
+    """The path of a new file with the text. Raises OSError, and leaves no file then."""
+    descriptor, path = tempfile.mkstemp(prefix="tamplang-crash-", suffix=".txt")
+    try:
+        with os.fdopen(descriptor, "w", encoding="utf-8", errors="backslashreplace") as stream:
+            stream.write(text)
+    except OSError:
+        os.unlink(path)
+        raise
+    return path

@@ -17,10 +17,11 @@ def new(name: str) -> None:
     task = target.name.removesuffix(".tamp")
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", task):
         raise click.UsageError(f"{task!r} is not a name: use letters, digits and underscores, a letter first")
+    from ..langs.writer import write_new
+
     text = files(__package__).joinpath("starter.tamp").read_text(encoding="utf-8").replace("starter", task)
     try:
-        with target.open("x", encoding="utf-8") as stream:
-            stream.write(text)
+        write_new(target, text.encode())
     except FileExistsError:
         raise click.UsageError(f"{target} exists already; it was not changed") from None
     except OSError as error:

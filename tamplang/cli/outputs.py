@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import stat
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -23,19 +25,21 @@ class UnwritableFile(click.ClickException):
 def checked_output(path: Path, inputs: tuple[Path, ...] = ()) -> Path:
     """Make sure that `path` can be written. The file itself is not touched.
 
-    Raises UnwritableFile when `path` is a folder, a device or one of `inputs`, or lies in a folder that cannot be
-    written.
+    Raises UnwritableFile when `path` is a folder, a device, a pipe or one of `inputs`, or lies in a folder that cannot
+    be written.
     """
-    if path.is_dir():
-        raise UnwritableFile(path, "it is a folder")
-    if not path.parent.is_dir():
-        raise UnwritableFile(path, f"there is no folder {path.parent}")
-    if path.exists() and not path.is_file():
-        raise UnwritableFile(path, "it is not a regular file")
-    if any(path.exists() and other.exists() and path.samefile(other) for other in inputs):
-        raise UnwritableFile(path, "it is also the input")
     try:
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}."):
+        status = _status(path)
+        if status is not None and stat.S_ISDIR(status.st_mode):
+            raise UnwritableFile(path, "it is a folder")
+        if status is not None and not stat.S_ISREG(status.st_mode):
+            raise UnwritableFile(path, "it is not a regular file")
+        if status is not None and any(_same(status, other) for other in inputs):
+            raise UnwritableFile(path, "it is also the input")
+        folder = os.path.dirname(os.path.realpath(path))
+        if not os.path.isdir(folder):
+            raise UnwritableFile(path, f"there is no folder {path.parent}")
+        with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
         raise UnwritableFile(path, error.strerror or "the folder cannot be written") from error
@@ -52,6 +56,21 @@ def checked_apart(files: Mapping[str, Path | None], inputs: tuple[Path, ...] = (
             other = taken.setdefault(path.absolute(), option)
             if other != option:
                 raise click.UsageError(f"{other} and {option} are the same file: {path}")
+
+
+def _status(path: Path) -> os.stat_result | None:
+    """What is there, through symbolic links. Raises OSError but for a file that is not there."""
+    try:
+        return os.stat(path)
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+
+
+def _same(status: os.stat_result, other: Path) -> bool:
+    try:
+        return os.path.samestat(status, os.stat(other))
+    except OSError:
+        return False
 
 
 def numbered(path: Path, number: int) -> Path:

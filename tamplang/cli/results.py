@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import fcntl
 import json
+import math
 import os
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -15,6 +17,8 @@ from .outputs import UnwritableFile
 
 TRIED_AGAIN = ("crashed", "lost")
 """Statuses that say nothing about the instance."""
+LONGEST = 10_000_000
+"""Bytes of a line; results have some thousand, and a few million when a search tells what it refused."""
 _START = b'{"key": "'
 
 
@@ -22,7 +26,7 @@ class Results:
     """The results in a file, by key; the last of a key counts. The file is locked against other sweeps until this one
     ends.
 
-    Raises UnwritableFile when that is impossible, or when the file holds other things.
+    Raises UnwritableFile when that is impossible, or when the file holds nothing but other things.
     """
 
     def __init__(self, path: Path) -> None:
@@ -34,27 +38,43 @@ class Results:
             raise UnwritableFile(path, "another sweep is writing to it") from error
         except OSError as error:
             raise UnwritableFile(path, error.strerror or "it cannot be opened") from error
-        self._records = self._read()
+        self.damaged: list[int] = []
+        """Numbers of lines, from 1, that are no results: they stay in the file and are passed over."""
+        try:
+            self._records = self._read()
+        except BaseException:
+            os.close(self._file)
+            raise
 
     def _read(self) -> dict[str, dict[str, Any]]:
-        whole, newline, rest = self.path.read_bytes().rpartition(b"\n")
-        if rest and not (rest.startswith(_START) or _START.startswith(rest)):
-            raise self._foreign(whole.count(b"\n") + (2 if newline else 1))
+        """The sound lines. The half of a line at the end, of a run that was killed while it wrote, is cut off."""
         records: dict[str, dict[str, Any]] = {}
-        for number, line in enumerate(whole.splitlines(), start=1):
-            try:
-                record = json.loads(line)
-            except ValueError as error:
-                raise self._foreign(number) from error
-            if not isinstance(record, dict) or not isinstance(record.get("key"), str) or "status" not in record:
-                raise self._foreign(number)
-            records[record["key"]] = record
-        if rest:  # a run that was killed while it wrote
-            os.ftruncate(self._file, len(whole) + len(newline))
+        ours, line, end = False, b"", 0
+        with open(self._file, "rb", closefd=False) as stream:
+            for number, line in enumerate(iter(partial(stream.readline, LONGEST), b""), start=1):
+                record = _record(line)
+                ours = ours or line.startswith(_START) or _START.startswith(line)
+                if record is not None:
+                    records[record["key"]] = record
+                elif line.endswith(b"\n") or not line.startswith(_START):
+                    self.damaged.append(number)
+                end += len(line)
+        if end and not (ours or records):
+            raise UnwritableFile(self.path, "it holds no result of a sweep")
+        if line and not line.endswith(b"\n"):
+            half = _record(line) is None and (line.startswith(_START) or _START.startswith(line))
+            self._finish(end - len(line) if half else None)
         return records
 
-    def _foreign(self, line: int) -> UnwritableFile:
-        return UnwritableFile(self.path, f"line {line} is no result of a sweep")
+    def _finish(self, end: int | None) -> None:
+        """Let the file end with a whole line: cut it at `end`, or, with None, end the line."""
+        try:
+            if end is None:
+                os.write(self._file, b"\n")
+            else:
+                os.ftruncate(self._file, end)
+        except OSError as error:
+            raise UnwritableFile(self.path, error.strerror or "the write failed") from error
 
     def of(self, instance: Instance, folder: Path | None = None) -> dict[str, Any] | None:
         """The result of the instance, if it stands, with its plan in `folder` if there is one."""
@@ -68,17 +88,46 @@ class Results:
     def add(self, record: dict[str, Any]) -> None:
         """Append the result: one line, in one write. Raises UnwritableFile, such as on a full disk."""
         line = json.dumps(record).encode() + b"\n"
+        end = os.fstat(self._file).st_size
         try:
             written = os.write(self._file, line)
         except OSError as error:
             raise UnwritableFile(self.path, error.strerror or "the write failed") from error
         if written < len(line):
+            os.ftruncate(self._file, end)
             raise UnwritableFile(self.path, "the disk is full")
         self._records[record["key"]] = record
 
     def close(self) -> None:
         """Give the file free."""
         os.close(self._file)
+
+
+def _record(line: bytes) -> dict[str, Any] | None:
+    """The result that a line holds, or None."""
+    try:
+        record = json.loads(line)
+    except (ValueError, RecursionError):
+        return None
+    return record if isinstance(record, dict) and _is_sound(record) else None
+
+
+def _is_sound(record: Mapping[str, Any]) -> bool:
+    """Whether all is there that is read later, of the right kind."""
+    seconds = record.get("seconds", {})
+    return (
+        isinstance(record.get("key"), str)
+        and isinstance(record.get("status"), str)
+        and isinstance(record.get("verified"), bool)
+        and isinstance(record.get("explanation"), list)
+        and type(record.get("length")) is int
+        and isinstance(seconds, dict)
+        and (record["status"] != "solved" or _is_time(seconds.get("total")))
+    )
+
+
+def _is_time(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value < math.inf
 
 
 def plan_file(folder: Path, instance: Instance) -> Path:

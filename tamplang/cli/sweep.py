@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     from .results import Results
 
 
+FEW = 8
+"""How many lines a warning lists."""
+
+
 @click.command()
 @click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
 @click.argument("task", required=False)
@@ -71,6 +75,7 @@ def sweep(
     from .results import Results, groups
 
     with closing(Results(path)) as results:
+        _warn(results)
         interrupted = not _finished(todo, results, plans, jobs or 1, cluster, as_json)
         found = groups(todo, results)
     _show(found, path, interrupted, as_json)
@@ -98,6 +103,17 @@ def _make_folder(folder: Path) -> None:
     except OSError as error:
         raise UnwritableFile(folder, error.strerror or "the folder cannot be made") from error
     checked_output(folder / "plan.json")
+
+
+def _warn(results: Results) -> None:
+    """Tell of lines that are passed over."""
+    from ..langs.diagnostics import Diagnostic
+    from .sources import show_diagnostics
+
+    if results.damaged:
+        few = ", ".join(map(str, results.damaged[:FEW])) + (", …" if len(results.damaged) > FEW else "")
+        message = f"{results.path}: {counted(len(results.damaged), 'line')} passed over that hold no result: {few}"
+        show_diagnostics([Diagnostic("W0011", message, help="what they may have held is solved again")])
 
 
 def _finished(
@@ -166,12 +182,12 @@ def _record(
 
 
 def _write_plan(folder: Path, instance: Instance, plan: bytes) -> None:
-    from ..runtime.plan_files import write_text_atomically
+    from ..langs.writer import write_atomically
     from .results import plan_file
 
     path = plan_file(folder, instance)
     try:
-        write_text_atomically(path, plan.decode())
+        write_atomically(path, plan)
     except OSError as error:
         raise UnwritableFile(path, error.strerror or "the write failed") from error
 

@@ -124,7 +124,7 @@ def test_a_killed_sweep_leaves_no_process(tmp_path: Path) -> None:
         (["--cluster", "here"], "tcp://HOST:PORT"),
         (["--out", "."], "it is a folder"),
         (["--out", str(CLIMB)], "also the input"),
-        (["--out", str(ROOT / "README.md")], "line 1 is no result"),
+        (["--out", str(ROOT / "README.md")], "it holds no result"),
         (["--plans", str(CLIMB)], "cannot write"),
     ],
 )
