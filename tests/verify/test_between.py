@@ -2,92 +2,20 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from typing import Any
 
 import msgspec
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
-from tamplang.compiler.pipeline import compile_sources
-from tamplang.langs.source import Source
 from tamplang.runtime.budget import Budget, OutOfTime
 from tamplang.runtime.plan import Plan
 from tamplang.runtime.verify import verify
-from tamplang.runtime.verify.findings import Findings
-from tamplang.runtime.verify.geometry import Array, Frames
-from tamplang.runtime.verify.happenings import happenings_of
-from tamplang.runtime.verify.kinematics import Kinematics, motion_of
-from tamplang.runtime.verify.links import links_of
-from tamplang.runtime.verify.replay import replay
-from tamplang.runtime.verify.sampler import Sampler, curves_of
 
 from .motions import Maker
+from .stamping import HIDING, Stamps, crowded, even, random_stamps, sampler_of, stamped, uneven
 
 Data = dict[str, Any]
-Stamps = Callable[[float, float], Array]
-"""Time stamps of a phase from its start to its end, both among them."""
-
-
-# --- files that are stamped anew -----------------------------------------------------------------------------------
-
-
-def sampler_of(plan: Plan) -> Sampler:
-    sources = [Source(s.path, s.text) for s in plan.task.sources]
-    problem, _ = compile_sources(sources, plan.task.name, {}, plan.task.seed)
-    kinematics = {m.name: Kinematics(m) for m in plan.modules}
-    motion, story = motion_of(plan, kinematics), replay(problem, plan, Findings())
-    happenings = happenings_of(problem, plan, story.modes)
-    links = links_of(problem, story.modes, motion, happenings, 1e-6)
-    return Sampler(problem.world, motion, kinematics, happenings, links, curves_of(plan))
-
-
-def poses(frames: Frames, count: int) -> list[list[float]]:
-    spread = frames.spread(count)
-    return np.hstack([spread.position, Rotation.from_matrix(spread.rotation).as_quat()]).tolist()
-
-
-def stamped(plan: Plan, stamps: list[Stamps] | Stamps) -> Plan:
-    """A drawing of the same motion with other time stamps, phase by phase: every sample lies on the motion."""
-    sampler, data = sampler_of(plan), msgspec.to_builtins(plan)
-    times: list[float] = []
-    tracks: dict[str, list[list[float]]] = {t.name: [] for t in plan.tracks}
-    joints: dict[str, list[list[float]]] = {t.name: [] for t in plan.tracks}
-    bodies: dict[str, list[list[float]]] = {t.name: [] for t in plan.body_tracks}
-    for phase, record in enumerate(plan.phases):
-        at = (stamps[phase] if isinstance(stamps, list) else stamps)(record.start, record.end)
-        times += at.tolist()
-        placement = sampler.at(phase, at)
-        for name, rows in [*tracks.items(), *bodies.items()]:
-            rows += poses(placement.frame(name), len(at))
-        for name, rows in joints.items():
-            rows += np.broadcast_to(sampler._joints(name, phase, at), (len(at), len(plan.modules[0].joints))).tolist()
-    data["times"] = times
-    data["tracks"] = [{"name": n, "poses": tracks[n], "joints": joints[n]} for n in tracks]
-    data["body_tracks"] = [{"name": n, "first": 0, "poses": rows} for n, rows in bodies.items()]
-    return msgspec.convert(data, Plan)
-
-
-def even(count: int) -> Stamps:
-    return lambda start, end: np.linspace(start, end, count)
-
-
-def uneven(start: float, end: float) -> Array:
-    share = np.linspace(0.0, 1.0, 40) ** 3
-    return start + (end - start) * share
-
-
-def crowded(start: float, end: float) -> Array:
-    """All but the last stamp in the first hundredth of the phase."""
-    return np.append(np.linspace(start, start + 0.01 * (end - start), 60), end)
-
-
-def random_stamps(start: float, end: float) -> Array:
-    inner = np.random.default_rng(7).uniform(start, end, 50)
-    return np.unique(np.concatenate([[start], inner, [end]]))
-
 
 STAMPS: dict[str, Stamps] = {
     "two": even(2), "sparse": even(7), "dense": even(400), "uneven": uneven, "crowded": crowded, "random": random_stamps
@@ -132,18 +60,6 @@ def swing(samples: int, where: str = "0.3 m", seconds: float = 12.0) -> Plan:
     ways = 0.5 - 0.5 * np.cos(np.linspace(0.0, 2.0 * np.pi, 201)[1:])
     maker.phase("wave", ("c", "2"), [LEVEL + way * TURN for way in ways], seconds=seconds, samples=samples)
     return maker.plan()
-
-
-HIDING: dict[str, Stamps] = {
-    "two": even(2),
-    "crowded": crowded,
-    "crowded at both ends": lambda start, end: np.concatenate([
-        start + np.linspace(0.0, 0.01, 5_000), end - np.linspace(0.01, 0.0, 5_000)
-    ]),
-    "crowded in the middle": lambda start, end: np.unique(np.concatenate([
-        [start], 0.5 * (start + end) + np.linspace(-0.01, 0.01, 50), [end]
-    ])),
-}  # fmt: skip
 
 
 @pytest.mark.parametrize("stamps", HIDING.values(), ids=list(HIDING))
@@ -203,115 +119,6 @@ def test_samples_do_not_tell_what_rests() -> None:
     verdict = verify(stamped(plan, even(2)))
     assert {f.kind for f in verdict.failures} == {"rest"}
     assert "do not tell whether" in verdict.failures[0].message
-
-
-# --- closed loops --------------------------------------------------------------------------------------------------
-
-LOOP = """
-import std.crawler
-import std.motion
-predicate (planted B: effector)
-rule plant(B: effector, Y: object) {
-    pre   not (planted B)
-    post  (planted B), [stable Y B]
-}
-rule sway(B: effector, Y: object) {
-    pre   (planted B)
-    post  (swayed B)
-}
-predicate (swayed B: effector)
-task loop() {
-    object left: box(0.2 m, 0.2 m, 0.05 m) at (0, 0, 0)
-    object right: box(0.2 m, 0.2 m, 0.05 m) at (0.5 m, 0, 0)
-    crawler c: A on left
-    goal (swayed c.B)
-}
-"""
-BEND = math.asin(0.25 / 0.35)
-ARCH = np.array([0.0, BEND, 0.0, np.pi - 2 * BEND, 0.0, BEND, 0.0])
-
-
-def loop(sway: float) -> Plan:
-    """A robot that has planted its second foot sways by a joint of the first and back: the second foot goes with it."""
-    maker = Maker(LOOP, "loop")
-    maker.phase("plant", ("c.B", "right"), [ARCH])
-    ways = 0.5 - 0.5 * np.cos(np.linspace(0.0, 2.0 * np.pi, 101)[1:])
-    maker.phase("sway", ("c.B", "right"), [ARCH + way * sway * TURN for way in ways], seconds=8.0)
-    return maker.plan()
-
-
-@pytest.mark.parametrize("stamps", HIDING.values(), ids=list(HIDING))
-def test_a_foot_that_leaves_its_place_between_samples_is_seen(stamps: Stamps) -> None:
-    failures = verify(stamped(loop(1.0), [even(10), stamps])).failures
-    assert {f.kind for f in failures} >= {"slip_m", "slip_rad"}
-    assert max(f.amount for f in failures if f.kind == "slip_m") > 0.1
-
-
-@pytest.mark.parametrize(("slip", "kept"), [(0.5e-3, True), (0.95e-3, True), (1.05e-3, False), (3e-3, False)])
-def test_a_foot_may_slip_by_as_much_as_the_limit(slip: float, kept: bool) -> None:
-    verdict = verify(stamped(loop(slip / 0.5), even(2)))
-    assert verdict.verified == kept
-    assert kept or "slip_m" in {f.kind for f in verdict.failures}
-    assert verdict.worst["slip_m"] == pytest.approx(slip, rel=0.01)
-
-
-# --- rows that hold all the time -----------------------------------------------------------------------------------
-
-ROWS = """
-import std.crawler
-import std.motion
-predicate (shown c: module)
-motion [fine X: effector, Y: object] { during ROW }
-rule show(c: module, X: effector, Y: object, k: 1 .. 2) {
-    pre   k = 1 or (shown c)
-    post  (shown c), if k = 1 { [fine X Y] }
-}
-task rows() {
-    object slab: box(2 m, 2 m, 0.05 m) at (0, 0, 0)
-    object bead: sphere(0.02 m) at (0.9 m, 0.3 m, 0.6 m)
-    crawler c: A on slab
-    goal (shown c)
-}
-"""
-TERMS = {
-    "position": "dot(position(X), (1, 0, 0)) <= AT",
-    "norm": "norm(position(X) - position(Y)) >= AT m",
-    "product": "dot(position(X), position(X)) * dot(axis(X, z), (0, 0, 1)) <= AT",
-    "quotient": "dot(position(X), (1, 0, 0)) / (1 + dot(position(X), position(X))) <= AT",
-    "root": "sqrt(dot(position(X), position(X))) >= AT",
-    "cross": "dot(cross(position(X), (0, 1, 0)), (0, 0, 1)) <= AT",
-    "axis": "dot(axis(X, z), (0, 0, 1)) >= AT",
-    "centre": "dot(centre(X), (1, 0, 0)) <= AT",
-    "bottom": "bottom(X) >= AT m",
-    "top": "top(X) >= AT m",
-    "gap": "gap(X, Y) >= AT m",
-    "inside": "inside(X, slab) >= AT m",
-}
-
-
-def nod(row: str) -> Plan:
-    """An arm nods by 1 rad and comes back."""
-    maker = Maker(ROWS.replace("ROW", row.replace("slab", "Y")), "rows")
-    thing = "slab" if "slab" in row else "bead"
-    maker.phase("show", ("c", "c.B", thing, "1"), [0.3 * np.eye(7)[1]])
-    ways = 0.5 - 0.5 * np.cos(np.linspace(0.0, 2.0 * np.pi, 101)[1:])
-    knots = [(0.3 + way) * np.eye(7)[1] + 0.5 * way * np.eye(7)[3] for way in ways]
-    maker.phase("show", ("c", "c.B", thing, "2"), knots, seconds=8.0)
-    return maker.plan()
-
-
-@pytest.mark.parametrize("row", TERMS.values(), ids=list(TERMS))
-def test_a_row_that_breaks_between_samples_is_seen(row: str) -> None:
-    """By how much it is broken does not depend on the samples; a row that asks just that little less holds."""
-    sign = 1.0 if ">=" in row else -1.0
-    assert verify(stamped(nod(row.replace("AT", f"{-9.0 * sign!r}")), even(2))).verified
-    (failure,) = verify(stamped(nod(row.replace("AT", f"{9.0 * sign!r}")), even(2))).failures
-    limit = {"during_m": 2e-3, "during": 5e-3}[failure.kind]
-    edge = sign * (9.0 - failure.amount)
-    for off, kept in ((0.9 * limit, True), (1.1 * limit, False)):
-        verdict = verify(stamped(nod(row.replace("AT", f"{edge + sign * off!r}")), even(2)))
-        assert verdict.verified == kept, verdict.failures
-        assert verdict.worst[failure.kind] == pytest.approx(off, abs=5e-5)
 
 
 # --- splines through switches --------------------------------------------------------------------------------------
