@@ -104,7 +104,7 @@ def verdict(file: Path, seconds: float | None = None) -> Record:
     "time" or, where it breaks off, "traceback"."""
     from tamplang.api import read_plan
     from tamplang.runtime.budget import OutOfTime
-    from tamplang.runtime.plan import PlanFileError
+    from tamplang.runtime.plan_files import PlanFileError
 
     began = cpu()
     why: list[str] = []

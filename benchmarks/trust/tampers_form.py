@@ -100,7 +100,7 @@ def field_missing(draft: Draft) -> None:
     del place[draft.chance.choice(fields)]
 
 
-@kind()
+@kind(false=True)
 def foreign_field(draft: Draft) -> None:
     places = [draft.data, draft.data["task"], draft.phases[0], draft.data["modules"][0], draft.data["tracks"][0]]
     draft.chance.choice(places)[draft.chance.choice(["colour", "Complete", "torque", ""])] = 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import re
 
@@ -176,7 +177,7 @@ def comment_changed(draft: Draft) -> None:
     _rewrite(draft, _main(draft), r"\A", "# Changed, and hashed anew.\n")
 
 
-@kind(false=True)
+@kind()
 def scene_changed_and_hashed(draft: Draft) -> None:
     _rewrite(draft, _main(draft), r"box\(", "box(0.01 m + ")
 
@@ -219,11 +220,49 @@ def source_missing(draft: Draft) -> None:
     del sources[draft.chance.randrange(1, len(sources))]
 
 
-@kind()
+@kind(false=True)
 def source_that_nothing_names(draft: Draft) -> None:
     text = "type strange < object\n"
     entry = {"path": "strange.tamp", "text": text, "sha256": hashlib.sha256(text.encode()).hexdigest()}
     draft.data["task"]["sources"].append(entry)
+
+
+def _file(draft: Draft) -> dict[str, str]:
+    """A URDF or mesh that the plan carries."""
+    need(draft.data["task"].get("files"))
+    found: dict[str, str] = draft.chance.choice(draft.data["task"]["files"])
+    return found
+
+
+@kind(false=True)
+def file_changed(draft: Draft) -> None:
+    entry = _file(draft)
+    entry["data"] = base64.b64encode(base64.b64decode(entry["data"]) + b" ").decode()
+
+
+@kind(false=True)
+def file_changed_and_hashed(draft: Draft) -> None:
+    entry = _file(draft)
+    data = base64.b64decode(entry["data"])
+    changed = re.sub(rb'(<origin xyz="[-0-9. ]*) ([-0-9.]+)"', rb'\1 9\2"', data, count=1)
+    need(changed != data)
+    entry["data"], entry["sha256"] = base64.b64encode(changed).decode(), hashlib.sha256(changed).hexdigest()
+
+
+@kind(false=True)
+def file_of_no_bytes(draft: Draft) -> None:
+    _file(draft)["data"] = draft.chance.choice(["", "@@@", "AAA"])
+
+
+@kind(false=True)
+def file_missing(draft: Draft) -> None:
+    draft.data["task"]["files"].remove(_file(draft))
+
+
+@kind(false=True)
+def file_that_nothing_names(draft: Draft) -> None:
+    made = {"path": "strange.urdf", "data": "AAAA", "sha256": hashlib.sha256(b"\0\0\0").hexdigest()}
+    draft.data["task"]["files"] = [*draft.data["task"].get("files", []), made]
 
 
 @kind(false=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import math
 from collections.abc import Iterator
@@ -83,6 +84,10 @@ def upgraded(plan: Record) -> Record:
     if plan["format"] == "tamplang-plan/1":
         plan["splines"] = [_only(s, {"from": s["phase"], "until": s["phase"]}, "phase") for s in plan["splines"]]
         plan["body_tracks"] = [{"first": 0, **t} for t in plan["body_tracks"]]
+        told = plan["task"]["sources"]
+        texts, files = ([s for s in told if s["path"].endswith(".tamp") is text] for text in (True, False))
+        carried = [_only(f, {"data": base64.b64encode(f["text"].encode()).decode()}, "text") for f in files]
+        plan["task"] = {**plan["task"], "sources": texts, "files": carried}
         plan["windows"] = [_only(w, {}, "seconds") for w in plan.get("windows", [])]
     wrong = next(_unfit(SCHEMA, plan, "plan"), None)
     if wrong is not None:

@@ -21,12 +21,8 @@ def replay(
     """`at` gives the lengths of the scene at a sample."""
     state = State(problem, problem.init, problem.init_motion, at(0))
     may_change = changeable(problem)
-    gone: set[str] = set()
     for number, phase in enumerate(plan["phases"]):
-        lost = {b["module"] for b in plan["breakdowns"] if b["kind"] == "gone" and b["time"] <= phase["start"] + 1e-9}
-        if lost - gone:
-            gone = lost
-            state = State(problem, _without(state.facts, gone), _without(state.motion, gone), state.lengths)
+        state = _left(problem, plan, state, phase["start"])
         held = {f for f in state.facts if f[0] in may_change}
         told = one_order(problem, _listed(phase["literals"]), False)
         held |= {f for f in state.facts if one_order(problem, [f], False) <= told and not _static(problem, f)}
@@ -41,6 +37,8 @@ def replay(
         except NotAllowed as error:
             yield "action", f"{phase['action']}: {error}", math.inf, 0.0
             return
+    if plan["phases"]:
+        state = _left(problem, plan, state, plan["phases"][-1]["end"])
     yield from _same(problem, "final mode", state.motion, plan["final_mode"], True)
     if plan.get("complete", True) and not state.holds(problem.goal, {}):
         yield "goal", "the goal does not hold", math.inf, 0.0
@@ -95,6 +93,14 @@ def _static(problem: ir.Problem, fact: Fact) -> bool:
 
 def _listed(literals: list[dict[str, Any]]) -> set[Fact]:
     return {(literal["predicate"], *map(str, literal["args"])) for literal in literals}
+
+
+def _left(problem: ir.Problem, plan: dict[str, Any], state: State, time: float) -> State:
+    """Without what holds of modules that have left the scene by then."""
+    gone = {b["module"] for b in plan["breakdowns"] if b["kind"] == "gone" and b["time"] <= time + 1e-9}
+    if not gone:
+        return state
+    return State(problem, _without(state.facts, gone), _without(state.motion, gone), state.lengths)
 
 
 def _without(facts: set[Fact], modules: set[str]) -> set[Fact]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import hashlib
 from collections.abc import Iterator
 from typing import Any
@@ -20,17 +21,18 @@ SAME = 1e-6
 
 def compiled(task: dict[str, Any]) -> ir.Problem:
     """The problem that the sources, parameters and seed of a plan say. Raises ValueError, SourceError, UsageError."""
-    paths = [s["path"] for s in task["sources"]]
-    if len(set(paths)) < len(paths):
-        raise ValueError("two sources have the same path")
-    for source in [*task["sources"], *task.get("files", [])]:
-        if hashlib.sha256(_bytes(source)).hexdigest() != source["sha256"]:
-            raise ValueError(f"{source['path']} is not what its hash says")
-    sources = [Source(s["path"], s["text"]) for s in task["sources"]]
-    library = load_sources(sources)[0]
-    strange = {s.path for s in library.sources} - set(paths)
-    if strange:
-        raise ValueError(f"sources that the plan does not hold: {', '.join(sorted(strange))}")
+    told, carried = task["sources"], task.get("files", [])
+    for some in (told, carried):
+        if len({s["path"] for s in some}) < len(some):
+            raise ValueError("two sources have the same path")
+        for entry in some:
+            if hashlib.sha256(_bytes(entry)).hexdigest() != entry["sha256"]:
+                raise ValueError(f"{entry['path']} is not what its hash says")
+    if task["file"] != told[0]["path"]:
+        raise ValueError("the task is of another file")
+    sources = [Source(s["path"], s["text"]) for s in told]
+    files = {f["path"]: _bytes(f) for f in carried}
+    library = load_sources(sources, files)[0]
     declared = library.tasks[task["name"]].parameters
     types = {p.name: p.type.name for p in declared if isinstance(p.type, syntax.NamedType)}
     given = task["parameters"]
@@ -39,11 +41,15 @@ def compiled(task: dict[str, Any]) -> ir.Problem:
     if any(isinstance(v, bool) or not isinstance(v, int | float) for v in given.values()):
         raise ValueError("a parameter is no number")
     texts = {name: f"{value!r}{UNITS[types[name]]}" for name, value in given.items()}
-    return compile_sources(sources, task["name"], texts, task["seed"])[0]
+    problem = compile_sources(sources, task["name"], texts, task["seed"], files)[0]
+    idle = {s.path for s in sources} - {s.path for s in problem.sources} | set(files) - set(problem.files)
+    if idle:
+        raise ValueError(f"nothing names {', '.join(sorted(idle))}")
+    return problem
 
 
-def _bytes(source: dict[str, Any]) -> bytes:
-    return str(source["text"]).encode()
+def _bytes(entry: dict[str, Any]) -> bytes:
+    return str(entry["text"]).encode() if "text" in entry else base64.b64decode(entry["data"], validate=True)
 
 
 def differences(problem: ir.Problem, plan: dict[str, Any]) -> Iterator[str]:
