@@ -291,6 +291,10 @@ def replay(problem: ir.Problem, plan: Plan, findings: Findings, measured: Motion
             _compare(f"phase {index + 1}: added", stored, outcome.added_motion, phase, findings)
         facts, motion, previous = outcome.facts, outcome.motion, action
     last = plan.phases[-1] if plan.phases else None
+    at_end = left if last is None else left_at(problem, plan, last.end)
+    if at_end != left:
+        interpreter = Interpreter(without(problem, at_end))
+        facts, motion = _remaining(facts, at_end), _remaining(motion, at_end)
     _compare("final mode", interpreter.canonical(_facts(plan.final_mode)), motion, last, findings)
     _check_goal(problem, plan, interpreter, facts, findings)
     return Story(tuple(modes), tuple(added), motion)
