@@ -37,10 +37,12 @@ class _Loader:
         self.convex: set[str] = set()
         self.diagnostics: list[Diagnostic] = []
         self.unfit: list[Diagnostic] = []
+        self.places: dict[str, str] = {}
         self.open: list[str] = []
         self.deep = False
 
     def load(self, source: Source, called: str) -> None:
+        self.places.setdefault(os.path.realpath(source.path), source.path)
         self.sources[source.path] = source
         self.names[source.path] = called
         file, diagnostics = parse(source)
@@ -74,7 +76,7 @@ class _Loader:
             self.models.update({} if found is None else {path: found})
 
     def follow(self, importer: Source, declaration: syntax.Import) -> None:
-        path = resolved(importer.path, declaration)
+        path = self.known(resolved(importer.path, declaration), declaration)
         if path in self.open:
             ring = [*self.open[self.open.index(path) :], path]
             message = f"files import each other: {' imports '.join(ring)}"
@@ -89,6 +91,12 @@ class _Loader:
             if source is not None:
                 self.standard |= set() if declaration.is_path else {path}
                 self.load(source, resolved(self.names[importer.path], declaration))
+
+    def known(self, path: str, declaration: syntax.Import) -> str:
+        """The path by which the same file is known already, where a link leads to it; else `path` itself."""
+        if path in self.sources or path in self.given or not declaration.is_path:
+            return path
+        return self.places.setdefault(os.path.realpath(path), path)
 
     def read(self, path: str, declaration: syntax.Import) -> Source | None:
         if path in self.given:

@@ -261,6 +261,8 @@ CODES: dict[str, CodeInfo] = {
         "In mid-run a module left the scene that carried the rest of its robot, or that held something."),
     "S0009": CodeInfo("robot struck", "outcome",
         "In mid-run something that moves by itself goes right through a robot, which does not get out of its way."),
+    "S0010": CodeInfo("memory spent", "outcome",
+        "The memory that --memory gives, or 80 % of what was free at the start, was not enough."),
     "W0001": CodeInfo("deletes what nothing adds", "warning",
         "No rule, fact or placement ever adds a literal that fits."),
     "W0002": CodeInfo("never read", "warning", "No condition, goal or derived predicate reads this predicate."),

@@ -6,9 +6,18 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+SECONDS = 60.0
+"""What a solve may take where nothing else is said."""
+SECONDS_OF_RUN = 120.0
+"""So much a run in the simulated world."""
+
 
 class OutOfTime(Exception):
     """The time budget is spent; whoever catches it still reports what was found."""
+
+
+class OutOfMemory(OutOfTime):
+    """So is the memory."""
 
 
 class Budget:
@@ -34,13 +43,30 @@ class Budget:
 
 
 def ending(loop: Callable[[], str]) -> str:
-    """The status that `loop` ends with; "budget" when it runs out of time, "interrupted" after Ctrl-C."""
+    """The status that `loop` ends with; "budget" when it runs out of time, "memory" when it runs out of memory,
+    "interrupted" after Ctrl-C."""
+    from .guard import answered
+
     try:
         return loop()
+    except OutOfMemory:
+        answered()
+        return "memory"
     except OutOfTime:
+        answered()
         return "budget"
+    except (MemoryError, RuntimeError) as error:
+        if not is_out_of_memory(error):
+            raise
+        answered()
+        return "memory"
     except KeyboardInterrupt:
         return "interrupted"
+
+
+def is_out_of_memory(error: BaseException) -> bool:
+    """Whether an error says that the system gave no more memory, to Python or to a compiled library."""
+    return isinstance(error, OutOfMemory | MemoryError) or "std::bad_alloc" in str(error)
 
 
 class Clock:

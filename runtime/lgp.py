@@ -18,7 +18,7 @@ from ..compiler.symbolic.successors import Successors
 from ..langs.diagnostics import Diagnostic
 from .ahead import Ahead
 from .bounds import EXPECTED, Bounds
-from .budget import Budget, ending
+from .budget import SECONDS, Budget, ending
 from .judgement import Judgement
 from .motion.settings import MotionSettings
 from .plan import Plan, StatisticsRecord, TimingRecord
@@ -34,9 +34,6 @@ from .touching import touching
 BOUNDS = ("seq", "seq-path", "path")
 SEARCHES = ("astar", "wastar", "bfs", "guide")
 SOLVERS = ("algn", "ipopt")
-SECONDS = 60.0
-"""Budget where nothing else is said."""
-
 
 @dataclass(frozen=True, slots=True)
 class SolveOptions:

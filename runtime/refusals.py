@@ -59,6 +59,9 @@ class Refusals:
     def _nothing_found(self, status: str) -> Diagnostic:
         if status == "interrupted":
             return Diagnostic("S0005", "the run was interrupted before a sequence of actions was judged")
+        if status == "memory":
+            help = "give more with --memory, or a smaller instance"
+            return Diagnostic("S0010", "the memory was spent before a sequence of actions was judged", help=help)
         return Diagnostic(
             "S0003",
             "the budget ended before a sequence of actions was judged",
@@ -144,7 +147,8 @@ def distrust(verdict: VerdictRecord | None) -> list[Diagnostic]:
 
 def fewer(status: str, found: int, wanted: int) -> Diagnostic:
     """Says that a run ended with fewer plans than were asked for."""
-    reasons = {"budget": ("S0003", "the budget ended"), "interrupted": ("S0005", "the run was interrupted")}
+    reasons = {"budget": ("S0003", "the budget ended"), "interrupted": ("S0005", "the run was interrupted"),
+               "memory": ("S0010", "the memory was spent")}  # fmt: skip
     code, reason = reasons.get(status, ("S0002", "no further sequence of actions passed"))
     return Diagnostic(code, f"{reason} after {found} of {wanted} plans")
 

@@ -8,6 +8,7 @@ import msgspec
 
 from ...compiler import ir
 from ...langs.diagnostics import Diagnostic
+from ..budget import SECONDS_OF_RUN
 from ..lgp import options_of
 from ..plan import Plan
 from ..refusals import distrust
@@ -17,9 +18,6 @@ from .rerun import window_of
 from .run import Run
 from .terms import HORIZON, LATENCY, RunOptions, RunProgress
 from .tracking import Deviations, deviations, follow
-
-SECONDS = 120.0
-"""Budget of a run that says nothing else."""
 
 
 def execute(
@@ -38,7 +36,7 @@ def execute(
         status = "solved" if plan.verdict.goal_reached else "stuck"
         return status, plan, (), follow(plan, problem, noise, seed)
     bound = "path" if problem.options.bound == "seq" else None
-    options = options_of(problem, bound=bound, time=seconds, otherwise=SECONDS)
+    options = options_of(problem, bound=bound, time=seconds, otherwise=SECONDS_OF_RUN)
     delay = LATENCY if latency is None else latency
     chosen = HORIZON if horizon is None else None if horizon == "auto" else int(horizon)
     first = None if plan is None else window_of(problem, plan)

@@ -268,7 +268,7 @@ class _Run:
             return told
         count = sum(len(kept.window.paths) for kept in self.kept)
         tried = f"{count} actions in {len(self.kept)} windows were planned, and {self.undone} windows undone"
-        codes = {"budget": "S0003", "interrupted": "S0005"}
+        codes = {"budget": "S0003", "interrupted": "S0005", "memory": "S0010"}
         return [Diagnostic(codes.get(status, "S0002"), f"the goal was not reached: {tried}"), *told]
 
     def _tell(self, stage: str, message: str) -> None:

@@ -7,11 +7,13 @@ import gc
 import os
 import signal
 import sys
+import time
 from collections.abc import Sequence
 from io import TextIOWrapper
 
 import click
 
+from ..runtime.guard import process_age
 from ..runtime.native import use_one_thread
 from .crash import report_crash
 from .status import ExitStatus
@@ -39,7 +41,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # for terminals that cannot show every character
-    status = run(sys.argv[1:])
+    status = run(sys.argv[1:], time.monotonic() - process_age())
     if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # while Python ends, Ctrl-C would show a traceback
     sys.exit(status)
@@ -54,12 +56,14 @@ def _open_closed_streams() -> None:
             setattr(sys, name, os.fdopen(os.open(os.devnull, flags), mode, encoding="utf-8", errors="replace"))
 
 
-def run(arguments: Sequence[str]) -> int:
-    """Run one command line and give its exit status (`ExitStatus`). What goes wrong is told on standard error."""
+def run(arguments: Sequence[str], started: float | None = None) -> int:
+    """Run one command line and give its exit status (`ExitStatus`). Its time counts from `started`, else from now. What
+    goes wrong is told on standard error."""
     try:
         from .app import application
 
-        status = application.main(args=list(arguments), prog_name="tamplang", standalone_mode=False)
+        since = time.monotonic() if started is None else started
+        status = application.main(args=list(arguments), prog_name="tamplang", standalone_mode=False, obj=since)
     except click.ClickException as error:
         error.show()
         return error.exit_code

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .libraries import needing_libraries
+from .limits import limit_options, limited
 from .parameters import Whole, parameters_option
 from .sources import reading_sources
 
@@ -127,10 +128,13 @@ STAGES: dict[str, Callable[[Problem], str]] = {
 @click.argument("task", required=False)
 @click.option("--emit", type=click.Choice(["ast", *STAGES]), required=True, help="The stage to print.")
 @parameters_option
+@limit_options
 @click.option("--seed", type=Whole(0), default=0, show_default=True, help="For the scene.")
-def compile_command(file: Path, task: str | None, emit: str, parameters: dict[str, str], seed: int) -> None:
+def compile_command(
+    file: Path, task: str | None, emit: str, parameters: dict[str, str], seed: int, seconds: float, memory: int | None
+) -> None:
     """Print one stage of the compiler for the TASK of FILE."""
-    with reading_sources(), needing_libraries():
+    with limited(seconds, memory, f"compiling {file}"), reading_sources(), needing_libraries():
         if emit == "ast":
             click.echo(_ast(file))
             return

@@ -13,6 +13,7 @@ import click
 from .horizon import checked_horizon
 from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
+from .limits import limited, memory_option, total
 from .outputs import checked_apart
 from .parameters import Real, Seconds, Whole, parameters_option, plain
 from .plans import read, standing
@@ -57,7 +58,8 @@ def _noise(context: click.Context, option: click.Parameter, texts: tuple[str, ..
               help="position (m) of sensed bodies, joint (rad) of sensed joints, drive (rad/s²); may be repeated.")
 @click.option("--latency", type=Real(0.0, 2.0),
               help="Simulated seconds that planning a window takes.  [default: 0.25]")
-@click.option("--time", "seconds", type=Seconds(), help="Budget in seconds; inf for none.")
+@click.option("--time", "seconds", type=Seconds(), help="Seconds, reading and compiling included; inf for no limit.")
+@memory_option
 @click.option("--out", type=click.Path(path_type=Path), help="The plan file.  [default: TASK.run.json in this folder]")
 @click.option("--report", type=click.Path(path_type=Path), help="Write the report too: one HTML file.")
 @click.option("--keep-refused", "refused", type=click.Path(path_type=Path), metavar="FILE",
@@ -72,6 +74,7 @@ def run(
     noise: dict[str, float],
     latency: float | None,
     seconds: float | None,
+    memory: int | None,
     out: Path | None,
     report: Path | None,
     refused: Path | None,
@@ -81,22 +84,25 @@ def run(
 
     The scene may move, and modules may fail. What was carried out is a plan file, which is verified.
     """
+    from ..runtime.budget import SECONDS_OF_RUN
     from ..runtime.horizon.drives import Noise
 
-    plan = read(file) if file.suffix == ".json" else None
-    if plan is not None and (task is not None or parameters):
-        raise click.UsageError("a plan file says itself which task it solves, with which parameters")
-    loaded = _loaded(file, plan, task, parameters, seed, as_json=as_json)
-    out = out if out is not None else Path(f"{loaded.problem.task}.run.json")
-    checked_apart({"--out": out, "--report": report, "--keep-refused": refused}, inputs=(file,))
-    with needing_libraries():
+    most = SECONDS_OF_RUN if seconds is None else seconds
+    with limited(most, memory, f"compiling {file}", as_json) as guard, needing_libraries():
+        plan = read(file) if file.suffix == ".json" else None
+        if plan is not None and (task is not None or parameters):
+            raise click.UsageError("a plan file says itself which task it solves, with which parameters")
+        loaded = _loaded(file, plan, task, parameters, seed, as_json=as_json)
+        out = out if out is not None else Path(f"{loaded.problem.task}.run.json")
+        checked_apart({"--out": out, "--report": report, "--keep-refused": refused}, inputs=(file,))
         load_libraries()
+        guard.seconds = total(seconds, loaded.problem.options.time, SECONDS_OF_RUN)
         with kept_interrupt() as check:
             result = loaded.run(
-                plan=plan, horizon=horizon, noise=Noise(**noise), latency=latency, time=seconds, seed=seed,
+                plan=plan, horizon=horizon, noise=Noise(**noise), latency=latency, time=guard.remaining, seed=seed,
                 progress=_told(check),
             )
-        written = _write(result, out, report, refused)
+    written = _write(result, out, report, refused)
     if as_json:
         click.echo(json.dumps(_json(loaded, result, written)))
     else:
@@ -184,6 +190,7 @@ HEADLINES = {
     "infeasible": "the goal cannot be reached any more: it is proved that no actions lead there",
     "lost": "a module that left took others with it",
     "budget": "the budget is spent",
+    "memory": "the memory is spent",
     "refused": "the verifier refuses what was carried out",
     "interrupted": "interrupted",
 }

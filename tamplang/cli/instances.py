@@ -11,7 +11,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -22,6 +22,10 @@ from ..compiler.scenes.parameters import choose_task, parameter_values
 from ..langs.diagnostics import SourceError
 from ..langs.reader import read_source
 from ..langs.source import Source
+from ..runtime.budget import SECONDS
+
+if TYPE_CHECKING:
+    from ..runtime.guard import Guard
 
 MAX_INSTANCES = 100_000
 _RANGE = re.compile(r"([+-]?\d{1,18})\s*\.\.\s*([+-]?\d{1,18})", re.ASCII)
@@ -166,22 +170,34 @@ def too_many() -> click.UsageError:
     return click.UsageError(f"a sweep has at most {MAX_INSTANCES} instances")
 
 
-def solve_instance(instance: Instance) -> tuple[dict[str, Any], bytes | None]:
+def solve_instance(instance: Instance, memory: int | None = None) -> tuple[dict[str, Any], bytes | None]:
     """The result of one instance, as `docs/sweep.md` lists it, and the best plan as the text of a plan file. Runs in
-    any process."""
-    from ..api import Task
-    from ..compiler.pipeline import compile_sources
-    from .solution import Written, result_json
+    any process, which may take `memory` bytes."""
+    from .limits import Spent, limited
     from .sources import as_objects
 
-    started, worked = time.monotonic(), time.process_time()
-    program = instance.program
+    most = instance.options.get("time")
     try:
-        problem, _ = compile_sources(program.sources, program.task, instance.parameters, instance.seed)
+        with limited(SECONDS if most is None else most, memory, "compiling", started=time.monotonic()) as guard:
+            return _solved(instance, guard)
     except SourceError as error:
         return failed(instance, "error", as_objects(error.diagnostics)), None
-    compiled = time.monotonic() - started
-    result = Task(problem).solve(**instance.options)
+    except Spent as error:
+        return failed(instance, error.status, as_objects([error.diagnostic])), None
+
+
+def _solved(instance: Instance, guard: Guard) -> tuple[dict[str, Any], bytes | None]:
+    from ..api import Task
+    from ..compiler.pipeline import compile_sources
+    from .limits import total
+    from .solution import Written, result_json
+
+    worked = time.process_time()
+    program = instance.program
+    problem, _ = compile_sources(program.sources, program.task, instance.parameters, instance.seed)
+    compiled = guard.elapsed
+    guard.seconds = total(instance.options.get("time"), problem.options.time, SECONDS)
+    result = Task(problem).solve(**{**instance.options, "time": guard.remaining})
     answer = result_json(problem, result, Written((), None), compiled)
     shared = {name: value for name, value in answer.items() if name not in ("plan", "plans", "report")}
     record = identity(instance) | shared | {"cpu_seconds": round(time.process_time() - worked, 4)}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +10,8 @@ import click
 
 from .interrupt import kept_interrupt
 from .libraries import needing_libraries
+from .limits import limit_options, limited
 from .outputs import checked_output
-from .parameters import Seconds
 from .sources import reading_sources
 from .status import ExitStatus
 
@@ -26,29 +25,24 @@ MOST_UNMET = 4
 """So many parts of a goal are told in a line."""
 
 
-class Unchecked(click.ClickException):
-    """The time was not enough for a verdict."""
-
-    exit_code = ExitStatus.NO_PLAN
-
-
 @click.command()
 @click.argument("file", metavar="PLAN.json", type=click.Path(path_type=Path))
-@click.option("--time", "seconds", type=Seconds(), default=math.inf, help="Budget in seconds.  [default: none]")
+@limit_options
 @click.option("--against", metavar="FILE.tamp", type=click.Path(path_type=Path),
               help="Refuse the plan where its task is not the one of this file.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
-def verify(file: Path, seconds: float, against: Path | None, as_json: bool) -> int:
+def verify(file: Path, seconds: float, memory: int | None, against: Path | None, as_json: bool) -> int:
     """Check a plan from its file alone, with none of the planner's code.
 
     Says what it was checked against: the texts that the plan itself holds, or, with --against, a file of yours.
     """
     from ..runtime.verify.provenance import basis
 
-    plan = read(file)
-    own = None if against is None else _own_task(plan, against, as_json)
-    verdict = _verdict(plan, seconds, own)
-    told = basis(plan)
+    with limited(seconds, memory, f"checking {file}: there is no verdict", as_json) as guard:
+        plan = read(file)
+        own = None if against is None else _own_task(plan, against, as_json)
+        verdict = _verdict(plan, guard.remaining, own)
+        told = basis(plan)
     if as_json:
         click.echo(json.dumps({
             **verdict_json(verdict, plan.complete), **told, "against": None if against is None else str(against),
@@ -72,17 +66,14 @@ def _own_task(plan: Plan, file: Path, as_json: bool) -> Problem:
 
 
 def _verdict(plan: Plan, seconds: float, against: Problem | None = None) -> VerdictRecord:
-    """The verdict on a plan. Raises Unchecked when the time is not enough."""
-    from ..runtime.budget import Budget, OutOfTime
+    """The verdict on a plan. Raises OutOfTime when the time is not enough."""
+    from ..runtime.budget import Budget
 
     with needing_libraries(), kept_interrupt() as check:
         from ..runtime.verify import verify as verified
 
         check()
-        try:
-            verdict = verified(plan, Budget(seconds), against)
-        except OutOfTime as error:
-            raise Unchecked(f"{seconds:g} s are spent, and the plan is not checked to its end") from error
+        verdict = verified(plan, Budget(seconds), against)
         check()
     return verdict
 
@@ -90,17 +81,17 @@ def _verdict(plan: Plan, seconds: float, against: Problem | None = None) -> Verd
 @click.command()
 @click.argument("file", metavar="PLAN.json", type=click.Path(path_type=Path))
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="The HTML file to write.")
-@click.option("--time", "seconds", type=Seconds(), default=math.inf, help="Budget in seconds.  [default: none]")
+@limit_options
 @click.option("--unchecked", is_flag=True, help="Show the verdict that stands in the file, and say so.")
-def report(file: Path, out: Path, seconds: float, unchecked: bool) -> None:
+def report(file: Path, out: Path, seconds: float, memory: int | None, unchecked: bool) -> None:
     """Write the report of a plan: one HTML file that works offline. The plan is verified anew."""
     from msgspec.structs import replace
 
-    plan = read(file)
     checked_output(out, inputs=(file,))
-    if not unchecked:
-        plan = replace(plan, verdict=_verdict(plan, seconds))
-    with needing_libraries():
+    with limited(seconds, memory, f"drawing {file}") as guard, needing_libraries():
+        plan = read(file)
+        if not unchecked:
+            plan = replace(plan, verdict=_verdict(plan, guard.remaining))
         from ..runtime.report import write_report
 
         write_report(plan, out, checked=not unchecked)

@@ -95,6 +95,7 @@ HEADLINES = {
     "infeasible": "infeasible: it is proved that there is no plan",
     "exhausted": "exhausted: every candidate was refused",
     "budget": "the budget is spent",
+    "memory": "the memory is spent",
     "refused": "the verifier refuses the plan",
     "interrupted": "interrupted",
 }

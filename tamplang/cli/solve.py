@@ -11,6 +11,7 @@ import click
 from .horizon import checked_horizon
 from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
+from .limits import limited, memory_option, total
 from .outputs import checked_apart, checked_output, numbered
 from .parameters import Seconds, Whole, parameters_option
 from .progress import shown_progress
@@ -29,7 +30,8 @@ from .status import OF_OUTCOME
 @click.option("--search", type=click.Choice(["astar", "wastar", "bfs", "guide"]), help="How to look for skeletons.")
 @click.option("--horizon", callback=checked_horizon, metavar="N|auto", help="Plan the motion of N actions at a time.")
 @click.option("--solutions", type=Whole(1, 1000), default=1, show_default=True, help="How many plans to find.")
-@click.option("--time", "seconds", type=Seconds(), help="Seconds; inf for no limit.")
+@click.option("--time", "seconds", type=Seconds(), help="Seconds, reading and compiling included; inf for no limit.")
+@memory_option
 @click.option("--nodes", type=Whole(1), help="How large the search tree may grow.")
 @side_options
 @click.option("--solver", type=click.Choice(["algn", "ipopt"]), help="For the motion programs.")
@@ -48,6 +50,7 @@ def solve(
     horizon: int | str | None,
     solutions: int,
     seconds: float | None,
+    memory: int | None,
     nodes: int | None,
     jobs: int | None,
     cluster: str | None,
@@ -69,18 +72,21 @@ def solve(
     from ..api import Task
     from ..compiler.pipeline import compile_problem
     from ..compiler.scenes.happenings import unseen
+    from ..runtime.budget import SECONDS
 
     started = time.monotonic()
-    with reading_sources(as_json=as_json):
-        loaded = Task(*compile_problem(file, task, parameters, seed))
-    compiled = time.monotonic() - started
-    later = unseen(loaded.problem.world)
-    warnings = (*loaded.warnings, *((later,) if later is not None else ()))
-    if warnings:
-        show_diagnostics(warnings, loaded.problem.sources)
-    plan_file, report_file = _files(file, loaded.problem.task, solutions, out, report, refused)
-    with needing_libraries():
+    most = SECONDS if seconds is None else seconds
+    with limited(most, memory, f"compiling {file}", as_json, jobs or 1) as guard, needing_libraries():
+        with reading_sources(as_json=as_json):
+            loaded = Task(*compile_problem(file, task, parameters, seed))
+        compiled = time.monotonic() - started
+        later = unseen(loaded.problem.world)
+        warnings = (*loaded.warnings, *((later,) if later is not None else ()))
+        if warnings:
+            show_diagnostics(warnings, loaded.problem.sources)
+        plan_file, report_file = _files(file, loaded.problem.task, solutions, out, report, refused)
         load_libraries()
+        guard.seconds = total(seconds, loaded.problem.options.time, SECONDS)
         with (
             needing_cluster(as_json),
             kept_interrupt() as check,
@@ -90,7 +96,7 @@ def solve(
             result = loaded.solve(
                 bound=bound,
                 search=search,
-                time=seconds,
+                time=guard.remaining,
                 nodes=nodes,
                 solutions=solutions,
                 solver=solver,
@@ -100,7 +106,7 @@ def solve(
                 progress=progress,
                 found=Keeper(plan_file),
             )
-        written = write(result, plan_file, report_file, refused)
+    written = write(result, plan_file, report_file, refused)
     if as_json:
         click.echo(json.dumps(result_json(loaded.problem, result, written, compiled)))
     else:

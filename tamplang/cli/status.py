@@ -24,6 +24,7 @@ OF_OUTCOME = {
     "infeasible": ExitStatus.INFEASIBLE,
     "exhausted": ExitStatus.NO_PLAN,
     "budget": ExitStatus.NO_PLAN,
+    "memory": ExitStatus.NO_PLAN,
     "refused": ExitStatus.REFUSED,
     "interrupted": ExitStatus.INTERRUPTED,
 }

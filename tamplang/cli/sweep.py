@@ -7,6 +7,7 @@ import math
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ import click
 
 from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
+from .limits import limited, memory_option
 from .outputs import UnwritableFile, checked_output
 from .parameters import Seconds, Whole, parameters_option
 from .progress import counted
@@ -42,6 +44,7 @@ FEW = 8
 @click.option("--bound", type=click.Choice(["seq", "seq-path", "path"]), help="The finest motion bound to try.")
 @click.option("--search", type=click.Choice(["astar", "wastar", "bfs", "guide"]), help="How to look for skeletons.")
 @click.option("--time", type=Seconds(), help="Seconds for each; inf for no limit.")
+@memory_option
 @click.option("--nodes", type=Whole(1), help="How large each search tree may grow.")
 @click.option("--solver", type=click.Choice(["algn", "ipopt"]), help="For the motion programs.")
 @click.option("--out", type=click.Path(path_type=Path), help="The results.  [default: TASK.sweep.jsonl in this folder]")
@@ -54,6 +57,7 @@ def sweep(
     seeds: str,
     jobs: int | None,
     cluster: str | None,
+    memory: int | None,
     out: Path | None,
     plans: Path | None,
     as_json: bool,
@@ -65,8 +69,10 @@ def sweep(
     already are not solved again.
     """
     checked_side(jobs, cluster)
+    from ..runtime.budget import SECONDS
 
-    with reading_sources(as_json=as_json):
+    most = SECONDS if options["time"] is None else options["time"]
+    with limited(most, memory, f"reading {file}", as_json), reading_sources(as_json=as_json):
         todo = _instances(file, task, parameters, seeds, options, plans is not None)
     path = out if out is not None else Path(f"{todo[0].program.task}.sweep.jsonl")
     checked_output(path, inputs=(file,))
@@ -76,7 +82,7 @@ def sweep(
 
     with closing(Results(path)) as results:
         _warn(results)
-        interrupted = not _finished(todo, results, plans, jobs or 1, cluster, as_json)
+        interrupted = not _finished(todo, results, plans, jobs or 1, cluster, memory, as_json)
         found = groups(todo, results)
     _show(found, path, interrupted, as_json)
     if interrupted:
@@ -117,9 +123,11 @@ def _warn(results: Results) -> None:
 
 
 def _finished(
-    todo: list[Instance], results: Results, plans: Path | None, jobs: int, cluster: str | None, as_json: bool
-) -> bool:
+    todo: list[Instance], results: Results, plans: Path | None, jobs: int, cluster: str | None, memory: int | None,
+    as_json: bool,
+) -> bool:  # fmt: skip
     """Solve what is not solved yet. False after Ctrl-C."""
+    from ..runtime.guard import memory_limit
     from ..runtime.parallel import as_finished
     from .instances import solve_instance
 
@@ -128,6 +136,8 @@ def _finished(
         click.echo(f"{counted(len(todo) - len(left), 'instance')} of {len(todo)} stand in {results.path}", err=True)
     if not left:
         return True
+    most = memory_limit(memory, jobs) if cluster is None else None
+    solve = partial(solve_instance, memory=most)
     try:
         with (
             needing_cluster(as_json),
@@ -136,7 +146,7 @@ def _finished(
             _executor(jobs, cluster) as executor,
             _shown(len(left)) as show,
         ):
-            for instance, future in as_finished(executor, solve_instance, left):
+            for instance, future in as_finished(executor, solve, left):
                 record = _record(instance, future, plans)
                 results.add(record)
                 show(instance, record)

@@ -1,0 +1,78 @@
+"""`--time` and `--memory` of every command: what is told, with which status, and what is kept."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from benchmarks.trust.families import FAMILIES, MAIN
+
+from .conftest import Tamplang
+
+LONG = ("wide bodies", 4000)
+"""A program that takes seconds to check and more to compile."""
+SHORT = "0.6"
+"""Seconds in which a command starts, and no more."""
+
+
+@pytest.fixture
+def program(tmp_path: Path) -> Path:
+    name, size = LONG
+    (tmp_path / MAIN).write_text(FAMILIES[name].make(size)[MAIN], encoding="utf-8")
+    return tmp_path / MAIN
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("check",),
+        ("compile", "--emit", "ir"),
+        ("compile", "--emit", "pddl"),
+        ("solve",),
+        ("run",),
+    ],
+)
+@pytest.mark.parametrize(("limit", "code"), [(("--time", SHORT), "S0003"), (("--memory", "30MB"), "S0010")])
+def test_what_is_spent_while_compiling_is_told(
+    tamplang: Tamplang, program: Path, arguments: tuple[str, ...], limit: tuple[str, str], code: str
+) -> None:
+    command, *options = arguments
+    process = tamplang(command, program, *options, *limit)
+    assert process.returncode == 4, process.stderr
+    assert f"outcome[{code}]" in process.stderr
+    assert [file.name for file in program.parent.iterdir()] == [MAIN]
+
+
+def test_check_prints_what_it_found_before(tamplang: Tamplang, program: Path) -> None:
+    wrong = program.parent / "wrong.tamp"
+    wrong.write_text("type base < nothing\n", encoding="utf-8")
+    process = tamplang("check", wrong, *[program] * 100, "--time", "6")
+    assert process.returncode == 4
+    assert "E0102" in process.stdout and "S0003" in process.stderr and MAIN in process.stderr
+
+
+def test_json_tells_that_time_is_spent(tamplang: Tamplang, program: Path) -> None:
+    process = tamplang("solve", program, "--time", SHORT, "--json")
+    answer = json.loads(process.stdout)
+    assert (process.returncode, answer["status"]) == (4, "budget")
+    assert [d["code"] for d in answer["diagnostics"]] == ["S0003"]
+
+
+def test_an_instance_of_a_sweep_has_its_own_time(tamplang: Tamplang, tmp_path: Path) -> None:
+    text = FAMILIES["wide loop"].make(4000)[MAIN].replace("task t()", "task t(n: int = 1)")
+    text = text.replace("1 .. 4000", "1 .. n")
+    (tmp_path / MAIN).write_text(text, encoding="utf-8")
+    options = ("--time", "8", "--bound", "seq", "--out", "out.jsonl")
+    process = tamplang("sweep", MAIN, "-p", "n=1,9000", *options)
+    assert process.returncode == 4, process.stderr
+    records = [json.loads(line) for line in (tmp_path / "out.jsonl").read_text(encoding="utf-8").splitlines()]
+    found = {r["parameters"]["n"]: r["status"] for r in records if "parameters" in r}
+    assert found == {1: "solved", 9000: "budget"}
+
+
+@pytest.mark.parametrize("text", ["", "2", "0GB", "-1GB", "2 apples", "1e3MB"])
+def test_amounts_of_memory(tamplang: Tamplang, program: Path, text: str) -> None:
+    process = tamplang("check", program, "--memory", text, "--time", SHORT)
+    assert process.returncode == (4 if text == "2" else 2), process.stderr
