@@ -94,6 +94,9 @@ class SkeletonSearch:
     def next(self) -> Candidate | None:
         """The next candidate, or None; see `status`."""
         weights = {"astar": 1.0, "wastar": HURRIED, "bfs": 0.0, "guide": 0.0}
+        if self.no_goods.forbids_all:
+            self.status = "exhausted"
+            return None
         weight = HURRIED if self.hurried and self.method == "astar" else weights[self.method]
         return _Run(self, weight).run()
 

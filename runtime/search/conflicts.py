@@ -72,6 +72,11 @@ class NoGoods:
         self._single.clear()
         self._heads.clear()
 
+    @property
+    def forbids_all(self) -> bool:
+        """Whether the plan without actions is forbidden, with which every plan begins."""
+        return any(not numbers for numbers, _ in self._prefixes)
+
     def forbid_prefix(self, numbers: Sequence[int], for_good: bool = True) -> None:
         """Forbid exactly these actions from the start; unless `for_good`, until refusals get a second try."""
         self._prefixes.append((tuple(numbers), for_good))
