@@ -59,10 +59,9 @@ class Window(Question[BoundResult]):
 @dataclass(frozen=True, eq=False)
 class Attempt(Question[tuple[BoundResult, BoundResult | None]]):
     """P_seq from the switch configurations 1 … K in `warm`, with random numbers from `draw`, and where it is feasible
-    P_seqPath of the first `motions` phases between those it finds, with random numbers from `seed`."""
+    P_seqPath of the first `motions` phases between those it finds."""
 
     settings: MotionSettings
-    seed: Seed
     draw: Seed
     tries: int | None
     warm: Sequence[Configuration]
@@ -71,14 +70,14 @@ class Attempt(Question[tuple[BoundResult, BoundResult | None]]):
     @property
     def key(self) -> Hashable:
         rows = [row.tobytes() for c in self.warm for part in (c.modules, c.bodies) for row in part.values()]
-        return Attempt, self.settings, self.seed, self.draw, self.tries, self.motions, tuple(rows)
+        return Attempt, self.settings, self.draw, self.tries, self.motions, tuple(rows)
 
     def solved(self, skeleton: Skeleton, budget: Budget) -> tuple[BoundResult, BoundResult | None]:
         sequence = solve_sequence(skeleton, self.settings, self.draw, budget, warm=self.warm, tries=self.tries)
         if not sequence.feasible:
             return sequence, None
         first = beginning(skeleton, self.motions)
-        return sequence, sequence_path(first, sequence, self.settings, self.seed, budget)
+        return sequence, sequence_path(first, sequence, self.settings, self.draw, budget)
 
 
 def sequence_path(

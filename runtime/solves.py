@@ -88,7 +88,8 @@ class Solves:
                 if isinstance(draw, int):
                     self._expect_attempt(skeleton, sequence, result, draw + 1, len(first))
                 before = result if isinstance(draw, Mend) else None
-                path = self._sequence_path(first, sequence, draw not in QUICK_MENDS, before)
+                seed = self.seed if isinstance(draw, Mend) else self.seed.child("attempt", draw)
+                path = self._sequence_path(first, sequence, draw not in QUICK_MENDS, before, seed)
             result = path
             blamed.append({v.phase for v in result.violations})
         if result.feasible:
@@ -118,7 +119,7 @@ class Solves:
             warm = unmoved(sequence.configurations, failed)[1:]
         else:
             warm = resampled(sequence.configurations, failed, draw.child("start"))[1:]
-        return Attempt(self.settings, self.seed, draw, self.tries, warm, motions)
+        return Attempt(self.settings, draw, self.tries, warm, motions)
 
     def _attempt(
         self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int
@@ -153,12 +154,13 @@ class Solves:
         return result
 
     def _sequence_path(
-        self, skeleton: Skeleton, sequence: BoundResult, thorough: bool, known: BoundResult | None = None
-    ) -> BoundResult:
+        self, skeleton: Skeleton, sequence: BoundResult, thorough: bool, known: BoundResult | None = None,
+        seed: Seed | None = None,
+    ) -> BoundResult:  # fmt: skip
         """P_seqPath of a skeleton, or of a beginning of that of `sequence`."""
         self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
         with self.clock("seq_path"):
-            result = sequence_path(skeleton, sequence, self.settings, self.seed, self.budget, thorough, known)
+            result = sequence_path(skeleton, sequence, self.settings, seed or self.seed, self.budget, thorough, known)
         self._count("seq-path", result.feasible)
         return result
 
