@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from tamplang.compiler.pipeline import compile_problem
 from tamplang.compiler.symbolic.strain import Strain
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.search.best_first import Candidate, SkeletonSearch
-from tamplang.runtime.search.surcharge import Surcharge
+from tamplang.runtime.search.surcharge import POWER, Surcharge
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
 
@@ -72,3 +74,26 @@ def test_all_ways_of_doing_an_action_are_dearer_where_it_is_strained() -> None:
             charged += strain > 0.0 and not surcharge.strain.settled(other)
         state = successors.after(state, number)
     assert charged > 20
+
+
+def limit(surcharge: Surcharge) -> float:
+    """The strain at which an action costs as much more as the weight says."""
+    return float(0.5 / (price(surcharge, 0.5) / surcharge.weight) ** (1.0 / POWER))
+
+
+def test_a_limit_is_forgotten_by_a_tenth_once_something_was_accepted() -> None:
+    search, _, surcharge = begun(weight=1.0)
+    search.charge(surcharge)
+    tame = search.next()
+    assert tame is not None
+    surcharge.refused(tame.numbers, 1, len(tame.numbers) - 1)
+    known = limit(surcharge)
+    assert known < 0.95
+    surcharge.accepted(tame.numbers[:0])
+    assert limit(handed_on(surcharge)) == pytest.approx(1.0 - 0.9 * (1.0 - known))
+
+
+def test_a_single_refused_action_is_forbidden_not_dearer() -> None:
+    _, candidate, surcharge = begun(weight=1.0)
+    surcharge.refused(candidate.numbers, 1, 1)
+    assert surcharge.weight == 1.0 and limit(surcharge) == pytest.approx(1.0)
