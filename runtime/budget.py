@@ -21,10 +21,13 @@ class OutOfMemory(OutOfTime):
 
 
 class Budget:
-    """Wall-clock seconds from now; `None` never ends."""
+    """Wall-clock seconds from now, and nodes of all search trees together; `None` never ends."""
 
-    def __init__(self, seconds: float | None) -> None:
+    def __init__(self, seconds: float | None, nodes: int | None = None) -> None:
         self.seconds = seconds
+        self.nodes = nodes
+        self.grown = 0
+        """Nodes that were made so far."""
         self.started = time.monotonic()
 
     @property
@@ -35,6 +38,11 @@ class Budget:
     def remaining(self) -> float:
         """Seconds left, never below 0; infinite without a limit."""
         return float("inf") if self.seconds is None else max(0.0, self.seconds - self.elapsed)
+
+    @property
+    def full(self) -> bool:
+        """Whether the trees have as many nodes as they may have."""
+        return self.nodes is not None and self.grown >= self.nodes
 
     def check(self) -> None:
         """Raise `OutOfTime` once the budget is spent."""

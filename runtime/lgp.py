@@ -121,7 +121,7 @@ class _Run:
         self.options = options
         self.report = progress
         self.found = found
-        self.budget = Budget(options.time)
+        self.budget = Budget(options.time, options.nodes)
         self.candidates = 0
         self.plans: list[Plan] = []
         self.accepted: list[Candidate] = []
@@ -142,9 +142,7 @@ class _Run:
         self._tell("compile", "compiling the rules")
         with clock("compile"):
             successors = Successors(self.problem)
-            self.search = SkeletonSearch(
-                self.problem, successors, self.options.search, self.budget, self.options.nodes
-            )
+            self.search = SkeletonSearch(self.problem, successors, self.options.search, self.budget)
             self.strain = Strain(successors)
             self.surcharge = Surcharge(self.strain)
         while len(self.accepted) < self.options.solutions:

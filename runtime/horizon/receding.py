@@ -88,7 +88,7 @@ class _Run:
         self.horizon = horizon_of(horizon)
         self.report, self.found = progress, found
         self.lookahead, self.backtracks = lookahead, backtracks
-        self.budget = Budget(options.time)
+        self.budget = Budget(options.time, options.nodes)
         self.memory: Memory = remember(problem, options, self.budget, self._tell)
         self.levels = [_Level(start(problem))]
         self.kept: list[_Kept] = []
@@ -236,7 +236,7 @@ class _Run:
 
     def _statistics(self) -> StatisticsRecord:
         return StatisticsRecord(
-            tree_nodes=self.tree_nodes,
+            tree_nodes=self.budget.grown,
             expanded_nodes=self.expanded_nodes,
             cost=sum(kept.window.cost for kept in self.kept),
             bounds=self.memory.bounds.records(),

@@ -63,7 +63,7 @@ class Run:
         self.problem = problem
         self.options = options
         self.world = World(problem, options.noise, options.seed)
-        self.budget = Budget(options.solve.time)
+        self.budget = Budget(options.solve.time, options.solve.nodes)
         self.steps: list[Step] = []
         self.windows: list[WindowRecord] = []
         self.seconds: list[float] = []

@@ -16,7 +16,7 @@ from ...compiler import ir
 from ...compiler.symbolic.strain import Strain
 from ...compiler.symbolic.successors import Successors
 from ..bounds import EXPECTED, Bounds
-from ..budget import Budget
+from ..budget import Budget, OutOfTime
 from ..judgement import Judgement
 from ..lgp import SolveOptions, motion_settings
 from ..plan import SearchNode
@@ -262,6 +262,8 @@ class _Planner:
     def _next(self, search: SkeletonSearch) -> Candidate | None:
         """The next candidate, if it takes few nodes or the search is hurried already."""
         self.budget.check()
+        if self.budget.full:
+            raise OutOfTime
         self.memory.bounds.tell("search", f"searching for a way, with {len(self.unmet)} parts of the goal to come")
         if search.node_limit != MORE_NODES:
             search.node_limit = search.expanded_nodes + NODES

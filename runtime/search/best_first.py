@@ -154,7 +154,7 @@ class SkeletonSearch:
 
     def out_of_budget(self) -> bool:
         """Whether time or nodes are spent; sets `status`."""
-        spent = self.budget.remaining <= 0.0
+        spent = self.budget.remaining <= 0.0 or self.budget.full
         if spent or (self.node_limit is not None and self.expanded_nodes >= self.node_limit):
             self.status = "budget"
             return True
@@ -185,9 +185,12 @@ class _Run:
         search = self.search
         self._push(search.successors.initial, 0.0, search.guide.start, (EMPTY, search.no_goods.root, None), None, None)
         search.tree_nodes += 1
+        budget = search.budget
+        budget.grown += 1
         pops, limit = 0, math.inf if search.node_limit is None else search.node_limit
         while self.queue:
-            if (pops % LOOK_AT_CLOCK == 0 or search.expanded_nodes >= limit) and search.out_of_budget():
+            look = pops % LOOK_AT_CLOCK == 0 or search.expanded_nodes >= limit or budget.full
+            if look and search.out_of_budget():
                 return None
             if pops == HURRY and search.method == "astar" and not search.hurried:
                 self._hurry()
@@ -211,6 +214,7 @@ class _Run:
         allowed = no_goods.allows if no_goods.active else None
         children = search.successors.expand(state)
         search.tree_nodes += len(children)
+        search.budget.grown += len(children)
         action_cost, cheapest, surcharge = search.successors.cost, self.cheapest, search.surcharge
         for following, action in children:
             if allowed is not None and not allowed(state, action):
