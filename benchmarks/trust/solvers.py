@@ -40,11 +40,11 @@ def program(chance: Random) -> str:
             x += chance.uniform(0.4, 0.9)
             z = chance.uniform(-0.1, 0.45)
             y = chance.uniform(-0.2, 0.2)
-            things.append(f"base stair[{i}]: box(30 cm, {chance.uniform(0.15, 0.6):.3f} m, 5 cm)"
+            things.append(f"base stair[{i}]: box(30 cm, {chance.uniform(0.07, 0.5):.3f} m, 5 cm)"
                           f" at ({0.4 + x:.3f} m, {y:.3f} m, {z:.3f} m)")  # fmt: skip
         goal.append(f"exists A: gripper {{ (on stair[{len(things)}] A) }}")
     if not goal or chance.random() < 0.4:
-        reach = chance.uniform(0.3, 1.15) * size
+        reach = chance.uniform(0.5, 1.5) * size
         at = f"{0.3 + x + reach * 0.6:.3f} m, {chance.uniform(-0.3, 0.3):.3f} m, {0.75 * reach:.3f} m"
         things.append(f"object ball: sphere({chance.uniform(0.02, 0.06):.3f} m) at ({at})")
         things.append("fact (grippable ball)")

@@ -129,12 +129,12 @@ def mode_has_one_more(draft: Draft) -> None:
     draft.phases[at]["mode"].append(copy.deepcopy(draft.phases[at]["added"][0]))
 
 
-@kind(false=True)
+@kind()
 def added_lacks_a_literal(draft: Draft) -> None:
     _drop(draft, "added")
 
 
-@kind(false=True)
+@kind()
 def nothing_is_added(draft: Draft) -> None:
     found = [p for p in draft.phases if p["added"]]
     need(found)
