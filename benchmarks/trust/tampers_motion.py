@@ -9,11 +9,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from .checker.frames import Spline
-from .draft import Draft, span
+from .draft import Draft
 from .kinds import kind, need
 
 
-def _mover(draft: Draft) -> tuple[str, int, int]:
+def mover(draft: Draft) -> tuple[str, int, int]:
     """A module, a joint of it, and a phase in which something moves."""
     phase = draft.phase(0.3)
     modules = [m for m in draft.data["modules"] if m["joints"]]
@@ -22,26 +22,26 @@ def _mover(draft: Draft) -> tuple[str, int, int]:
     return module["name"], draft.chance.randrange(len(module["joints"])), phase
 
 
-def _stamps(draft: Draft, phase: int, shares: Any) -> Any:
+def stamps(draft: Draft, phase: int, shares: Any) -> Any:
     start, end = draft.phases[phase]["start"], draft.phases[phase]["end"]
     stamps = start + (end - start) * np.asarray(shares)
     stamps[0], stamps[-1] = start, end
     return np.round(stamps, 10)
 
 
-def _crowded(draft: Draft, phase: int) -> None:
+def crowded(draft: Draft, phase: int) -> None:
     """All samples in the first and last fifteenth of a phase."""
     count = len(draft.samples(phase))
     half = np.linspace(0, 0.07, count // 2)
-    draft.derive(phase, _stamps(draft, phase, [*half, *(1 - np.linspace(0, 0.07, count - count // 2)[::-1])]))
+    draft.derive(phase, stamps(draft, phase, [*half, *(1 - np.linspace(0, 0.07, count - count // 2)[::-1])]))
 
 
-def _push(row: list[float], by: list[float]) -> None:
+def push(row: list[float], by: list[float]) -> None:
     for axis in range(3):
         row[axis] = round(row[axis] + by[axis], 10)
 
 
-def _direction(draft: Draft) -> Any:
+def direction(draft: Draft) -> Any:
     found = np.array([draft.chance.gauss(0, 1) for _ in range(3)])
     return found / np.linalg.norm(found)
 
@@ -55,12 +55,12 @@ def stamps_uneven(draft: Draft) -> None:
     count = len(draft.samples(phase))
     shares = np.sort([0.0, 1.0, *(draft.chance.random() for _ in range(count - 2))])
     need((np.diff(shares) > 1e-7).all())
-    draft.derive(phase, _stamps(draft, phase, shares))
+    draft.derive(phase, stamps(draft, phase, shares))
 
 
 @kind()
-def stamps_crowded(draft: Draft) -> None:
-    _crowded(draft, draft.phase())
+def stampscrowded(draft: Draft) -> None:
+    crowded(draft, draft.phase())
 
 
 @kind()
@@ -141,7 +141,7 @@ def acceleration_over_its_limit(draft: Draft) -> None:
 @kind(false=True)
 def phase_in_a_blink(draft: Draft) -> None:
     """0.1 s for a whole phase, with all its samples."""
-    module, _, phase = _mover(draft)
+    module, _, phase = mover(draft)
     need(draft.moves(module, phase))
     record = draft.phases[phase]
     need(record["end"] - record["start"] > 0.6)
@@ -160,13 +160,13 @@ def joint_of_a_sample(draft: Draft) -> None:
 @kind()
 def pose_of_a_sample(draft: Draft) -> None:
     poses = draft.chance.choice(draft.data["tracks"])["poses"]
-    _push(draft.chance.choice(poses), list(draft.chance.choice([4e-3, 0.1]) * _direction(draft)))
+    push(draft.chance.choice(poses), list(draft.chance.choice([4e-3, 0.1]) * direction(draft)))
 
 
 @kind()
 def pose_of_a_sample_turned(draft: Draft) -> None:
     pose = draft.chance.choice(draft.chance.choice(draft.data["tracks"])["poses"])
-    turn = Rotation.from_rotvec(draft.chance.choice([0.01, 0.3]) * _direction(draft))
+    turn = Rotation.from_rotvec(draft.chance.choice([0.01, 0.3]) * direction(draft))
     pose[3:] = [float(v) for v in (turn * Rotation.from_quat(pose[3:])).as_quat()]
 
 
@@ -185,9 +185,9 @@ def quaternion_of_the_other_sign(draft: Draft) -> None:
 
 @kind(false=True)
 def module_elsewhere(draft: Draft) -> None:
-    by = list(0.05 * _direction(draft))
+    by = list(0.05 * direction(draft))
     for pose in draft.chance.choice(draft.data["tracks"])["poses"]:
-        _push(pose, by)
+        push(pose, by)
 
 
 @kind(false=True)
@@ -212,7 +212,7 @@ def track_twice(draft: Draft) -> None:
 
 @kind()
 def spline_between_samples(draft: Draft) -> None:
-    module, joint, phase = _mover(draft)
+    module, joint, phase = mover(draft)
     values = draft.spline(module, phase)["values"]
     need(len(values) > 2)
     draft.chance.choice(values[1:-1])[joint] += draft.chance.choice([1e-7, 1e-3, 0.3])
@@ -220,14 +220,14 @@ def spline_between_samples(draft: Draft) -> None:
 
 @kind()
 def spline_of_other_knots(draft: Draft) -> None:
-    module, _, phase = _mover(draft)
+    module, _, phase = mover(draft)
     draft.finer(draft.spline(module, phase), draft.chance.choice([3, 17, 97]))
     draft.derive(phase)
 
 
 @kind(false=True)
 def knots_uneven(draft: Draft) -> None:
-    module, _, phase = _mover(draft)
+    module, _, phase = mover(draft)
     knots = draft.spline(module, phase)["knots"]
     need(len(knots) > 3)
     knots[1] = (knots[1] + 2 * knots[2]) / 3
@@ -235,7 +235,7 @@ def knots_uneven(draft: Draft) -> None:
 
 @kind()
 def spline_missing(draft: Draft) -> None:
-    module, _, phase = _mover(draft)
+    module, _, phase = mover(draft)
     need(draft.moves(module, phase))
     draft.data["splines"].remove(draft.spline(module, phase))
 
@@ -258,7 +258,7 @@ def spline_of_nobody(draft: Draft) -> None:
 
 @kind(false=True)
 def spline_too_short(draft: Draft) -> None:
-    module, _, phase = _mover(draft)
+    module, _, phase = mover(draft)
     spline = draft.spline(module, phase)
     middle = (spline["knots"][0] + spline["knots"][-1]) / 2
     spline["knots"] = [(k + middle) / 2 for k in spline["knots"]]
@@ -274,185 +274,3 @@ def spline_with_too_few_joints(draft: Draft) -> None:
     found = [s for s in draft.data["splines"] if s["values"][0]]
     spline = draft.chance.choice(found)
     spline["values"] = [row[:-1] for row in spline["values"]]
-
-
-# --- false motions whose parts fit together ----------------------------------------------------------------------
-
-
-def _detour(draft: Draft, least: float, most: float) -> int:
-    module, joint, phase = _mover(draft)
-    by = draft.chance.choice([-1, 1]) * draft.chance.uniform(least, most)
-    draft.bump(module, phase, joint, by, draft.chance.uniform(0.0, 0.2), draft.chance.uniform(0.8, 1.0))
-    return phase
-
-
-@kind()
-def detour_small(draft: Draft) -> None:
-    _detour(draft, 0.005, 0.05)
-
-
-@kind()
-def detour(draft: Draft) -> None:
-    _detour(draft, 0.1, 1.2)
-
-
-@kind()
-def detour_taken_slowly(draft: Draft) -> None:
-    """Slow enough for the drives, so that only what stands in the way tells."""
-    draft.faster(_detour(draft, 0.3, 1.5), 0.2)
-
-
-@kind()
-def detour_between_crowded_samples(draft: Draft) -> None:
-    module, joint, phase = _mover(draft)
-    by = draft.chance.choice([-1, 1]) * draft.chance.uniform(0.2, 1.5)
-    draft.bump(module, phase, joint, by, 0.1, 0.9)
-    draft.faster(phase, 0.2)
-    _crowded(draft, phase)
-
-
-@kind()
-def swing_between_crowded_samples(draft: Draft) -> None:
-    """Quick, and over before the next sample."""
-    module, joint, phase = _mover(draft)
-    begin = draft.chance.uniform(0.1, 0.7)
-    draft.bump(module, phase, joint, draft.chance.uniform(-0.4, 0.4), begin, begin + 0.2)
-    _crowded(draft, phase)
-
-
-@kind()
-def joint_over_its_limit(draft: Draft) -> None:
-    module, joint, phase = _mover(draft)
-    record = next(m for m in draft.data["modules"] if m["name"] == module)["joints"][joint]
-    need(record["upper"] < 1e3)
-    draft.finer(draft.spline(module, phase), 48)
-    most = max(row[joint] for row in draft.spline(module, phase)["values"])
-    draft.bump(module, phase, joint, record["upper"] - most + draft.chance.choice([5e-3, 0.2]), 0.0, 1.0)
-    draft.faster(phase, 0.2)
-
-
-def _slip(draft: Draft, by: float, turn: float = 0.0) -> None:
-    """A module drifts smoothly away from what it stands on or is docked to, and back."""
-    track = draft.chance.choice(draft.data["tracks"])
-    here, way, axis = draft.samples(draft.phase(0.3)), by * _direction(draft), _direction(draft)
-    count = len(here)
-    for i in here:
-        share = float(0.5 - 0.5 * np.cos(2 * np.pi * (i - here.start) / (count - 1)))
-        pose = track["poses"][i]
-        _push(pose, list(share * way))
-        turned = Rotation.from_rotvec(share * turn * axis) * Rotation.from_quat(pose[3:])
-        pose[3:] = [round(float(v), 10) for v in turned.as_quat()]
-
-
-@kind()
-def foot_slips(draft: Draft) -> None:
-    _slip(draft, draft.chance.choice([2.2e-3, 0.01, 0.05]))
-
-
-@kind()
-def foot_slips_less_than_the_limit(draft: Draft) -> None:
-    _slip(draft, 4e-4)
-
-
-@kind()
-def foot_turns(draft: Draft) -> None:
-    _slip(draft, 0.0, draft.chance.choice([5e-3, 0.1]))
-
-
-@kind()
-def dock_opens(draft: Draft) -> None:
-    """A module that is docked or stands drifts off by 2 mm for the rest of the plan."""
-    track = draft.chance.choice(draft.data["tracks"])
-    phase = draft.phase()
-    way = 2.2e-3 * _direction(draft)
-    for i in range(draft.samples(phase).start, len(track["poses"])):
-        share = min(1.0, (i - draft.samples(phase).start) / max(1, len(draft.samples(phase)) - 1))
-        _push(track["poses"][i], list(share * way))
-
-
-# --- bodies ------------------------------------------------------------------------------------------------------
-
-
-def _body_track(draft: Draft) -> dict[str, Any]:
-    need(draft.data["body_tracks"])
-    return draft.chance.choice(draft.data["body_tracks"])  # type: ignore[no-any-return]
-
-
-@kind()
-def body_track_missing(draft: Draft) -> None:
-    draft.data["body_tracks"].remove(_body_track(draft))
-
-
-@kind(false=True)
-def body_track_twice(draft: Draft) -> None:
-    draft.data["body_tracks"].append(copy.deepcopy(_body_track(draft)))
-
-
-@kind()
-def body_lags(draft: Draft) -> None:
-    """What is held is where it was some samples before."""
-    poses = _body_track(draft)["poses"]
-    lag = draft.chance.choice([1, 3, 10])
-    need(len(poses) > 3 * lag)
-    begin = draft.chance.randrange(0, len(poses) - lag)
-    end = min(len(poses), begin + draft.chance.choice([20, len(poses)]))
-    old = copy.deepcopy(poses)
-    for i in range(max(begin, lag), end):
-        poses[i] = old[i - lag]
-
-
-@kind()
-def body_jumps(draft: Draft) -> None:
-    poses = _body_track(draft)["poses"]
-    _push(draft.chance.choice(poses), list(draft.chance.choice([1e-4, 3e-3, 0.1]) * _direction(draft)))
-
-
-@kind()
-def body_drifts(draft: Draft) -> None:
-    poses = _body_track(draft)["poses"]
-    way = draft.chance.choice([3e-3, 0.05]) * _direction(draft)
-    for i, pose in enumerate(poses):
-        _push(pose, list(way * i / len(poses)))
-
-
-@kind()
-def body_turns(draft: Draft) -> None:
-    poses = _body_track(draft)["poses"]
-    axis = draft.chance.choice([0.02, 0.5]) * _direction(draft)
-    for i, pose in enumerate(poses):
-        turned = Rotation.from_rotvec(axis * i / len(poses)) * Rotation.from_quat(pose[3:])
-        pose[3:] = [round(float(v), 10) for v in turned.as_quat()]
-
-
-@kind(false=True)
-def body_at_rest_drifts(draft: Draft) -> None:
-    moving = {t["name"] for t in draft.data["body_tracks"]}
-    still = [b for b in draft.data["bodies"] if b["name"] not in moving]
-    need(still)
-    body = draft.chance.choice(still)
-    way = draft.chance.choice([1e-4, 0.05]) * _direction(draft)
-    count = len(draft.data["times"])
-    poses = [[*(p + w * i / count for p, w in zip(body["pose"], way, strict=False)), *body["pose"][3:]]
-             for i in range(count)]  # fmt: skip
-    made = {"name": body["name"], "poses": poses}
-    if draft.data["format"] != "tamplang-plan/1":
-        made["first"] = 0
-    draft.data["body_tracks"].append(made)
-
-
-@kind()
-def spline_through_a_switch(draft: Draft) -> None:
-    """Two splines of a module made one, which goes through the switch without rest."""
-    need(len(draft.phases) > 1 and draft.data["format"] != "tamplang-plan/1")
-    phase = draft.chance.randrange(len(draft.phases) - 1)
-    module = draft.chance.choice([m for m in draft.data["modules"] if m["joints"]])["name"]
-    one, other = draft.spline(module, phase), draft.spline(module, phase + 1)
-    need(span(one) == (phase, phase) and span(other) == (phase + 1, phase + 1))
-    first, second = (Spline(s["knots"], s["values"]) for s in (one, other))
-    knots = np.linspace(first.knots[0], second.knots[-1], 97)
-    rows = np.where((knots < first.knots[-1])[:, None], first(knots), second(knots))
-    one.update({"until": phase + 1, "knots": [round(float(k), 10) for k in knots], "values": rows.tolist()})
-    one["knots"][0], one["knots"][-1] = float(first.knots[0]), float(second.knots[-1])
-    draft.data["splines"].remove(other)
-    draft.derive(phase)
-    draft.derive(phase + 1)

@@ -10,7 +10,7 @@ from tamplang.compiler import ir
 
 from .lengths import Lengths
 from .motion import Recording
-from .rules import Fact, NotAllowed, State, changeable, one_order
+from .rules import Fact, NotAllowed, State, one_order
 
 Wrong = tuple[str, str, float, float]
 
@@ -20,12 +20,9 @@ def replay(
 ) -> Iterator[Wrong]:
     """`at` gives the lengths of the scene at a sample."""
     state = State(problem, problem.init, problem.init_motion, at(0))
-    may_change = changeable(problem)
     for number, phase in enumerate(plan["phases"]):
         state = _left(problem, plan, state, phase["start"])
-        held = {f for f in state.facts if f[0] in may_change}
-        told = one_order(problem, _listed(phase["literals"]), False)
-        held |= {f for f in state.facts if one_order(problem, [f], False) <= told and not _static(problem, f)}
+        held = {f for f in state.facts if not problem.predicates[f[0]].static}
         yield from _same(problem, f"literals of phase {number}", held, phase["literals"], False)
         yield from _same(problem, f"mode of phase {number}", state.motion, phase["mode"], True)
         if not phase.get("completed", True):
@@ -85,10 +82,6 @@ def _same(
     for fact in sorted(wanted ^ found)[:3]:
         what = "lacks" if fact in wanted else "has"
         yield "literals", f"{where} {what} {' '.join(fact)}", math.inf, 0.0
-
-
-def _static(problem: ir.Problem, fact: Fact) -> bool:
-    return problem.predicates[fact[0]].static
 
 
 def _listed(literals: list[dict[str, Any]]) -> set[Fact]:

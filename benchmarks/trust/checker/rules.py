@@ -219,19 +219,6 @@ def one_order(problem: ir.Problem, facts: Iterable[Fact], motion: bool) -> set[F
     return {(f[0], *sorted(f[1:])) if f[0] in table and table[f[0]].symmetric else f for f in facts}
 
 
-def changeable(problem: ir.Problem) -> set[str]:
-    """The predicates that some rule may change."""
-
-    def named(items: Iterable[ir.EffectItem]) -> Iterator[str]:
-        for item in items:
-            if isinstance(item, ir.Effect):
-                yield item.literal.predicate
-            else:
-                yield from named(item.effects)
-
-    return {name for rule in problem.rules.values() for name in named(rule.effects)}
-
-
 def _compared(sign: str, left: float, right: float) -> bool:
     """Rounding counts for the plan: what is equal to 1e-7 m may be smaller, larger and equal."""
     if abs(left - right) <= SLACK:
