@@ -44,6 +44,7 @@ def main() -> None:
     status = run(sys.argv[1:], time.monotonic() - process_age())
     if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # while Python ends, Ctrl-C would show a traceback
+    gc.freeze()  # nothing is looked through once more only to end
     sys.exit(status)
 
 

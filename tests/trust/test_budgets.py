@@ -1,0 +1,17 @@
+"""A tenth of the hard inputs of the trust benchmark: commands end under a budget with a status and a code."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.trust.budgets import HARD, measure
+
+
+def test_there_are_forty_inputs() -> None:
+    assert len(HARD) == 40
+
+
+@pytest.mark.parametrize("name", ["pddl wide bodies", "solve wide loop", "search bfs", "run"])
+def test_commands_end_with_a_code(name: str) -> None:
+    record = measure(name, 1.0)
+    assert record["sound"] and record["coded"] and record["status"] == 4
