@@ -195,7 +195,7 @@ CODES: dict[str, CodeInfo] = {
         "Something is put `on` a thing that cannot carry it, or beside its top.",
         "object b: box(…) on table at (9 m, 0)", "object b: box(…) on table at (0, 0)"),
     "E0502": CodeInfo("overlap at the start", "scene",
-        "Two bodies occupy the same space before anything moves.",
+        "Two bodies occupy the same space before anything moves, and one of them can move.",
         "task t() { object b: sphere(4 cm) at (0, 0, 1 m) object c: sphere(4 cm) at (0, 0, 1 m) }",
         "task t() { object b: sphere(4 cm) at (0, 0, 1 m) object c: sphere(4 cm) at (1 m, 0, 1 m) }"),
     "E0503": CodeInfo("unreachable goal", "scene",
@@ -286,6 +286,9 @@ CODES: dict[str, CodeInfo] = {
     "W0011": CodeInfo("damaged results", "warning",
         "Some lines in the results file of a sweep hold no result. They stay where they are; the instances that have "
         "no other line are solved again."),
+    "W0012": CodeInfo("built into each other", "warning",
+        "Two bodies that never move occupy the same space, as a wall that is let into the floor. Nothing comes of it, "
+        "unless one of them lies elsewhere than was meant."),
 }
 
 

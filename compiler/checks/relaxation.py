@@ -6,7 +6,7 @@ never too small: what they exclude can never happen. The work grows with the num
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from .. import ir
@@ -171,8 +171,11 @@ def effects_with_loops(
             yield from effects_with_loops(item.effects, loops)
 
 
-def movable(relaxation: Relaxation, motions: Mapping[str, ir.MotionPredicate]) -> set[str]:
-    """The objects that some rule can make follow another: they stand where an added motion literal keeps their pose."""
+def movable(
+    relaxation: Relaxation, motions: Mapping[str, ir.MotionPredicate], start: Iterable[ir.Fact]
+) -> set[str]:
+    """The objects that can follow another: those that some rule makes do so, where an added motion literal keeps their
+    pose, and those that the motion literals of the start keep to what follows, as a thing on a carried thing."""
     followers = {name: set(_followers(motion)) for name, motion in motions.items()}
     found: set[str] = set()
     for name, domains in relaxation.domains.items():
@@ -180,6 +183,12 @@ def movable(relaxation: Relaxation, motions: Mapping[str, ir.MotionPredicate]) -
             if effect.literal.motion and not effect.negated:
                 for place in followers[effect.literal.predicate]:
                     found |= relaxation.values(effect.literal.args[place], domains)
+    kept = [(fact[1:], place) for fact in sorted(start) for place in followers[fact[0]]]
+    grew = True
+    while grew:
+        more = {names[place] for names, place in kept if found.intersection(names[:place] + names[place + 1 :])}
+        grew = not more <= found
+        found |= more
     return found
 
 

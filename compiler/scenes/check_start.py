@@ -32,7 +32,8 @@ class Volume:
 
 
 def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str, str]]) -> None:
-    """Report every pair that overlaps by more than `TOLERANCE`, the deepest first where one item makes several.
+    """Report every pair that overlaps by more than `TOLERANCE`, the deepest first where one item makes several. What
+    never moves may be built into each other, which is worth a warning.
 
     `carried` holds pairs (thing, support) that may touch: what stands on something.
     """
@@ -46,15 +47,18 @@ def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str
         if depth > TOLERANCE and (key not in found or depth > found[key][0]):
             found[key] = (depth, one, other)
     pairs = sorted(found.values(), key=lambda f: (-f[0], f[1].owner, f[2].owner))
+    fixed = {b.name for b in world.bodies.values() if not b.movable} - {course.body for course in world.courses}
     order = {name: i for i, name in enumerate([*world.bodies, *world.modules])}
     for depth, one, other in pairs:
         first, second = sorted((one, other), key=lambda v: order[v.owner])
         labels = [(first.span, f"`{first.owner}` is declared here")] if first.span != second.span else []
+        built_in = {first.owner, second.owner} <= fixed
         findings.report(
-            "E0502",
+            "W0012" if built_in else "E0502",
             second.span,
             f"`{first.owner}` and `{second.owner}` overlap by {depth * 1000:.0f} mm at the start",
-            help="move them apart, or put one `on` the other",
+            help=None if built_in else "move them apart, or put one `on` the other",
+            note="neither ever moves" if built_in else None,
             labels=labels,
         )
 

@@ -81,7 +81,7 @@ def _problem(
         objects.update({f"{module.name}.{e.name}": e.type for e in module.type.effectors})
     world = World(library.types, objects, lifted.derived, lifted.predicates, lifted.rules, init[0])
     relaxation = Relaxation(world)
-    moving = movable(relaxation, lifted.motions)
+    moving = movable(relaxation, lifted.motions, init[1])
     bodies = {n: dataclasses.replace(b, movable=n in moving) for n, b in built.bodies.items()}
     heuristic = None
     if built.guide is not None:

@@ -150,18 +150,20 @@ def norms(layout: Layout) -> NormGroup:
 
 
 def limits(problem: Problem, layout: Layout, margin: float, phase_of: list[int]) -> LinearGroup:
-    """Joint limits, pulled in by `margin` (rad; of a prismatic joint by a hundredth of its range, if that is less).
-    `phase_of` maps a slice to its phase."""
+    """Joint limits, pulled in by `margin` (rad; of a prismatic joint by a hundredth of its range, if that is less), but
+    no further than where a joint is at the start. `phase_of` maps a slice to its phase."""
     places, signs, targets, labels = [], [], [], []
     for t, name in _unknown_slots(layout, layout.modules, range(len(layout.slices))):
-        slot = layout.slot(t, name)
-        for i, joint in enumerate(problem.world.modules[name].type.joints):
+        slot, module = layout.slot(t, name), problem.world.modules[name]
+        for i, (joint, start) in enumerate(zip(module.type.joints, module.joints, strict=True)):
             pull = min(margin, 0.01 * (joint.upper - joint.lower))
+            lower = max(joint.lower, min(joint.lower + pull, start))
+            upper = min(joint.upper, max(joint.upper - pull, start))
             unit = "rad" if joint.kind == "revolute" else "m"
             label = Label(phase_of[t], Breach.JOINT_LIMIT, (name, joint.name), (unit,))
             places += [slot[7 + i], slot[7 + i]]
             signs += [1.0, -1.0]
-            targets += [joint.upper - pull, -(joint.lower + pull)]
+            targets += [upper, -lower]
             labels += [label, label]
     columns = np.array(places, dtype=np.int64).reshape(-1, 1)
     return LinearGroup("inequality", columns, np.array(signs).reshape(-1, 1), np.array(targets), labels)

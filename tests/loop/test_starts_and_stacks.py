@@ -1,0 +1,102 @@
+"""Robots whose joints start at a limit, things that lie on things that are taken, and scenery built into itself."""
+
+from __future__ import annotations
+
+import pytest
+
+from tamplang.compiler.pipeline import compile_text
+from tamplang.runtime.lgp import Outcome, SolveOptions, solve
+
+HEAD = """
+import std.rules
+
+module gantry(home: length = 0.5 m) {
+    effector A: gripper sphere(5 cm) normal (0, 0, -1)
+    link (0, 0, 1 m)
+    joint dx: prismatic(x) in 0 m .. 2 m home home
+    joint dy: prismatic(y) in -1 m .. 1 m
+    joint dz: prismatic(z) in -0.95 m .. 0 m
+    effector B: gripper sphere(1 cm) normal (0, 0, -1)
+    fact (linked A B)
+}
+scene hall() {
+    base foot: box(0.2 m, 0.2 m, 0.05 m) at (0, 0, -0.025 m)
+    object table: box(0.5 m, 0.5 m, 0.1 m) at (1.5 m, 0, 0.03 m)
+    object tray1: box(0.4 m, 0.4 m, 0.1 m) at (0.6 m, 0.5 m, 0.03 m)
+    fact (tray tray1)
+}
+"""
+STACK = """
+    scene hall()
+    object lower: box(10 cm, 10 cm, 4 cm) on table
+    object upper: box(3 cm, 3 cm, 8 cm) on lower at (2 cm, 0)
+    fact (grippable lower)
+    gantry g: A on foot
+    goal (on tray1 lower)
+"""
+
+
+def solved(body: str, seed: int) -> Outcome:
+    problem, _ = compile_text(f"{HEAD}\ntask t() {{\n{body}\n}}")
+    outcome = solve(problem, SolveOptions(seed=seed, time=60.0))
+    assert outcome.status == "solved"
+    verdict = outcome.plans[0].verdict
+    assert verdict is not None and verdict.verified
+    return outcome
+
+
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("home", ["0 m", "2 m", "0.003 m"])
+def test_a_joint_may_start_at_its_limit_and_stay_there(home: str, seed: int) -> None:
+    solved(f"""
+    scene hall()
+    object item: box(4 cm, 4 cm, 4 cm) at ({home}, 0.6 m, 0.5 m)
+    fact (grippable item)
+    gantry(home = {home}) g: A on foot
+    goal (held item)
+    """, seed)  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_what_lies_on_a_thing_is_carried_along(seed: int) -> None:
+    tracks = {track.name for track in solved(STACK, seed).plans[0].body_tracks}
+    assert {"lower", "upper"} <= tracks
+
+
+def test_so_is_what_lies_on_that() -> None:
+    third = "object top: box(2 cm, 2 cm, 2 cm) on upper"
+    tracks = {track.name for track in solved(f"{STACK}{third}", 0).plans[0].body_tracks}
+    assert {"lower", "upper", "top"} <= tracks
+
+
+def test_what_lies_on_two_things_keeps_each_of_them_where_it_is() -> None:
+    body = """
+    scene hall()
+    object one: box(4 cm, 4 cm, 4 cm) on table at (0, 0.15 m)
+    object other: box(4 cm, 4 cm, 4 cm) on table at (0, -0.15 m)
+    object plank: box(4 cm, 40 cm, 2 cm) at (1.5 m, 0, 0.13 m)
+    fact [stable one plank]
+    fact [stable other plank]
+    fact (grippable one)
+    gantry g: A on foot
+    goal (on tray1 one)
+    """
+    problem, _ = compile_text(f"{HEAD}\ntask t() {{\n{body}\n}}")
+    outcome = solve(problem, SolveOptions(time=60.0))
+    assert outcome.status == "exhausted"
+    assert any("[stable other plank]" in d.message or "[stable one plank]" in d.message for d in outcome.explanation)
+
+
+def test_scenery_that_never_moves_may_be_built_into_itself() -> None:
+    body = """
+    scene hall()
+    object wall: box(5 cm, 2 m, 1 m) at (1.9 m, 0, 0.4 m)
+    object sill: box(20 cm, 1 m, 10 cm) at (1.85 m, 0, 0.5 m)
+    object item: box(4 cm, 4 cm, 4 cm) at (1 m, 0.3 m, 0.5 m)
+    fact (grippable item)
+    gantry g: A on foot
+    goal (held item)
+    """
+    _, found = compile_text(f"{HEAD}\ntask t() {{\n{body}\n}}")
+    assert [d.code for d in found] == ["W0012"]
+    solved(body, 0)
