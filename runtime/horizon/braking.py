@@ -1,4 +1,4 @@
-"""Breaking off a motion: to rest along the same path, or at once."""
+"""Breaking off a motion: to rest along the same path, as soon as can be or by a given time."""
 
 from __future__ import annotations
 
@@ -15,8 +15,6 @@ KNOT = 0.02
 """Seconds between knots of a motion that is broken off."""
 QUICK = 0.25
 """Seconds in which joints without a limit of acceleration come to rest from full speed."""
-AT_ONCE = 0.05
-"""Seconds before a breakdown in which joints come to rest, so that a spline can tell it."""
 SHORTEST = 0.05
 LONGER = 1.4
 """By what factor the way to rest grows while it is not within the limits of the joints."""
@@ -66,11 +64,27 @@ def within_limits(world: ir.World, path: PhasePath) -> bool:
     return True
 
 
-def stopped(path: PhasePath, seconds: float) -> PhasePath:
-    """The motion that follows `path` for `seconds`, all but at once at rest then, whatever its limits."""
-    length = min(AT_ONCE, seconds)
-    times = np.linspace(0.0, seconds, max(8, math.ceil(seconds / (0.25 * KNOT))) + 1)
-    return at_times(path, _resting(times, seconds - length, length), seconds)
+def stopped(world: ir.World, path: PhasePath, seconds: float) -> PhasePath:
+    """The motion that follows `path` for as long as it can and rests after `seconds`, within the limits of speed and
+    acceleration. `path` begins at rest; where too little time is left to follow it at its own pace, less of it is
+    gone, or nothing."""
+    times = np.linspace(0.0, seconds, max(8, math.ceil(seconds / KNOT)) + 1)
+    length = braking_time(world, path, seconds)
+    for _ in range(TRIES):
+        if length >= seconds:
+            break
+        slowed = at_times(path, np.minimum(_resting(times, seconds - length, length), path.duration), seconds)
+        if within_limits(world, slowed):
+            return slowed
+        length *= LONGER
+    share = times / seconds
+    gone = 0.5 * seconds
+    for _ in range(TRIES):
+        slowed = at_times(path, gone * (3.0 * share**2 - 2.0 * share**3), seconds)
+        if within_limits(world, slowed):
+            return slowed
+        gone /= LONGER
+    return at_times(path, np.zeros_like(times), seconds)
 
 
 def reversed_path(world: ir.World, path: PhasePath, share: float) -> PhasePath:

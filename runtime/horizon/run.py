@@ -323,7 +323,7 @@ class Run:
         that moves goes right through a robot meanwhile."""
         failure = self._failures.next_of(phase, self.world.time)
         if failure is not None and INSTANT < failure.time - self.world.time < path.duration:
-            path, completed = stopped(path, failure.time - self.world.time), False
+            path, completed = stopped(self.problem.world, path, failure.time - self.world.time), False
         hit = first_hit(self.problem, self.world, phase, path)
         if hit is None:
             self._take_place(phase, path, completed=completed)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...compiler import ir
-from ..plan import NO_LIMIT, ModuleRecord, PhaseRecord, Plan
+from ..plan import NO_LIMIT, ModuleRecord, Plan
 from .findings import Findings
 from .geometry import Array
 from .kinematics import Motion
@@ -17,34 +17,23 @@ WORDS = {"speed": "is faster than its limit", "acceleration": "speeds up or slow
 ENDS = {("speed", "revolute"): "rad_s", ("speed", "prismatic"): "m_s",
         ("acceleration", "revolute"): "rad_s2", ("acceleration", "prismatic"): "m_s2"}  # fmt: skip
 
-SAME = 1e-6
-"""Seconds that make no difference."""
-
 
 def check_rates(problem: ir.Problem, plan: Plan, motion: Motion, findings: Findings) -> None:
-    """Every joint keeps the limits that its module type gives, in every phase. Where a breakdown stops a phase, joints
-    stop at once, whatever their acceleration."""
+    """Every joint keeps the limits that its module type gives, in every phase, also where a breakdown stops one."""
     modules = {m.name: m for m in plan.modules if m.joints}
-    stopped = {k for k, phase in enumerate(plan.phases) if _stopped(plan, phase)}
     for spline in plan.splines:
         if spline.module in modules:
             knots, values = np.asarray(spline.knots), np.asarray(spline.values)
-            _check_spline(problem, modules[spline.module], knots, values, spline.first in stopped, findings)
-
-
-def _stopped(plan: Plan, phase: PhaseRecord) -> bool:
-    """Whether a phase was broken off by the breakdown of a module."""
-    return not phase.completed and any(abs(b.time - phase.end) < SAME for b in plan.breakdowns)
+            _check_spline(problem, modules[spline.module], knots, values, findings)
 
 
 def _check_spline(
-    problem: ir.Problem, module: ModuleRecord, knots: Array, values: Array, stopped: bool, findings: Findings
+    problem: ir.Problem, module: ModuleRecord, knots: Array, values: Array, findings: Findings
 ) -> None:
     """The acceleration of a cubic spline is linear between knots: it is greatest at one of them, and the speed there or
     where the acceleration is zero."""
     curve = Spline(knots, values)
-    if not stopped:
-        _record(problem, module, "acceleration", curve(knots, 2), knots, findings)
+    _record(problem, module, "acceleration", curve(knots, 2), knots, findings)
     _record(problem, module, "speed", curve(knots, 1), knots, findings)
     for index in range(len(module.joints)):
         cubic, square = curve.cubic[:, index], curve.square[:, index]

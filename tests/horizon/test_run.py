@@ -134,6 +134,14 @@ def test_the_others_finish_the_task(name: str) -> None:
     record = result.record
     assert result.status == "solved" and record.verdict is not None and record.verdict.verified
     assert any("is locked" in w.reason or "is gone" in w.reason for w in record.windows)
+    stopped = next(k for k, p in enumerate(record.phases) if not p.completed and p.end == record.breakdowns[0].time)
+    for number, spline in enumerate(record.splines):
+        if spline.first <= stopped <= spline.until:
+            shaken = msgspec.to_builtins(record)
+            for k, row in enumerate(shaken["splines"][number]["values"][1:-1]):
+                row[-1] += 2e-3 * (-1) ** k
+            kinds = {f.kind for f in verify(msgspec.convert(shaken, Plan)).failures}
+            assert "joint_acceleration_rad_s2" in kinds, spline.module
     if name == "failing_module":
         assert record.verdict.worst["stuck_rad"] <= 1e-6
         data = msgspec.to_builtins(record)
