@@ -42,10 +42,10 @@ class Failures:
                 self.locked.add(breakdown.module)
                 continue
             lost = self._lost(breakdown, reached)
-            if lost is not None:
-                return Failed(reached, lost)
             self.gone.add(breakdown.module)
             reached = _left(self._problem, breakdown.module, reached)
+            if lost is not None:
+                return Failed(reached, lost)
         return Failed(reached)
 
     def due(self, time: float) -> ir.Breakdown | None:

@@ -100,10 +100,10 @@ class Run:
             self.budget.check()
             self._hold()
             failed = self._failures.until(self.world.time, self.world.reached)
+            self.world.reached = failed.reached
             if failed.lost is not None:
                 self._explanation = [failed.lost]
                 return "lost"
-            self.world.reached = failed.reached
             if not self._unmet():
                 return "solved"
             window = self._plan(reason)
