@@ -18,6 +18,8 @@ def read_source(path: str | os.PathLike[str]) -> Source:
     larger than MAX_BYTES; of a larger file nothing is read.
     """
     shown = os.fspath(path)
+    if not shown.isascii() and any("\ud800" <= c <= "\udfff" for c in shown):
+        raise _refusal("E0011", f"cannot read {shown!r}: its name is not UTF-8 text", "rename it: plans carry names")
     return source_of(shown, read_bytes(shown))
 
 

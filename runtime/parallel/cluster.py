@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import logging
+import os
+import socket
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
+from contextlib import suppress
 from importlib import import_module
 from typing import Any, ParamSpec, TypeVar
 
 from ... import __version__
+from .processes import Processes
 from .side import Side, WorkerLost, WorkFailed, attempt, settle
 
 P = ParamSpec("P")
@@ -17,6 +21,9 @@ T = TypeVar("T")
 
 ANSWER_SECONDS = 4.0
 """How long a cluster has to answer, at each step of the connection."""
+DEADLINE = 6.0
+"""Seconds for all steps together."""
+START = "start it with `dask scheduler`, and give the address that it prints, such as tcp://127.0.0.1:8786"
 
 
 class ClusterUnavailable(Exception):
@@ -36,6 +43,7 @@ class Cluster(Side):
     arrives as ClusterUnavailable."""
 
     def __init__(self, address: str) -> None:
+        _check_answer(address)
         self._client = _connected(address)
         self._executor = self._client.get_executor(pure=False)
         self._address = address
@@ -90,26 +98,64 @@ def _attempt_alone(function: Callable[..., T], /, *args: Any, **kwargs: Any) -> 
         return attempt(function, *args, **kwargs)
 
 
+def _check_answer(address: str) -> None:
+    """Let another process connect first: what stands at the address may be no cluster, and `distributed` waits without
+    end for one that is silent, and breaks on what others answer. Raises ClusterUnavailable."""
+    host, _, port = address.removeprefix("tcp://").rpartition(":")
+    with Processes(1) as side:
+        try:
+            socket.create_connection((host.strip("[]"), int(port)), ANSWER_SECONDS).close()
+            loaded = side.submit(_imported)
+            _library()
+            loaded.result()
+            trouble = side.submit(_trouble, address).result(DEADLINE)
+        except (OSError, ValueError, OverflowError, WorkerLost, WorkFailed) as error:
+            side.kill()
+            raise ClusterUnavailable(f"no cluster answers at {address}", START) from error
+    if trouble is not None:
+        raise ClusterUnavailable(*trouble)
+
+
+def _imported() -> None:
+    """Load the library, which takes longer on a busy machine than a cluster may take to answer."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # it tells of its broken connections
+    with suppress(ImportError):
+        import_module("distributed")
+
+
+def _trouble(address: str) -> tuple[str, str] | None:
+    """Why there is no cluster at the address, and what to do."""
+    try:
+        _connected(address).close()
+    except ClusterUnavailable as error:
+        return error.message, error.hint
+    return None
+
+
 def _connected(address: str) -> Any:
     """A client of the cluster at `address`, whose processes are fit for the work. Raises ClusterUnavailable."""
-    try:
-        distributed = import_module("distributed")
-    except ImportError as error:
-        hint = "install the extra `cluster`: pip install 'tamplang[cluster]'"
-        raise ClusterUnavailable("a cluster needs the package `distributed`, which is missing", hint) from error
+    distributed = _library()
     for logger in ("distributed", "distributed.client"):  # what they say, the errors of this module say
         logging.getLogger(logger).setLevel(logging.CRITICAL)
     try:
         client = distributed.Client(address, timeout=ANSWER_SECONDS, set_as_default=False)
     except (OSError, ValueError) as error:
-        hint = "start it with `dask scheduler`, and give the address that it prints, such as tcp://127.0.0.1:8786"
-        raise ClusterUnavailable(f"no cluster answers at {address}", hint) from error
+        raise ClusterUnavailable(f"no cluster answers at {address}", START) from error
     try:
         _check_workers(client)
     except ClusterUnavailable:
         client.close()
         raise
     return client
+
+
+def _library() -> Any:
+    """The package `distributed`. Raises ClusterUnavailable."""
+    try:
+        return import_module("distributed")
+    except ImportError as error:
+        hint = "install the extra `cluster`: pip install 'tamplang[cluster]'"
+        raise ClusterUnavailable("a cluster needs the package `distributed`, which is missing", hint) from error
 
 
 def _check_workers(client: Any) -> None:

@@ -75,6 +75,8 @@ def run(arguments: Sequence[str], started: float | None = None) -> int:
         if error.errno not in SURROUNDINGS:
             raise
         where = f" {error.filename}" if error.filename is not None else ""
+        if error.errno == errno.ENOENT and error.filename is None:
+            where = " the current folder"  # all that is asked for without a name
         verb = "use" if error.errno in (errno.ENOENT, errno.ENOTDIR, errno.ELOOP) else "write"
         click.echo(f"Error: cannot {verb}{where}: {error.strerror}", err=True)
         return ExitStatus.USAGE

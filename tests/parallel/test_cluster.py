@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import sys
 import time
 from collections.abc import Iterator
@@ -75,8 +76,8 @@ def test_an_address_that_does_not_answer_is_told_within_ten_seconds(tmp_path: Pa
 
 def test_the_missing_package_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(ClusterUnavailable) as caught:
-        open_executor(cluster="tcp://127.0.0.1:9")
+    with socket.create_server(("127.0.0.1", 0)) as server, pytest.raises(ClusterUnavailable) as caught:
+        open_executor(cluster=f"tcp://127.0.0.1:{server.getsockname()[1]}")
     assert "pip install 'tamplang[cluster]'" in caught.value.hint
 
 
