@@ -138,15 +138,18 @@ class Layout:
         return 0
 
     def others(self, fact: Fact) -> int:
-        """Bits of the flags and bits that a functional predicate cannot hold together with `fact`."""
+        """Bits of the facts that a functional predicate cannot hold together with `fact`."""
         predicate = self.problem.predicates[fact[0]]
         if predicate.functional_in is None or self.kinds[fact[0]] == FIELD:
             return 0
-        fact = self.canonical(fact)
+        return _union(self.encode(rival)[0] for rival in self.rivals(fact))
+
+    def rivals(self, fact: Fact) -> list[Fact]:
+        """The facts with a bit that a functional predicate cannot hold together with `fact`."""
+        predicate, fact = self.problem.predicates[fact[0]], self.canonical(fact)
         keys = self._keys(predicate, fact)
-        return _union(
-            b for f, b in self._all_bits() if f[0] == fact[0] and f != fact and keys & self._keys(predicate, f)
-        )
+        found = [f for f, _ in self._all_bits() if f[0] == fact[0]]
+        return [f for f in found if f != fact and keys & self._keys(predicate, f)]
 
     def _keys(self, predicate: Predicate, fact: Fact) -> set[str]:
         """What a functional fact gives a value: both, where its order makes no difference."""

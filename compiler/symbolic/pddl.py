@@ -38,10 +38,12 @@ from .algebra import conjunction, disjunction, negation
 from .domains import FlatRule
 from .guards import Environment, Guards
 from .normal_form import FALSE, TRUE, free_names
-from .strips import Change, Schema, Strips, alternatives, contradicts, literals
+from .strips import NOBODY, NOTHING, THING, Change, Schema, Strips, alternatives, contradicts, denial, literals
 from .successors import Successors, has_chains
 
 MOST_BRANCHES = 64
+LONGEST = 60
+"""Letters of a name; some readers have a limit for lines or files."""
 
 
 def to_pddl(problem: Problem) -> tuple[str, str]:
@@ -60,11 +62,12 @@ class _Writer:
         self.strips = Strips(self.guards)
         self.relations: dict[tuple[Formula, ...], tuple[str, tuple[Variable, ...]]] = {}
         self.related: list[str] = []
-        self.names: dict[str, str] = {}
+        self._names: dict[tuple[str, str], str] = {}
+        self._taken = {"reached", "object_"}
         self._links: dict[tuple[ChainType, Chain], tuple[frozenset[Fact], frozenset[Fact]]] = {}
         self.schemas = [s for flat in self.successors.domains.rules for s in self.actions(flat)]
         goals = alternatives(self._settled(self.successors.normal.normal(problem.goal, {}, False), {}))
-        self.goals = [Schema("reach", [], *literals(g, self.layout), []) for g in goals]
+        self.goals = [Schema("`reach", [], *literals(g, self.layout), []) for g in goals]
         for schema in (*self.schemas, *self.goals):
             self.strips.note(schema)
         for schema in (*self.schemas, *self.goals):
@@ -77,31 +80,31 @@ class _Writer:
         actions = [self._text(schema, number) for number, schema in enumerate(self.schemas)]
         if not self.single:
             actions += [self._text(schema, number, "(reached)") for number, schema in enumerate(self.goals)]
-        lines = [f"(define (domain {self._name(self.problem.task)})", "  (:requirements :strips :typing)"]
+        lines = [f"(define (domain {self._name('d', self.problem.task)})", "  (:requirements :strips :typing)"]
         lines.append("  (:types object_ - object)")
-        lines.append("  (:constants " + " ".join(map(self._name, self._objects())) + " - object_)")
-        lines.append("  (:predicates (reached) (thing ?x - object_)")
+        lines.append("  (:constants " + " ".join(map(self._object, self._objects())) + " - object_)")
+        lines.append(f"  (:predicates (reached) ({self._predicate(THING)} ?x - object_)")
         for predicate in self.problem.predicates.values():
             shown = _parameters([f"x{k}" for k in range(len(predicate.variables))])
-            lines.append(f"    ({self._name(predicate.name)} {shown})")
+            lines.append(f"    ({self._predicate(predicate.name)} {shown})")
             if predicate.name in self.strips.denied:
-                lines.append(f"    ({self._name(f'not_{predicate.name}')} {shown})")
+                lines.append(f"    ({self._predicate(denial(predicate.name))} {shown})")
         for relation, variables in self.relations.values():
-            lines.append(f"    ({self._name(relation)} {_parameters([f'x{k}' for k in range(len(variables))])})")
-        return "\n".join([*lines, "  )", *actions, ")", ""])
+            lines.append(f"    ({self._predicate(relation)} {_parameters([f'x{k}' for k in range(len(variables))])})")
+        return "\n".join([lines[0], *self._legend(), *lines[1:], "  )", *actions, ")", ""])
 
     def task(self) -> str:
-        name = self._name(self.problem.task)
+        name = self._name("d", self.problem.task)
         lines = [f"(define (problem {name}_1)", f"  (:domain {name})", "  (:init"]
         facts = [*sorted(self.problem.init), *self.strips.initial(self.problem.init)]
-        facts += [("thing", o) for o in self.problem.objects]
-        lines += [f"    ({' '.join(map(self._name, fact))})" for fact in facts]
+        facts += [(THING, o) for o in self.problem.objects]
+        lines += [f"    ({' '.join([self._predicate(p), *map(self._object, names)])})" for p, *names in facts]
         lines += [f"    {text}" for text in self.related]
         goal = " ".join(self._literal(m) for m in self.goals[0].more) if self.single else "(reached)"
         return "\n".join([*lines, "  )", f"  (:goal (and {goal}))", ")", ""])
 
     def _objects(self) -> list[str]:
-        return [*self.problem.objects, "nothing", "nobody"]
+        return [*self.problem.objects, NOTHING.name, NOBODY.name]
 
     def _text(self, schema: Schema, number: int, reached: str = "") -> str:
         conditions = [*map(self._relation_text, schema.static), *map(self._literal, schema.more)]
@@ -109,37 +112,55 @@ class _Writer:
         effects = [f"(not {self._literal(e)})" for e in schema.deleted if e not in added]
         effects += [*map(self._literal, dict.fromkeys(added)), *([reached] if reached else [])]
         return "\n".join([
-            f"  (:action {self._name(schema.rule)}_{number}",
-            f"    :parameters ({_parameters([_variable(n) for n in schema.parameters])})",
+            f"  (:action {self._name('a', f'{schema.rule}_{number}')}",
+            f"    :parameters ({_parameters([self._variable(n) for n in schema.parameters])})",
             f"    :precondition (and {' '.join(dict.fromkeys(conditions))})",
             f"    :effect (and {' '.join(effects)}))",
         ])
 
     def _relation_text(self, formula: Compare) -> str:
         relation, variables = self.relations[(formula,)]
-        return f"({self._name(relation)} {' '.join('?' + _variable(v.name) for v in variables)})"
+        return f"({self._predicate(relation)} {' '.join('?' + self._variable(v.name) for v in variables)})"
 
     def _literal(self, literal: Literal) -> str:
-        return f"({' '.join([self._name(literal.predicate), *map(self._term, literal.args)])})"
+        return f"({' '.join([self._predicate(literal.predicate), *map(self._term, literal.args)])})"
 
     def _term(self, term: Term) -> str:
         if isinstance(term, Object):
-            return self._name(term.name)
+            return self._object(term.name)
         if isinstance(term, Var):
-            return f"?{_variable(term.name)}"
+            return f"?{self._variable(term.name)}"
         raise UsageError(f"PDDL cannot say {term}")
 
-    def _name(self, name: str) -> str:
-        """A name that planners keep apart from all others; they ignore case."""
-        if name not in self.names:
-            plain = re.sub(r"[^a-z0-9_]", "_", name.lower()).strip("_") or "x"
-            taken = set(self.names.values())
+    def _name(self, kind: str, name: str) -> str:
+        """A name of small letters, digits and underscores that nothing else has. What the task names begins with the
+        letter of its kind, so that it is a reserved word of no reader and never one of the export's own names, which
+        begin with a backquote in here."""
+        if (kind, name) not in self._names:
+            own = name.startswith("`")
+            plain = re.sub(r"[^a-z0-9_]", "_", name.lower()).strip("_")[:LONGEST]
+            whole = base = plain if own else f"{kind}_{plain}"
             number = 2
-            whole = plain
-            while whole in taken:
-                whole, number = f"{plain}_{number}", number + 1
-            self.names[name] = whole
-        return self.names[name]
+            while whole in self._taken:
+                whole, number = f"{base}_{number}", number + 1
+            self._taken.add(whole)
+            self._names[kind, name] = whole
+        return self._names[kind, name]
+
+    def _object(self, name: str) -> str:
+        return self._name("o", name)
+
+    def _predicate(self, name: str) -> str:
+        return self._name("p", name)
+
+    def _variable(self, name: str) -> str:
+        return self._name("v", name)
+
+    def _legend(self) -> Iterator[str]:
+        """Comments that tell what the names of things and predicates stand for."""
+        yield "; NAME HERE: NAME IN THE TASK"
+        for kind, names in (("o", self.problem.objects), ("p", self.problem.predicates)):
+            yield from (f"; {self._name(kind, name)}: {ascii(name)[1:-1]}" for name in names)
 
     # --- actions -------------------------------------------------------------------------------------------------
 
@@ -161,7 +182,7 @@ class _Writer:
                 return
         whole = conjunction(settled)
         for condition, changes in self._changes(flat.rule.effects, env):
-            both = conjunction((whole, condition))
+            both = conjunction((whole, condition, *self.strips.single(changes)))
             for option in [] if both == FALSE else alternatives(both):
                 conditions, static = literals(option, self.layout)
                 if not contradicts(conditions):
@@ -197,12 +218,13 @@ class _Writer:
 
     def _typed(self, variable: Variable, flat: FlatRule) -> str:
         """Type and static reach of a variable, as a unary relation."""
-        relation = f"may_{flat.rule.name}_{variable.name}"
+        relation = f"`may_{flat.rule.name}_{variable.name}"
         key: tuple[Formula, ...] = (Literal(relation, (Var(variable.name),)),)
         if key not in self.relations:
             self.relations[key] = (relation, (variable,))
             allowed = self.layout.domains.variable_domains(flat)[variable.name]
-            self.related += [f"({self._name(relation)} {self._name(o)})" for o in self.problem.objects if o in allowed]
+            name = self._predicate(relation)
+            self.related += [f"({name} {self._object(o)})" for o in self.problem.objects if o in allowed]
         return relation
 
     def _relate(self, formula: Compare, large: Sequence[Variable], flat: FlatRule) -> None:
@@ -211,10 +233,11 @@ class _Writer:
         if key not in self.relations:
             names = free_names(formula)
             variables = tuple(v for v in large if v.name in names)
-            self.relations[key] = relation, _ = f"guard_{len(self.relations)}", variables
+            self.relations[key] = relation, _ = f"`guard_{len(self.relations)}", variables
             domains = self.layout.domains.variable_domains(flat)
             for env, _ in self.guards.solutions(variables, key, {}, None, domains):
-                self.related.append(f"({self._name(relation)} {' '.join(self._name(env[v.name]) for v in variables)})")
+                things = " ".join(self._object(env[v.name]) for v in variables)
+                self.related.append(f"({self._predicate(relation)} {things})")
 
     def _choices(
         self, variables: Sequence[Variable], env: Environment, domains: Mapping[str, frozenset[str]]
@@ -303,12 +326,6 @@ class _Writer:
             for other in self.problem.of_type("effector"):
                 if other not in inner and self.layout.encode((kind.predicate, end, other))[0]:
                     yield Not(Literal(kind.predicate, (Object(end), Object(other))))
-
-
-def _variable(name: str) -> str:
-    """The name of a parameter; case matters in rules, but not in PDDL."""
-    marked = re.sub(r"([A-Z])", r"\1_", name).lower()
-    return re.sub(r"[^a-z0-9_]", "_", marked).strip("_")
 
 
 def _parameters(names: Sequence[str]) -> str:

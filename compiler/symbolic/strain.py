@@ -12,12 +12,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..ir import Action, Chain, Compare, Term
-from .blocks import Block, Step
+from .blocks import Block
 from .domains import FlatRule
 from .expressions import Check
 from .guards import Environment, Undefined
 from .locations import LOWER, length_bounds
 from .normal_form import free_names
+from .steps import Step
 from .successors import Successors
 
 Row = dict[int, list[tuple[float, Step | None]]]

@@ -12,11 +12,14 @@ from itertools import chain, product
 
 from ..ir import And, Any_, Compare, Exists, Forall, Formula, Literal, Not, Object, ObjectType, Or, Term, Var
 from ..scenes.parameters import UsageError
+from .expressions import ground
 from .guards import Guards
 from .layout import FIELD, Layout
 from .normal_form import FALSE, TRUE
 
-NOTHING, NOBODY = Object("nothing"), Object("nobody")
+NOTHING, NOBODY = Object("`nothing"), Object("`nobody")
+THING = "`thing"
+"""Names of the export's own, which no task can give."""
 MOST_ALTERNATIVES = 64
 MOST_FACTS = 4096
 
@@ -42,6 +45,11 @@ class Schema:
         """A new parameter."""
         self.parameters.append(f"any`{len(self.parameters)}")
         return Var(self.parameters[-1])
+
+
+def denial(predicate: str) -> str:
+    """The predicate that holds where another one does not."""
+    return f"`not_{predicate}"
 
 
 def alternatives(formula: Formula) -> list[list[Formula]]:
@@ -91,6 +99,42 @@ class Strips:
             if isinstance(value, Any_) and self._bound(schema, literal) is None:
                 self.emptied.add(literal.predicate)
 
+    def single(self, changes: Sequence[Change]) -> Iterator[Formula]:
+        """What must hold so that no functional predicate has two values after the changes."""
+        gone = [literal for literal, negated in changes if negated]
+        added = [literal for literal, negated in changes if not negated]
+        for literal in added:
+            if self.guards.problem.predicates[literal.predicate].functional_in is None or len(literal.args) < 2:
+                continue
+            if self.layout.kinds[literal.predicate] == FIELD:
+                yield from self._one_value(literal, gone, added)
+            else:
+                yield from self._alone(literal, gone, added)
+
+    def _one_value(self, literal: Literal, gone: Sequence[Literal], added: Sequence[Literal]) -> Iterator[Formula]:
+        key, value = self._split(literal)
+        for other in added:
+            if other.predicate == literal.predicate and self._split(other)[0] == key and other != literal:
+                raise UsageError(f"PDDL cannot say that two values of ({literal.predicate} …) are the same")
+        dropped = [self._split(g)[1] for g in gone if g.predicate == literal.predicate and self._split(g)[0] == key]
+        if not any(isinstance(v, Any_) for v in dropped):
+            held = [self._pair(literal.predicate, key, v) for v in dict.fromkeys([value, *dropped])]
+            yield Or((Not(self._pair(literal.predicate, key, Any_())), *held))
+
+    def _alone(self, literal: Literal, gone: Sequence[Literal], added: Sequence[Literal]) -> Iterator[Formula]:
+        if not all(isinstance(a, Object) for a in literal.args):
+            raise UsageError(f"PDDL without quantifiers cannot say that ({literal.predicate} …) has one value")
+        for fact in self.layout.rivals(ground(literal)):
+            other = Literal(fact[0], tuple(map(Object, fact[1:])))
+            if any(a in added for a in self._orders(other)):
+                yield FALSE
+            elif not any(self._covers(g, o) for g in gone for o in self._orders(other)):
+                yield Not(other)
+
+    def _covers(self, pattern: Literal, literal: Literal) -> bool:
+        pairs = zip(pattern.args, literal.args, strict=False)
+        return pattern.predicate == literal.predicate and all(isinstance(p, Any_) or p == a for p, a in pairs)
+
     def _place(self, literal: Literal) -> None:
         if self.layout.kinds[literal.predicate] != FIELD:
             raise UsageError(f"PDDL without quantifiers cannot ask for any ({literal.predicate} …)")
@@ -131,12 +175,12 @@ class Strips:
 
     def _condition(self, schema: Schema, literal: Literal, positive: bool) -> list[Literal]:
         if not any(isinstance(a, Any_) for a in literal.args):
-            return [literal if positive else Literal(f"not_{literal.predicate}", literal.args)]
+            return [literal if positive else Literal(denial(literal.predicate), literal.args)]
         key, _ = self._split(literal)
         if not positive:
             return [self._pair(literal.predicate, key, NOTHING)]
         value = schema.fresh()
-        return [self._pair(literal.predicate, key, value), Literal("thing", (value,))]
+        return [self._pair(literal.predicate, key, value), Literal(THING, (value,))]
 
     def _deletions(self, schema: Schema, literal: Literal) -> Iterator[Literal]:
         if not any(isinstance(a, Any_) for a in literal.args):
@@ -173,7 +217,7 @@ class Strips:
         adds = gained, lost
         if literal.predicate in self.denied:
             for order in self._orders(literal):
-                other = Literal(f"not_{order.predicate}", order.args)
+                other = Literal(denial(order.predicate), order.args)
                 adds[1][other] = None
                 adds[0].pop(other, None)
 
@@ -215,13 +259,13 @@ class Strips:
             count = len(self.guards.problem.predicates[predicate].variables)
             for names in product(*(sorted(domains.at(predicate, k)) for k in range(count))):
                 if (predicate, *names) not in facts:
-                    yield (f"not_{predicate}", *names)
+                    yield (denial(predicate), *names)
         for predicate in sorted(self.emptied | self.unheld):
             key_at = self.guards.problem.predicates[predicate].functional_in or 0
             held = {f[1 + key_at] for f in facts if f[0] == predicate}
             used = {f[2 - key_at] for f in facts if f[0] == predicate}
-            pairs = [(k, "nothing") for k in self._all(predicate, key_at) - held if predicate in self.emptied]
-            pairs += [("nobody", v) for v in self._all(predicate, 1 - key_at) - used if predicate in self.unheld]
+            pairs = [(k, NOTHING.name) for k in self._all(predicate, key_at) - held if predicate in self.emptied]
+            pairs += [(NOBODY.name, v) for v in self._all(predicate, 1 - key_at) - used if predicate in self.unheld]
             yield from ((predicate, *(pair if key_at == 0 else pair[::-1])) for pair in sorted(pairs))
 
     def _all(self, predicate: str, position: int) -> set[str]:

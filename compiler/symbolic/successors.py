@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from ..ir import Action, And, ChainType, Exists, Fact, Forall, Formula, Not, Or, Problem, Value
-from .blocks import Block, Blocks, Step
+from .blocks import Block, Blocks
 from .chains import Word
 from .domains import Domains, FlatRule
 from .expressions import source
@@ -19,6 +19,7 @@ from .geometry import Geometry
 from .guards import Environment, Guards
 from .layout import Layout
 from .normal_form import NormalForm
+from .steps import Step
 
 Successor = tuple[int, int]
 Expander = Callable[[int], list[Successor]]

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import pytest
 
 from tamplang.compiler.ir import Problem
+from tamplang.compiler.pipeline import compile_text
 from tamplang.compiler.scenes.parameters import UsageError
 from tamplang.compiler.symbolic.pddl import to_pddl
 from tamplang.compiler.symbolic.successors import Successors
@@ -104,3 +105,66 @@ def test_what_pddl_cannot_say_is_told_to_the_user(name: str) -> None:
         assert "PDDL" in str(error)
     else:
         assert domain.startswith("(define")
+
+
+RESERVED = """define domain problem requirements types constants objects predicates functions action parameters
+precondition
+effect init goal metric and or not imply exists forall when either assign increase decrease minimize maximize object
+number over at start end all always sometime within preference durative-action duration condition derived"""
+AWKWARD = """
+type thing < object
+predicate (reached X: thing)
+predicate (not_reached X: thing)
+predicate (define X: thing) functional in X
+rule reach(X x: thing) { pre not (reached X) post (reached X), (not_reached x) }
+rule either(imply: thing) { post not (reached imply), (define imply) }
+task problem() {
+    for i in 1 .. 2 { thing either[i]: sphere(1 cm) at (i * 1 m, 0, 0) }
+    thing either_1: sphere(1 cm) at (0, 1 m, 0)
+    thing Either_1: sphere(1 cm) at (0, 2 m, 0)
+    thing nothing: sphere(1 cm) at (0, 3 m, 0)
+    thing _9: sphere(1 cm) at (0, 4 m, 0)
+    thing LONG: sphere(1 cm) at (0, 5 m, 0)
+    goal (reached nothing), (not_reached LONG)
+}
+""".replace("LONG", "l" * 250)
+
+
+def test_names_are_read_by_every_reader_and_told_in_comments() -> None:
+    problem, _ = compile_text(AWKWARD)
+    domain, task = to_pddl(problem)
+    told = dict(re.findall(r"^; (\w+): (.+)$", domain, re.MULTILINE))
+    assert sorted(told.values()) == sorted([*problem.objects, *problem.predicates])
+    text = re.sub(r";.*", "", domain) + task
+    names = set(re.findall(r"[^\s()?:]+", text)) - {"-"}
+    for name in names - set(RESERVED.split()) - {"strips", "typing"}:
+        assert re.fullmatch(r"[a-z][a-z0-9_]{0,70}", name), name
+    assert not set(RESERVED.split()) & {*told, *re.findall(r":action (\S+)", domain), *re.findall(r"\?(\S+)", text)}
+    for parameters, _, _ in actions(domain):
+        names_ = re.findall(r"\?\w+", parameters)
+        assert len(names_) == len(set(names_))
+    assert shortest(domain, task, 3) == 1
+    assert to_pddl(problem) == (domain, task)
+
+
+SECOND = """
+type thing < object
+predicate (at X: thing, A: thing) functional in A
+rule move(A X: thing) { post (at X A) }
+rule wipe(A: thing) { post not (at ANY A) }
+rule swap(A X: thing) { pre (at X A) post not (at X A), (at A A) }
+task t() {
+    thing a: box(1 m, 1 m, 1 m) at (0, 0, 0)
+    thing b: box(1 m, 1 m, 1 m) at (3 m, 0, 0)
+    fact (at a a)
+    goal GOAL
+}
+"""
+
+
+@pytest.mark.parametrize(("goal", "length"), [("(at b a)", 2), ("(at b b)", 1), ("(at a b), (at a a)", 1)])
+def test_functional_predicates_have_one_value(goal: str, length: int) -> None:
+    problem, _ = compile_text(SECOND.replace("GOAL", goal))
+    candidate = SkeletonSearch(problem, Successors(problem), "astar", Budget(20)).next()
+    assert candidate is not None and len(candidate.actions) == length
+    assert shortest(*to_pddl(problem), 4) == length
