@@ -135,3 +135,12 @@ def test_hard_phases_fail_soon_when_switches_can_be_drawn_anew() -> None:
     soon = solve_sequence_path(*scene, SETTINGS, Seed(0), Budget(20.0), thorough=False)
     late = solve_sequence_path(*scene, SETTINGS, Seed(0), Budget(20.0))
     assert not soon.feasible and not late.feasible and soon.iterations < late.iterations
+
+
+def test_a_dearer_path_does_not_replace_a_cheaper_one() -> None:
+    group = group_of(*cart_scene([], (-1.0, 0.0), (1.0, 0.0)), [0])
+    attempt(group, np.arange(1), straight(group.batch), Schedule(), Budget(20.0))
+    assert group.solved.all()
+    paths, cost = group.paths.copy(), group.cost.copy()
+    attempt(group, np.arange(1), homeward(group.batch, 0.0) + 0.3, Schedule(iterations=0), Budget(20.0))
+    assert np.array_equal(group.paths, paths) and np.array_equal(group.cost, cost)

@@ -96,19 +96,50 @@ def test_the_plan_with_the_least_strain_of_all_that_are_alike_is_found(
     known = sorted(ways(found, rules), key=lambda w: (cost(found, w), -strained(found, w)))
     worst = known[0]
     alike = [w for w in known if cost(found, w) == cost(found, worst) and flags(found, w) == flags(found, worst)]
-    actions = tuple(found.successors.action(n) for n in worst)
-    best = roomier(found, Strain(found.successors), Candidate(worst, actions, cost(found, worst), True, 0.0))
+    best = roomier(found, Strain(found.successors), by_hand(found, worst))
     assert best.numbers in alike and best.cost == cost(found, best.numbers)
     assert strained(found, best.numbers) == pytest.approx(min(strained(found, w) for w in alike))
 
 
+def by_hand(found: SkeletonSearch, numbers: tuple[int, ...]) -> Candidate:
+    actions = tuple(found.successors.action(n) for n in numbers)
+    return Candidate(numbers, actions, cost(found, numbers), True, 0.0)
+
+
 def test_what_is_forbidden_is_not_taken_for_its_room() -> None:
     found = search("(at pad t)")
-    candidate = found.next()
-    assert candidate is not None
-    best = roomier(found, Strain(found.successors), candidate)
-    found.forbid_plan(best)
-    following = found.next()
-    assert following is not None
-    again = roomier(found, Strain(found.successors), following)
-    assert again.numbers != best.numbers
+    known = sorted(ways(found, ("go", "go")), key=lambda w: strained(found, w))
+    found.forbid_plan(by_hand(found, known[0]))
+    again = roomier(found, Strain(found.successors), by_hand(found, known[-1]))
+    assert again.numbers == known[1]
+
+
+TWO = """
+import std.crawler
+predicate (used c: module)
+rule use(c: module, X Y: object) { pre (of c X), distance(X, Y) <= 1 m, not (used c)   post (used c) }
+predicate (of c: module, X: object) static
+task two() {
+    base one: box(0.1 m, 0.1 m, 0.1 m) at (9 m, 9 m, 0)
+    base other: box(0.1 m, 0.1 m, 0.1 m) at (9 m, 12 m, 0)
+    object x: sphere(5 cm) at (0, 0, 0)
+    object y: sphere(5 cm) at (1.05 m, 0, 0)
+    object z: sphere(5 cm) at (0.5 m, 5 m, 0)
+    object w: sphere(5 cm) at (0, 5 m, 0)
+    crawler c: A on one
+    crawler d: A on other
+    fact (of c x)
+    fact (of d z)
+    goal (used c) or (used d)
+}
+"""
+
+
+def test_what_another_robot_would_do_with_more_room_is_another_plan() -> None:
+    problem = compile_text(TWO, "two.tamp")[0]
+    found = SkeletonSearch(problem, Successors(problem), "astar", Budget(None))
+    known = {str(found.successors.action(w[0])): w for w in ways(found, ("use",))}
+    bold, tame = known["use(c, x, y)"], known["use(d, z, w)"]
+    assert strained(found, tame) < strained(found, bold) and flags(found, tame) != flags(found, bold)
+    best = roomier(found, Strain(found.successors), by_hand(found, bold))
+    assert found.successors.action(best.numbers[0]).args[0] == "c"

@@ -54,6 +54,11 @@ CASES = {
         "rule cheap(X: thing) { pre not (p X) post (p X) cost 1.5 }",
         "", "(p a), (p b)", 3.0,
     ),
+    "a detour that a hurried search leaves out": (
+        "predicate (done)\npredicate (ready)\nrule direct(X: spot) { pre not (done) post (done) cost 2.3 }\n"
+        "rule first(X: spot) { pre not (ready) post (ready) }\nrule second(X: spot) { pre (ready) post (done) }",
+        "", "(done)", 2.0,
+    ),
     "a cost that depends on what the action is about": (
         "predicate (p X: thing)\n"
         "rule mark(X: thing, S: spot) { pre not (p X) post (p X) cost if distance(X, S) < 1 m then 0.5 else 2 }",
@@ -114,6 +119,14 @@ def test_moves_between_places_count_by_their_costs(rule: str, cost: float) -> No
     assert len(known) > 5 and all(value <= true + 1e-9 for value, true in known)
     candidate = search.next()
     assert candidate is not None and candidate.optimal and candidate.cost <= left[graph.start] + 1e-9
+
+
+def test_a_hurried_search_claims_no_more_than_it_has_proved() -> None:
+    rules, facts, goal, cost = CASES["a detour that a hurried search leaves out"]
+    problem, _ = compile_text(SCENE.format(rules=rules, facts=facts, goal=goal))
+    candidate = SkeletonSearch(problem, Successors(problem), "wastar", Budget(None)).next()
+    assert candidate is not None and candidate.cost == 2.3
+    assert not candidate.optimal and candidate.lower_bound <= cost
 
 
 LITTLE, MUCH = 1e-10, 1e-8
