@@ -11,10 +11,11 @@ from .. import ir
 from .binders import bind
 from .chain_bounds import check_chain_bounds
 from .context import Context
-from .effects import check_effects
+from .effects import check_effects, flatten
 from .formulas import TRUE, check_formula
 from .kinds import NUMBER
 from .names import Scope
+from .relaxation import conjuncts
 from .scalars import check_scalar
 
 
@@ -111,7 +112,32 @@ def _check_rule(context: Context, rule: syntax.RuleDecl) -> ir.Rule:
     condition = ir.And(tuple(c for c in conditions if c != TRUE))
     lowered = ir.Rule(rule.name, variables, condition, effects, cost, context.findings.word(rule.span, rule.name))
     check_chain_bounds(context, lowered)
+    _check_values(context, lowered)
     return lowered
+
+
+def _check_values(context: Context, rule: ir.Rule) -> None:
+    """Report a rule that gives a functional predicate a value beside one that it needs, or gives it two."""
+    own = [e for e in rule.effects if isinstance(e, ir.Effect) and not e.negated and not e.literal.motion]
+    deleted = {e.literal.predicate for e in flatten(rule.effects) if e.negated and not e.literal.motion}
+    needed = [x for x in conjuncts(rule.condition)[0] if x.predicate not in deleted]
+    for number, effect in enumerate(own):
+        literal = effect.literal
+        declared = context.library.predicates[literal.predicate]
+        names = [v.name for v in context.logic[literal.predicate].variables]
+        if declared.functional_in not in names:
+            continue
+        key = names.index(declared.functional_in)
+        for other in (*needed, *(e.literal for e in own[:number])):
+            if other.predicate == literal.predicate and other.args[key] == literal.args[key] and other != literal:
+                context.findings.report(
+                    "E0306",
+                    literal.span,
+                    f"`{rule.name}` would leave two values of `{literal.predicate}`, so it can do nothing new",
+                    help=f"delete the other one: `not {context.findings.text(other.span)}`" if other.span else None,
+                    labels=[(other.span, "the other value")] if other.span else [],
+                )
+                break
 
 
 def check_placements(context: Context) -> tuple[Placement, ...]:

@@ -15,7 +15,8 @@ Binding = Mapping[str, str]
 
 
 def check_goal(findings: Findings, relaxation: Relaxation, goal: ir.Formula) -> None:
-    """Report each literal of the goal that has no achiever, and why."""
+    """Report each literal of the goal that has no achiever, and why; and two values of one functional predicate."""
+    _check_values(findings, relaxation, goal)
     for literal, binding in _unreached(relaxation, goal, {}):
         shown = _shown(literal, binding)
         reasons = list(dict.fromkeys(_reasons(relaxation, literal, binding)))
@@ -27,6 +28,22 @@ def check_goal(findings: Findings, relaxation: Relaxation, goal: ir.Formula) -> 
             help=_repair(reasons),
             note="; ".join(reason for reason, _ in reasons) or None,
         )
+
+
+def _check_values(findings: Findings, relaxation: Relaxation, goal: ir.Formula) -> None:
+    """Report a second value that the goal wants for a functional predicate."""
+    wanted: dict[tuple[str, str], ir.Literal] = {}
+    for literal in conjuncts(goal)[0]:
+        predicate = relaxation.world.predicates.get(literal.predicate)
+        key_at = None if predicate is None else predicate.functional_in
+        if predicate is None or key_at is None or not all(isinstance(a, ir.Object) for a in literal.args):
+            continue
+        key = _name(literal.args[key_at], {}) or ""
+        first = wanted.setdefault((literal.predicate, key), literal)
+        if first.args != literal.args:
+            one, other = _shown(first, {}), _shown(literal, {})
+            labels = [(predicate.span, "declared functional here")] if predicate.span else []
+            findings.report("E0306", literal.span, f"the goal wants two values: {one} and {other}", labels=labels)
 
 
 def _repair(reasons: list[tuple[str, str | None]]) -> str | None:
@@ -78,6 +95,8 @@ def possible(relaxation: Relaxation, literal: ir.Literal, binding: Binding) -> b
         return False
     if _stated(relaxation, literal.predicate, wanted):
         return True
+    if _held(relaxation, literal.predicate, wanted) is not None:
+        return False
     return any(_achieves(relaxation, rule, literal.predicate, wanted) for rule in world.rules.values())
 
 
@@ -87,6 +106,20 @@ def _stated(relaxation: Relaxation, predicate: str, wanted: list[str | None]) ->
     if len(names) == len(wanted):
         return (predicate, *names) in relaxation.world.init
     return any(f[0] == predicate and _matches(f[1:], wanted) for f in relaxation.world.init)
+
+
+def _held(relaxation: Relaxation, predicate: str, wanted: list[str | None]) -> ir.Fact | None:
+    """The fact at the start that keeps a functional predicate from ever having another value: no rule deletes it."""
+    world = relaxation.world
+    key_at = world.predicates[predicate].functional_in
+    if key_at is None or None in wanted:
+        return None
+    for fact in sorted(world.init):
+        if fact[0] == predicate and fact[1 + key_at] == wanted[key_at] and [*fact[1:]] != wanted:
+            names: list[str | None] = [*fact[1:]]
+            if not any(_achieves(relaxation, rule, predicate, names, deletes=True) for rule in world.rules.values()):
+                return fact
+    return None
 
 
 def _name(term: ir.Term, binding: Binding) -> str | None:
@@ -99,7 +132,10 @@ def _matches(names: tuple[str, ...], wanted: list[str | None]) -> bool:
     return all(w is None or w == n for n, w in zip(names, wanted, strict=True))
 
 
-def _achieves(relaxation: Relaxation, rule: ir.Rule, predicate: str, wanted: list[str | None]) -> bool:
+def _achieves(
+    relaxation: Relaxation, rule: ir.Rule, predicate: str, wanted: list[str | None], deletes: bool = False
+) -> bool:
+    """Whether a rule may add, or delete, a literal."""
     domains = relaxation.domains.get(rule.name)
     if domains is None:
         return False
@@ -107,10 +143,11 @@ def _achieves(relaxation: Relaxation, rule: ir.Rule, predicate: str, wanted: lis
     orders = [wanted, wanted[::-1]] if symmetric else [wanted]
     for effect, loops in effects_with_loops(rule.effects):
         literal = effect.literal
-        if effect.negated or literal.motion or literal.predicate != predicate:
+        if effect.negated is not deletes or literal.motion or literal.predicate != predicate:
             continue
         inner = {**domains, **{v.name: set(relaxation.of(v)) for v in loops if isinstance(v.type, ir.ObjectType)}}
-        columns = [relaxation.values(a, inner) for a in literal.args]
+        everything = relaxation.world.objects.keys()
+        columns = [everything if isinstance(a, ir.Any_) else relaxation.values(a, inner) for a in literal.args]
         for order in orders:
             if all(w is None or w in c for w, c in zip(order, columns, strict=True)):
                 return True
@@ -136,8 +173,13 @@ def _reasons(relaxation: Relaxation, literal: ir.Literal, binding: Binding) -> I
         yield "the program declares and imports no rules", None
     elif not adders:
         yield f"no rule adds `{literal.predicate}`", None
-    for rule in adders:
-        yield from _obstacle(relaxation, rule, literal.predicate, wanted)
+    obstacles = [o for rule in adders for o in _obstacle(relaxation, rule, literal.predicate, wanted)]
+    yield from obstacles
+    held = None if obstacles else _held(relaxation, literal.predicate, wanted)
+    if held is not None:
+        name = predicate.variables[predicate.functional_in or 0].name
+        shown = f"`({' '.join(held)})` holds at the start and no rule deletes it"
+        yield f"{shown}: `{literal.predicate}` is functional in {name}", None
 
 
 def _adds(rule: ir.Rule, predicate: str) -> bool:
