@@ -117,7 +117,10 @@ def test_what_is_forbidden_is_not_taken_for_its_room() -> None:
 TWO = """
 import std.crawler
 predicate (used c: module)
-rule use(c: module, X Y: object) { pre (of c X), distance(X, Y) <= 1 m, not (used c)   post (used c) }
+rule use(c: module, X Y: object) {
+    pre  (of c X), distance(X, Y) <= 1 m, X != Y, not (used c)
+    post (used c)
+}
 predicate (of c: module, X: object) static
 task two() {
     base one: box(0.1 m, 0.1 m, 0.1 m) at (9 m, 9 m, 0)

@@ -30,10 +30,10 @@ task wave() {
 """
 
 
-def wave(joint: int = 6, seconds: float = 8.0) -> Plan:
+def wave(joint: int = 6, seconds: float = 8.0, samples: int = 2) -> Plan:
     """One joint turns by 3 rad, by a spline through 0, 1.5 and 3 rad."""
     maker = Maker(TEXT, "wave")
-    maker.phase("wave", ("c",), [maker.now.modules["c"][7:] + 3.0 * np.eye(7)[joint]], seconds=seconds, samples=2)
+    maker.phase("wave", ("c",), [maker.now.modules["c"][7:] + 3.0 * np.eye(7)[joint]], seconds=seconds, samples=samples)
     return maker.plan()
 
 
@@ -58,6 +58,11 @@ def test_rates_are_those_of_the_spline() -> None:
     assert worst["joint_speed_rad_s"] == pytest.approx(0.5625)
     assert worst["joint_acceleration_rad_s2"] == pytest.approx(0.28125)
     assert "joint_speed_m_s" not in worst and "joint_acceleration_m_s2" not in worst
+
+
+def test_the_speed_between_two_knots_is_that_of_the_curve_not_of_samples() -> None:
+    """A spline with knots at its ends only is fastest half way: 3/2 of 3 rad in 8 s."""
+    assert verify(wave(samples=1)).worst["joint_speed_rad_s"] == pytest.approx(0.5625, rel=1e-12)
 
 
 @pytest.mark.parametrize(("name", "peak"), [("speed", 0.5625), ("acceleration", 0.28125)])
