@@ -152,7 +152,8 @@ CODES: dict[str, CodeInfo] = {
         "Static and derived predicates cannot be changed by a rule.",
         "post (linked A B)", "post (connected A B)"),
     "E0306": CodeInfo("two values for a functional predicate", "logic",
-        "`functional in A` allows one literal for each A.",
+        "`functional in A` allows one literal for each A: among the facts, in the goal, and after every action. A rule "
+        "that gives a new value deletes the old one.",
         "fact (on ground c.A)\nfact (on table c.A)", "fact (on ground c.A)"),
     "E0307": CodeInfo("circular derived predicate", "logic",
         "A derived predicate cannot use itself, directly or through others."),
@@ -245,6 +246,9 @@ CODES: dict[str, CodeInfo] = {
         "A value on the command line names a parameter of the task and fits its type and range: a finite number, with "
         "a unit where the type has units.",
         "tamplang solve climb.tamp -p n=nan", "tamplang solve climb.tamp -p n=8"),
+    "E0520": CodeInfo("row that is false at the start", "scene",
+        "The `during` rows of motion literals that hold at the start, by a fact or a placement, must be true there. "
+        "Rows `at switch` ask nothing of the start: they bind where an action adds a literal."),
     "S0001": CodeInfo("infeasible", "outcome", "It is proved that no sequence of actions reaches the goal."),
     "S0002": CodeInfo("exhausted", "outcome",
         "Every candidate sequence was refused by the motion solver; this is no proof."),

@@ -15,6 +15,7 @@ from ..checks.lifted import Lifted
 from ..checks.names import Entry, Scope, Typed
 from ..checks.relaxation import Relaxation, World, movable
 from ..checks.values import bind_arguments
+from .check_rows import check_rows
 from .check_start import check_start
 from .happenings import breakdowns, courses
 from .initial import initial_state
@@ -44,6 +45,8 @@ def instantiate(
     carried = [(s.subject, s.support) for s in built.standing]
     check_start(context.findings, problem.world, carried)
     check_ways(context.findings, problem.world, carried)
+    if context.findings.errors == errors:
+        check_rows(context.findings, problem)
     return problem
 
 
