@@ -54,6 +54,8 @@ from .lifted_ir import (
     Var,
     Variable,
     Vector,
+    effects_of,
+    effects_with_loops,
 )  # fmt: skip
 
 __all__ = [
@@ -63,6 +65,7 @@ __all__ = [
     "Joint", "Letter", "Link", "Literal", "Module", "ModuleType", "MotionPredicate", "Not", "Number", "Object",
     "ObjectType", "Options", "Or", "Pose", "Predicate", "Previous", "Problem", "Prune", "RangeType", "Row",
     "Rule", "Shape", "Term", "Type", "Value", "ValueType", "Var", "Variable", "Vec3", "Vector", "World",
+    "effects_of", "effects_with_loops",
 ]  # fmt: skip
 
 Vec3 = tuple[float, float, float]
@@ -203,6 +206,11 @@ class World:
         if not dot or module not in self.modules:
             return None
         return self.modules[module], self.modules[module].type.effector(effector)
+
+    def owner(self, name: str) -> str:
+        """The module of which object `name` is an effector; any other object by its own name."""
+        module = name.rpartition(".")[0]
+        return module if module in self.modules else name
 
 
 @dataclass(frozen=True, slots=True)

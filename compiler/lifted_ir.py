@@ -6,10 +6,11 @@ no part in comparison.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from ..langs.source import Span
+from ..langs.trees import parts
 
 # --- types and variables -----------------------------------------------------------------------------------------
 
@@ -293,6 +294,23 @@ class EffectFor:
 
 
 EffectItem = Effect | EffectIf | EffectFor
+
+
+def effects_of(items: Iterable[EffectItem]) -> Iterator[Effect]:
+    """Every effect, however deep in loops and conditions."""
+    return (part for part in parts(tuple(items)) if isinstance(part, Effect))
+
+
+def effects_with_loops(
+    items: Iterable[EffectItem], loops: tuple[Variable, ...] = ()
+) -> Iterator[tuple[Effect, tuple[Variable, ...]]]:
+    """Every effect with the variables of the loops around it."""
+    for item in items:
+        if isinstance(item, Effect):
+            yield item, loops
+        else:
+            around = (*loops, *item.variables) if isinstance(item, EffectFor) else loops
+            yield from effects_with_loops(item.effects, around)
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,15 +17,15 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 
-from ..langs.diagnostics import Diagnostic, SourceError
+from ..langs.diagnostics import Diagnostic, SourceError, UsageError
 from ..langs.reader import read_source
 from ..langs.source import Source
 from . import ir
-from .checks.lifted import check_declarations
 from .imports import load_library, load_sources
 from .scenes.check_reach import check_reach
 from .scenes.instantiate import instantiate
-from .scenes.parameters import UsageError, choose_task, parameter_values
+from .scenes.lifted import check_declarations
+from .scenes.parameters import choose_task, parameter_values
 
 __all__ = ["UsageError", "check", "check_sources", "compile_problem", "compile_sources", "compile_text", "load_library"]
 

@@ -45,6 +45,17 @@ class SourceError(Exception):
         super().__init__("; ".join(f"{d.code} {d.message}" for d in self.diagnostics))
 
 
+class UsageError(Exception):
+    """The command asks for what cannot be, such as a task or parameter that the file does not have, or an unfit value;
+    `diagnostic`, if any, says the same with code, place and hint."""
+
+    def __init__(
+        self, message: str, code: str | None = None, span: Span | None = None, help: str | None = None
+    ) -> None:
+        super().__init__(message if help is None else f"{message}; {help}")
+        self.diagnostic = None if code is None else Diagnostic(code, message, span, help=help)
+
+
 MOST_COMPARED = 300
 """How many names an unknown one is compared with: those of the most similar length."""
 

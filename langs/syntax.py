@@ -6,7 +6,6 @@ so two trees are equal when they say the same. Terms, conditions and effects are
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 from .syntax_terms import (
@@ -53,7 +52,7 @@ __all__ = [
     "MotionFor", "MotionItem", "MotionRow", "Name", "NamedType", "Negate", "Node", "Not", "Number",
     "OptionsItem", "Or", "Parameter", "PlacementDecl", "PredicateDecl", "Previous", "RangeType", "RobotItem",
     "RuleDecl", "SceneDecl", "SceneItem", "SceneUse", "TaskDecl", "Term", "Text", "Type", "TypeDecl", "Vector",
-    "Wildcard", "flat_items", "nodes",
+    "Wildcard", "flat_items",
 ]  # fmt: skip
 
 # --- declarations ----------------------------------------------------------------------------------------------
@@ -394,15 +393,3 @@ class File(Node):
 
     path: str
     declarations: tuple[Declaration, ...]
-
-
-def nodes(part: object) -> Iterator[Node]:
-    """All nodes of a part of the tree."""
-    if isinstance(part, tuple):
-        for inner in part:
-            yield from nodes(inner)
-    elif isinstance(part, Node):
-        yield part
-        for name in part.__dataclass_fields__:
-            if name != "span":
-                yield from nodes(getattr(part, name))

@@ -97,24 +97,18 @@ class Experience:
         anything."""
         world = self.problem.world
         movers = world.modules.keys() | {name for name, body in world.bodies.items() if body.movable}
-        concerned = {_owner(name) for phase in phases for name in objects_of(phase.action)} & movers
+        concerned = {world.owner(name) for phase in phases for name in objects_of(phase.action)} & movers
         found: list[Fact] = []
         waiting = sorted(phases[0].mode)
         grown = True
         while grown:
-            tied = [fact for fact in waiting if any(_owner(arg) in concerned for arg in fact[1:])]
+            tied = [fact for fact in waiting if any(world.owner(arg) in concerned for arg in fact[1:])]
             waiting = [fact for fact in waiting if fact not in tied]
             found += tied
-            more = {_owner(arg) for fact in tied for arg in fact[1:]} & movers
+            more = {world.owner(arg) for fact in tied for arg in fact[1:]} & movers
             grown = not more <= concerned
             concerned |= more
         return found
-
-
-def _owner(name: str) -> str:
-    """The module of an effector; any other name stays."""
-    return name.rpartition(".")[0] or name
-
 
 
 def _at_least(strains: Sequence[float], refused: Sequence[float]) -> bool:

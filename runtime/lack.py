@@ -24,7 +24,7 @@ from ..compiler.ir import (
     Var,
 )
 from ..compiler.symbolic.geometry import Geometry
-from ..compiler.symbolic.normal_form import parts
+from ..langs.trees import parts
 
 
 def lacking(problem: Problem) -> list[str]:

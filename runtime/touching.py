@@ -27,7 +27,7 @@ def touching(world: ir.World, within: float = TOUCHING) -> frozenset[Pair]:
         near = np.flatnonzero(far < bounding_radius(placed.shape) + within)
         others = [still[i] for i in near.tolist()] + movers[index + 1 :]
         for other, shape in others:
-            if _owner(name) != _owner(other) and _near(placed, shape, within):
+            if world.owner(name) != world.owner(other) and _near(placed, shape, within):
                 found.add(pair(name, other))
     return frozenset(found)
 
@@ -42,10 +42,6 @@ def _movers(world: ir.World) -> list[tuple[str, Placed]]:
                 placed = Placed(effector.shape, compose(frames[effector.joint], effector.placement))
                 found.append((f"{module.name}.{effector.name}", placed))
     return found + [(b.name, Placed(b.shape, b.pose)) for b in world.bodies.values() if b.movable]
-
-
-def _owner(name: str) -> str:
-    return name.rpartition(".")[0] or name
 
 
 def _near(first: Placed, second: Placed, within: float) -> bool:

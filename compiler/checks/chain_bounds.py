@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import fields, is_dataclass
 
-from ...langs.source import Span
+from ...langs.trees import parts
 from .. import ir
 from .context import Context
 
@@ -13,13 +12,13 @@ from .context import Context
 def check_chain_bounds(context: Context, part: ir.Rule | ir.Derived | ir.Formula) -> None:
     """Report each range variable that counts the modules of a chain whose length the rule, derived predicate or goal
     never asks for."""
-    nodes = list(_nodes(part))
+    nodes = list(parts(part))
     measured = {a.name for f in nodes if isinstance(f, ir.Function) and f.name == "length" for a in _vars(f)}
     ranges = {v.name for v in nodes if isinstance(v, ir.Variable) and _counts(v.type)}
     for node in nodes:
         if not isinstance(node, ir.ChainModule) or node.chain in measured:
             continue
-        counters = [v.name for v in _nodes(node.index) if isinstance(v, ir.Var) and v.name in ranges]
+        counters = [v.name for v in parts(node.index) if isinstance(v, ir.Var) and v.name in ranges]
         if counters:
             context.findings.report(
                 "E0313",
@@ -39,14 +38,3 @@ def _counts(kind: ir.Type) -> bool:
 
 def _vars(node: ir.Function) -> Iterator[ir.Var]:
     return (a for a in node.args if isinstance(a, ir.Var))
-
-
-def _nodes(node: object) -> Iterator[object]:
-    """A part of the IR and all that it is made of."""
-    if isinstance(node, tuple):
-        for part in node:
-            yield from _nodes(part)
-    elif is_dataclass(node) and not isinstance(node, Span):
-        yield node
-        for field in fields(node):
-            yield from _nodes(getattr(node, field.name))

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ...langs import syntax
 from ...langs.source import Span
+from ...langs.trees import parts
 from .. import ir
 from .binders import bind
 from .chain_bounds import check_chain_bounds
 from .context import Context
-from .effects import check_effects, flatten
+from .effects import check_effects
 from .formulas import TRUE, check_formula
 from .kinds import NUMBER
 from .names import Scope
@@ -65,7 +66,7 @@ def _unique(parameters: tuple[syntax.Parameter, ...]) -> list[syntax.Parameter]:
 
 
 def _check_circles(context: Context, derived: Mapping[str, ir.Derived]) -> None:
-    uses = {name: {p for p in predicates_in(d.body) if p in derived} for name, d in derived.items()}
+    uses = {name: predicates_in(d.body) & derived.keys() for name, d in derived.items()}
     for name in _suspects(uses):
         reached, frontier = set[str](), sorted(uses[name])
         while frontier:
@@ -119,7 +120,7 @@ def _check_rule(context: Context, rule: syntax.RuleDecl) -> ir.Rule:
 def _check_values(context: Context, rule: ir.Rule) -> None:
     """Report a rule that gives a functional predicate a value beside one that it needs, or gives it two."""
     own = [e for e in rule.effects if isinstance(e, ir.Effect) and not e.negated and not e.literal.motion]
-    deleted = {e.literal.predicate for e in flatten(rule.effects) if e.negated and not e.literal.motion}
+    deleted = {e.literal.predicate for e in ir.effects_of(rule.effects) if e.negated and not e.literal.motion}
     needed = [x for x in conjuncts(rule.condition)[0] if x.predicate not in deleted]
     for number, effect in enumerate(own):
         literal = effect.literal
@@ -157,15 +158,6 @@ def _check_placement(context: Context, placement: syntax.PlacementDecl) -> Place
     return Placement(variables[0], variables[1], literals, placement.span)
 
 
-def predicates_in(formula: ir.Formula) -> Iterator[str]:
-    """The logic predicates that a formula reads, those of its chains included."""
-    if isinstance(formula, ir.Literal):
-        yield formula.predicate
-    elif isinstance(formula, ir.Not):
-        yield from predicates_in(formula.operand)
-    elif isinstance(formula, ir.And | ir.Or):
-        for operand in formula.operands:
-            yield from predicates_in(operand)
-    elif isinstance(formula, ir.Exists | ir.Forall):
-        yield from (v.type.predicate for v in formula.variables if isinstance(v.type, ir.ChainType))
-        yield from predicates_in(formula.body)
+def predicates_in(part: object) -> set[str]:
+    """The logic predicates that a part of the IR reads, those of its chains included."""
+    return {p.predicate for p in parts(part) if isinstance(p, ir.Literal | ir.ChainType)}

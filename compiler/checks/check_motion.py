@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...langs import syntax
+from ...langs.trees import parts
 from .. import ir
 from .binders import bind, unrolled
 from .context import Context
@@ -131,12 +132,4 @@ def _sized(kind: Kind) -> str:
 
 
 def _depends(term: ir.Term) -> bool:
-    if isinstance(term, ir.Var):
-        return True
-    if isinstance(term, ir.Function):
-        return any(_depends(a) for a in term.args)
-    if isinstance(term, ir.Arith):
-        return any(_depends(a) for a in term.operands)
-    if isinstance(term, ir.Vector):
-        return any(_depends(a) for a in term.items)
-    return isinstance(term, ir.Conditional) and (_depends(term.then) or _depends(term.otherwise))
+    return any(isinstance(part, ir.Var) for part in parts(term))

@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from ...langs import syntax
 from ...langs.source import Span
+from ...langs.trees import parts
 from .. import ir
 from ..library import Library
 from .check_logic import Placement, predicates_in
 from .context import Context
-from .effects import flatten
 from .names import names_in
 from .relaxation import conjuncts
 
@@ -23,12 +23,12 @@ def check_usage(
 ) -> None:
     """All warnings of this file."""
     stated = list(_stated(context))
-    added = [e.literal for r in rules.values() for e in flatten(r.effects) if not e.negated]
+    added = [e.literal for r in rules.values() for e in ir.effects_of(r.effects) if not e.negated]
     added += [literal for p in placements for literal in p.literals]
     sources = [
         _pattern(context, e.literal, _types(r.variables))
         for r in rules.values()
-        for e in flatten(r.effects)
+        for e in ir.effects_of(r.effects)
         if not e.negated
     ]
     sources += [_pattern(context, x, _types((p.subject, p.support))) for p in placements for x in p.literals]
@@ -45,23 +45,13 @@ Pattern = tuple[bool, str, tuple[str | None, ...]]
 def _stated(context: Context) -> Iterator[syntax.Literal]:
     """The literals of all `fact` items in modules, scenes and tasks."""
     library = context.library
-    for module in library.modules.values():
-        yield from (i.literal for i in module.flat() if isinstance(i, syntax.FactItem))
-    for items in _scene_items(library):
-        yield from _facts(items)
+    for items in (*(m.items for m in library.modules.values()), *_scene_items(library)):
+        yield from (part.literal for part in parts(items) if isinstance(part, syntax.FactItem))
 
 
 def _scene_items(library: Library) -> Iterator[tuple[syntax.SceneItem, ...]]:
     yield from (s.items for s in library.scenes.values())
     yield from (t.items for t in library.tasks.values())
-
-
-def _facts(items: Sequence[syntax.SceneItem]) -> Iterator[syntax.Literal]:
-    for item in items:
-        if isinstance(item, syntax.FactItem):
-            yield item.literal
-        elif isinstance(item, syntax.ForItem | syntax.IfItem):
-            yield from _facts(item.items)
 
 
 def _types(variables: Sequence[ir.Variable]) -> dict[str, str]:
@@ -86,7 +76,7 @@ def _pattern(context: Context, literal: ir.Literal, types: Mapping[str, str]) ->
 def _check_deletions(
     context: Context, rule: ir.Rule, sources: Sequence[Pattern], stated: Sequence[syntax.Literal]
 ) -> None:
-    for effect in flatten(rule.effects):
+    for effect in ir.effects_of(rule.effects):
         literal = effect.literal
         if not effect.negated or any(s.predicate == literal.predicate and s.motion == literal.motion for s in stated):
             continue
@@ -159,12 +149,11 @@ def _check_read(
 ) -> None:
     read: set[str] = set()
     for rule in rules.values():
-        read |= set(predicates_in(rule.condition))
-        read |= {v.type.predicate for v in rule.variables if isinstance(v.type, ir.ChainType)}
-        read |= set(_read_in_effects(rule.effects))
+        conditions = [e.condition for e in parts(rule.effects) if isinstance(e, ir.EffectIf)]
+        read |= predicates_in((rule.variables, rule.condition, *conditions, rule.cost))
     for definition in derived.values():
-        read |= set(predicates_in(definition.body))
-    read |= set(_read_in_syntax(context))
+        read |= predicates_in(definition.body)
+    read |= _read_in_syntax(context.library)
     for literal in added:
         name = literal.predicate
         if not literal.motion and name not in read:
@@ -174,33 +163,12 @@ def _check_read(
             )
 
 
-def _read_in_effects(items: Sequence[ir.EffectItem]) -> Iterator[str]:
-    for item in items:
-        if isinstance(item, ir.EffectIf):
-            yield from predicates_in(item.condition)
-        if not isinstance(item, ir.Effect):
-            yield from _read_in_effects(item.effects)
-
-
-def _read_in_syntax(context: Context) -> Iterator[str]:
-    """Predicates in goals and heuristics, found in the tree."""
-    library = context.library
+def _read_in_syntax(library: Library) -> set[str]:
+    """Predicates in goals, functions and heuristics, found in the tree."""
+    read: list[object] = [*library.functions.values(), *library.heuristics.values()]
     for items in _scene_items(library):
-        yield from _read_in_items(items)
-    for function in library.functions.values():
-        yield from _literals(function.body)
-    for heuristic in library.heuristics.values():
-        for term in [heuristic.start, *(c.value for c in heuristic.cases)]:
-            yield from _literals(term)
-
-
-def _read_in_items(items: Sequence[syntax.SceneItem]) -> Iterator[str]:
-    for item in items:
-        if isinstance(item, syntax.GoalItem):
-            for formula in item.formulas:
-                yield from _literals(formula)
-        elif isinstance(item, syntax.ForItem | syntax.IfItem):
-            yield from _read_in_items(item.items)
+        read += [goal for goal in parts(items) if isinstance(goal, syntax.GoalItem)]
+    return {p.predicate for p in parts(tuple(read)) if isinstance(p, syntax.Literal | syntax.ChainType)}
 
 
 def _check_parameters(context: Context) -> None:
@@ -224,15 +192,3 @@ def _check_parameters(context: Context) -> None:
             if parameter.name not in named:
                 where = context.findings.word(parameter.span, parameter.name)
                 context.findings.report("W0005", where, f"`{owner}` never uses its parameter `{parameter.name}`")
-
-
-def _literals(node: object) -> Iterator[str]:
-    if isinstance(node, syntax.Literal | syntax.ChainType):
-        yield node.predicate
-    elif isinstance(node, tuple):
-        for part in node:
-            yield from _literals(part)
-    elif isinstance(node, syntax.Node):
-        for name in node.__dataclass_fields__:
-            if name != "span":
-                yield from _literals(getattr(node, name))

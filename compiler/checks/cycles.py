@@ -11,9 +11,8 @@ from collections.abc import Mapping
 
 from ...langs import syntax
 from .. import ir
-from ..scenes.evaluate import EvaluationError, arithmetic
 from .context import Context
-from .effects import flatten
+from .evaluate import EvaluationError, arithmetic
 
 PRUNES = 1000.0
 """The thesis prunes by a cost-to-go of 1000."""
@@ -52,7 +51,7 @@ def undoes(rule: ir.Rule, other: ir.Rule) -> bool:
 
 def _changes(rule: ir.Rule) -> tuple[set[str], set[str]]:
     """The predicates that a rule adds and deletes."""
-    effects = [e for e in flatten(rule.effects) if not e.literal.motion]
+    effects = [e for e in ir.effects_of(rule.effects) if not e.literal.motion]
     return {e.literal.predicate for e in effects if not e.negated}, {e.literal.predicate for e in effects if e.negated}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from ...langs import syntax
 from .. import ir
@@ -59,12 +59,3 @@ def _check_contradictions(context: Context, effects: Sequence[ir.Effect]) -> Non
                 labels=[(other.span, "added here")],
                 note="an action first deletes, then adds: the literal would hold",
             )
-
-
-def flatten(items: Sequence[ir.EffectItem]) -> Iterator[ir.Effect]:
-    """All effects in loops and conditions too, as if each could happen."""
-    for item in items:
-        if isinstance(item, ir.Effect):
-            yield item
-        else:
-            yield from flatten(item.effects)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 from ...langs import syntax
 from ...langs.build_terms import MAX_DEPTH
+from ...langs.trees import children, parts
 from ..library import Library
 from .context import Context
 
@@ -96,7 +97,7 @@ def _used(library: Library) -> dict[str, Used]:
 
 
 def _names_in(table: Mapping[str, Used], body: object) -> set[str]:
-    return {key for node in syntax.nodes(body) if (key := _called(node)) in table}
+    return {key for node in parts(body) if (key := _called(node)) in table}
 
 
 def _called(node: object) -> str:
@@ -110,7 +111,8 @@ def _extent(library: Library, declaration: Declared, known: Mapping[str, Extent]
     parameters = {p.name for p in declaration.parameters}
     for name in declaration.__dataclass_fields__:
         if name not in ("span", "parameters"):
-            _Walk(library, known, parameters, extent).visit(getattr(declaration, name), 0, 1)
+            for part in children((getattr(declaration, name),)):
+                _Walk(library, known, parameters, extent).visit(part, 0, 1)
     return extent
 
 
@@ -121,21 +123,16 @@ class _Walk:
     parameters: set[str]
     found: Extent
 
-    def visit(self, node: object, depth: int, times: int, own: bool = True) -> None:
+    def visit(self, node: syntax.Node, depth: int, times: int, own: bool = True) -> None:
         """Count `node`, which stands `times` times at `depth` once everything is put in."""
-        if isinstance(node, tuple):
-            for part in node:
-                self.visit(part, depth, times, own)
-        elif isinstance(node, syntax.Node):
-            self.count(node, depth, times, own)
-            inner = self.known.get(_called(node))
-            if inner is None:
-                deeper = depth + isinstance(node, syntax.Term | syntax.Formula)
-                for name in node.__dataclass_fields__:
-                    if name != "span":
-                        self.visit(getattr(node, name), deeper, times, own)
-            else:
-                self.put_in(node, inner, depth, times, own)
+        self.count(node, depth, times, own)
+        inner = self.known.get(_called(node))
+        if inner is None:
+            deeper = depth + isinstance(node, syntax.Term | syntax.Formula)
+            for part in children(node):
+                self.visit(part, deeper, times, own)
+        else:
+            self.put_in(node, inner, depth, times, own)
 
     def count(self, node: syntax.Node, depth: int, times: int, own: bool) -> None:
         found = self.found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ...langs import syntax
+from ...langs.trees import parts
 from ..builtins import FUNCTIONS
 from .context import Context
 from .names import BROKEN, Entry, Scope, Typed
@@ -18,7 +19,7 @@ def check_functions(context: Context) -> None:
             context.findings.report("E0118", where, f"`{function.name}` is a built-in function")
             continue
         entries = parameter_entries(context, function.parameters, objects=True)
-        if any(isinstance(n, syntax.Previous) for n in syntax.nodes(function.body)):
+        if any(isinstance(n, syntax.Previous) for n in parts(function.body)):
             continue
         context.open_functions.append(function.name)
         context.check_term(context, Scope(_place(function.body)).with_entries(entries.items()), function.body)
@@ -54,7 +55,7 @@ def _inner(scope: Scope, entries: dict[str, Entry]) -> Scope:
 
 def _place(body: syntax.Term) -> str:
     """Where a function may be used, by the built-in functions in its body."""
-    called = {n.function for n in syntax.nodes(body) if isinstance(n, syntax.Call)} & FUNCTIONS.keys()
+    called = {n.function for n in parts(body) if isinstance(n, syntax.Call)} & FUNCTIONS.keys()
     fitting = [p for p in ("rule", "motion", "scene") if all(p in FUNCTIONS[c].place for c in called)]
     return "heuristic" if not fitting or fitting[0] == "rule" else fitting[0]
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from ...langs import syntax
 from ...langs.source import Span
+from ...langs.trees import parts
 from .. import ir
 from .kinds import UNKNOWN, Kind
 
@@ -89,12 +90,6 @@ class Scope:
         yield from self.objects.families
 
 
-def names_in(node: object) -> set[str]:
+def names_in(part: object) -> set[str]:
     """The names that a part of the syntax tree speaks of."""
-    if isinstance(node, syntax.Name):
-        return {node.name}
-    if isinstance(node, tuple):
-        return set().union(*map(names_in, node))
-    if isinstance(node, syntax.Node):
-        return set().union(*(names_in(getattr(node, f)) for f in node.__dataclass_fields__ if f != "span"))
-    return set()
+    return {node.name for node in parts(part) if isinstance(node, syntax.Name)}

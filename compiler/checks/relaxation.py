@@ -10,7 +10,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from .. import ir
-from .effects import flatten
 
 Columns = list[set[str]]
 Domains = dict[str, set[str]]
@@ -97,7 +96,7 @@ class Relaxation:
             return set()
         self.domains[rule.name] = domains
         grown: set[str] = set()
-        for effect, loops in effects_with_loops(rule.effects):
+        for effect, loops in ir.effects_with_loops(rule.effects):
             if effect.negated or effect.literal.motion:
                 continue
             inner = {**domains, **{v.name: set(self.of(v)) for v in loops if isinstance(v.type, ir.ObjectType)}}
@@ -158,19 +157,6 @@ def conjuncts(formula: ir.Formula) -> tuple[list[ir.Literal], list[ir.Variable]]
     return [], []
 
 
-def effects_with_loops(
-    items: Sequence[ir.EffectItem], loops: tuple[ir.Variable, ...] = ()
-) -> Iterator[tuple[ir.Effect, tuple[ir.Variable, ...]]]:
-    """All effects with the variables of the loops around them."""
-    for item in items:
-        if isinstance(item, ir.Effect):
-            yield item, loops
-        elif isinstance(item, ir.EffectFor):
-            yield from effects_with_loops(item.effects, (*loops, *item.variables))
-        else:
-            yield from effects_with_loops(item.effects, loops)
-
-
 def movable(
     relaxation: Relaxation, motions: Mapping[str, ir.MotionPredicate], start: Iterable[ir.Fact]
 ) -> set[str]:
@@ -179,7 +165,7 @@ def movable(
     followers = {name: set(_followers(motion)) for name, motion in motions.items()}
     found: set[str] = set()
     for name, domains in relaxation.domains.items():
-        for effect in flatten(relaxation.world.rules[name].effects):
+        for effect in ir.effects_of(relaxation.world.rules[name].effects):
             if effect.literal.motion and not effect.negated:
                 for place in followers[effect.literal.predicate]:
                     found |= relaxation.values(effect.literal.args[place], domains)

@@ -6,9 +6,9 @@ from ...langs import syntax
 from ...langs.source import Span
 from .. import ir
 from ..builtins import FUNCTIONS
-from ..scenes.evaluate import EvaluationError, arithmetic, function_value, truth
 from .binders import bind
 from .context import Context
+from .evaluate import EvaluationError, arithmetic, function_value, truth
 from .functions import apply_function
 from .kinds import LENGTH, NUMBER, UNKNOWN, VECTOR, Kind, added, divided, multiplied
 from .names import BROKEN, Scope, Typed

@@ -9,24 +9,18 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..extents import box_sides
-from ..hulls import hull
-from ..ir import Body, Chain, Fact, Function, ModuleType, MotionPredicate, Pose, Problem, Shape, Var, Vec3
+from ..hulls import Array, hull
+from ..ir import Action, Body, Chain, Fact, Function, ModuleType, MotionPredicate, Pose, Problem, Shape, Var, Vec3
 from ..remembering import remembered
 from .covers import cover_hull
-
-if TYPE_CHECKING:
-    from ...runtime.skeleton import Phase, Skeleton
-
-Array = NDArray[np.float64]
 
 PATH_MARGIN = 0.02
 """The margin that the spheres used along a path and at switches are made for."""
@@ -244,8 +238,28 @@ def _named(literals: frozenset[Fact]) -> frozenset[Pair]:
     return frozenset(pair(a, b) for _, *objects in literals for a, b in itertools.combinations(objects, 2))
 
 
+class Phase(Protocol):
+    """One action: the motion literals that hold until its switch, and those that it adds there."""
+
+    @property
+    def action(self) -> Action: ...
+    @property
+    def mode(self) -> frozenset[Fact]: ...
+    @property
+    def added(self) -> frozenset[Fact]: ...
+
+
+class Phases(Protocol):
+    """The actions of a plan in order."""
+
+    @property
+    def problem(self) -> Problem: ...
+    @property
+    def phases(self) -> Sequence[Phase]: ...
+
+
 @remembered(8)
-def contacts(skeleton: Skeleton) -> tuple[PhaseContacts, ...]:
+def contacts(skeleton: Phases) -> tuple[PhaseContacts, ...]:
     """The contacts of each phase: kept poses of its mode hold during it; literals that are added end it;
     whatever touched when the phase before ended and is not kept touches at its start only. Bodies that no module
     carries, and modules that no action concerns, rest and touch still."""
@@ -279,11 +293,7 @@ def _carried(problem: Problem, mode: frozenset[Fact]) -> set[str]:
 def _resting(touching: frozenset[Pair], problem: Problem, phase: Phase, kept: frozenset[Pair]) -> frozenset[Pair]:
     """The contacts of modules that the phase's action does not concern: it concerns what it names, the modules of its
     chains, what it adds, and every module that is linked to these."""
-
-    def owner(name: str) -> str:
-        found = problem.world.effector(name)
-        return found[0].name if found else name
-
+    owner = problem.world.owner
     args = phase.action.args
     chained = [part for arg in args if isinstance(arg, Chain) for line in arg.modules for part in line]
     named = [*map(str, args), *chained, *(name for _, *objects in phase.added for name in objects)]

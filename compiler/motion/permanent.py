@@ -17,8 +17,8 @@ from ..ir import (
     Rule,
     Term,
     Var,
+    effects_of,
 )
-from ..symbolic.domains import effects_of
 from ..symbolic.normal_form import conjuncts
 
 Bound = dict[Term, str]

@@ -7,11 +7,9 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from ..hulls import Array
 from .kinematics import Expression
-
-Array = NDArray[np.float64]
 
 
 @cache

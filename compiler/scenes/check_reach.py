@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from ...langs.trees import parts
 from .. import ir
 from ..checks.findings import Findings
-from ..symbolic.normal_form import parts
 from .reach import Lengths, Reach
 
 MOST_OBJECTS = 150

@@ -11,7 +11,6 @@ from .. import ir
 from ..checks.check_heuristics import lower_heuristic
 from ..checks.context import Context
 from ..checks.kinds import VALUE_TYPES
-from ..checks.lifted import Lifted
 from ..checks.names import Entry, Scope, Typed
 from ..checks.relaxation import Relaxation, World, movable
 from ..checks.values import bind_arguments
@@ -19,6 +18,7 @@ from .check_rows import check_rows
 from .check_start import check_start
 from .happenings import breakdowns, courses
 from .initial import initial_state
+from .lifted import Lifted
 from .reachability import check_goal
 from .scene import BuiltScene, SceneBuilder
 from .scene_names import collect_objects

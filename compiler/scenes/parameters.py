@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import PurePath
 
 from ...langs import syntax
-from ...langs.diagnostics import Diagnostic, did_you_mean
+from ...langs.diagnostics import UsageError, did_you_mean
 from ...langs.source import Span
 from ..checks.values import outside
 from ..library import Library
@@ -24,17 +24,6 @@ UNITS: Mapping[str, Mapping[str, float]] = {
 EXAMPLES = {"int": "8", "real": "0.5", "length": "20cm", "angle": "90deg", "time": "5s", "speed": "5cm/s"}
 """A value of each type, as one types it."""
 QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-z/]*)\s*", re.ASCII)
-
-
-class UsageError(Exception):
-    """The command asks for what cannot be, such as a task or parameter that the file does not have, or an unfit value;
-    `diagnostic`, if any, says the same with code, place and hint."""
-
-    def __init__(
-        self, message: str, code: str | None = None, span: Span | None = None, help: str | None = None
-    ) -> None:
-        super().__init__(message if help is None else f"{message}; {help}")
-        self.diagnostic = None if code is None else Diagnostic(code, message, span, help=help)
 
 
 def choose_task(library: Library, name: str | None) -> syntax.TaskDecl:

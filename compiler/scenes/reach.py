@@ -10,10 +10,11 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from ...langs.trees import parts
 from .. import ir
-from ..symbolic.domains import Domains, FlatRule, scoped_effects
+from ..symbolic.domains import Domains, FlatRule
 from ..symbolic.lengths import end_radius, longest_chain, shape_radius
-from ..symbolic.normal_form import NormalForm, parts
+from ..symbolic.normal_form import NormalForm
 from .check_start import Box, volumes
 
 SLACK = 1e-6
@@ -167,10 +168,8 @@ class Reach:
             return False
         grown = False
         frozen = {name: frozenset(found) for name, found in names.items()}
-        for effect, types in scoped_effects(flat.rule.effects, {v.name: v.type for v in flat.variables}):
+        for effect, types in flat.additions():
             literal = effect.literal
-            if effect.negated or literal.motion:
-                continue
             columns = [set(self.domains.term(a, types, frozen)) for a in literal.args]
             symmetric = self.problem.predicates[literal.predicate].symmetric
             for order in (columns, columns[::-1]) if symmetric else (columns,):
@@ -235,9 +234,9 @@ class Reach:
         wanted = {p.predicate: p for p in parts(self.normal.normal(goal, {}, False)) if isinstance(p, ir.Literal)}
         misses: list[Miss] = []
         for flat in self.domains.rules:
-            for effect, _ in scoped_effects(flat.rule.effects, {v.name: v.type for v in flat.variables}):
+            for effect, _ in flat.additions():
                 literal = wanted.get(effect.literal.predicate)
-                if literal is None or effect.negated or effect.literal.motion:
+                if literal is None:
                     continue
                 pairs = zip(effect.literal.args, literal.args, strict=True)
                 binding = {a.name: o.name for a, o in pairs if isinstance(a, ir.Var) and isinstance(o, ir.Object)}

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 
 from .. import ir
 from ..checks.findings import Findings
-from ..checks.relaxation import Relaxation, conjuncts, effects_with_loops
+from ..checks.relaxation import Relaxation, conjuncts
 
 Binding = Mapping[str, str]
 
@@ -141,7 +141,7 @@ def _achieves(
         return False
     symmetric = relaxation.world.predicates[predicate].symmetric
     orders = [wanted, wanted[::-1]] if symmetric else [wanted]
-    for effect, loops in effects_with_loops(rule.effects):
+    for effect, loops in ir.effects_with_loops(rule.effects):
         literal = effect.literal
         if effect.negated is not deletes or literal.motion or literal.predicate != predicate:
             continue
@@ -185,7 +185,7 @@ def _reasons(relaxation: Relaxation, literal: ir.Literal, binding: Binding) -> I
 def _adds(rule: ir.Rule, predicate: str) -> bool:
     return any(
         not e.negated and not e.literal.motion and e.literal.predicate == predicate
-        for e, _ in effects_with_loops(rule.effects)
+        for e in ir.effects_of(rule.effects)
     )
 
 
@@ -193,7 +193,7 @@ def _obstacle(
     relaxation: Relaxation, rule: ir.Rule, predicate: str, wanted: list[str | None]
 ) -> Iterator[tuple[str, str | None]]:
     """The first thing that keeps a rule from adding the literal."""
-    for effect, _ in effects_with_loops(rule.effects):
+    for effect in ir.effects_of(rule.effects):
         if effect.negated or effect.literal.motion or effect.literal.predicate != predicate:
             continue
         binding: dict[str, str] = {}

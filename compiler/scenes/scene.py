@@ -16,6 +16,7 @@ from .. import ir
 from ..checks.binders import bind, spend, unrolled
 from ..checks.chain_bounds import check_chain_bounds
 from ..checks.context import Context
+from ..checks.evaluate import truth
 from ..checks.formulas import check_formula, check_literal
 from ..checks.kinds import ANGLE, LENGTH
 from ..checks.names import Entry, Objects, Scope
@@ -23,7 +24,6 @@ from ..checks.shapes import shape
 from ..checks.terms import check_term
 from ..checks.values import bind_arguments, number, vector
 from ..poses import make, yaw
-from .evaluate import truth
 from .happenings import Way, check_breakdown, check_way
 from .module_types import BuiltModule, build_module, effector_types, entries_key
 from .placing import Support, has_flat_top, module_pose, top_of

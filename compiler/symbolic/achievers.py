@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import product
 
 from ..ir import Effect, Fact, Literal, Type, Var
-from .domains import FlatRule, scoped_effects
+from .domains import FlatRule
 from .layout import STATIC
 from .successors import Successors
 
@@ -34,9 +34,8 @@ class Achievers:
         self._listed: dict[tuple[object, ...], list[Fact]] = {}
         self._adding: dict[str, list[tuple[FlatRule, Literal, dict[str, Type]]]] = {}
         for flat in self.layout.domains.rules:
-            for effect, types in scoped_effects(flat.rule.effects, {v.name: v.type for v in flat.variables}):
-                if not effect.negated and not effect.literal.motion:
-                    self._adding.setdefault(effect.literal.predicate, []).append((flat, effect.literal, types))
+            for effect, types in flat.additions():
+                self._adding.setdefault(effect.literal.predicate, []).append((flat, effect.literal, types))
 
     def of(self, fact: Fact) -> list[Achiever]:
         """Every way in which an effect may add a fact."""

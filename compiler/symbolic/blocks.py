@@ -10,17 +10,14 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from ...langs.trees import parts
 from ..ir import (
-    And,
     Any_,
     Effect,
     EffectIf,
     EffectItem,
-    Exists,
-    Forall,
     Formula,
     Literal,
-    Not,
     Object,
     Or,
     Term,
@@ -169,17 +166,8 @@ class Blocks:
         return None if place is None else (value.name, place)
 
     def _static(self, formula: Formula) -> bool:
-        match formula:
-            case Literal():
-                return self.layout.kinds[formula.predicate] == STATIC
-            case Not():
-                return self._static(formula.operand)
-            case And() | Or():
-                return all(map(self._static, formula.operands))
-            case Exists() | Forall():
-                return self._static(formula.body)
-            case _:
-                return True
+        literals = (part for part in parts(formula) if isinstance(part, Literal))
+        return all(self.layout.kinds[literal.predicate] == STATIC for literal in literals)
 
     def _settle(self, block: Block) -> bool:
         """Effects that are the same for a whole block; False when some depend on more than added values."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from ...langs.trees import parts
 from ..ir import (
     Action,
     Aggregate,
@@ -26,7 +27,6 @@ from ..ir import (
 from .algebra import arithmetic
 from .expressions import literal_test
 from .guards import Environment, Undefined
-from .normal_form import parts
 from .successors import Successors
 
 

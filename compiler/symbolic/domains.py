@@ -5,7 +5,7 @@ Starts from the facts at the start and adds what effects can add, position by po
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from ..ir import (
@@ -14,8 +14,6 @@ from ..ir import (
     ChainModule,
     ChainType,
     Effect,
-    EffectFor,
-    EffectItem,
     Formula,
     Literal,
     Object,
@@ -26,6 +24,8 @@ from ..ir import (
     Type,
     Var,
     Variable,
+    effects_of,
+    effects_with_loops,
 )
 from .normal_form import NormalForm
 
@@ -43,6 +43,12 @@ class FlatRule:
     @property
     def variables(self) -> tuple[Variable, ...]:
         return self.rule.variables + self.hidden
+
+    def additions(self) -> Iterator[tuple[Effect, dict[str, Type]]]:
+        """Every logic literal that an effect may add, with the types of the variables that it sees."""
+        for effect, loops in effects_with_loops(self.rule.effects):
+            if not effect.negated and not effect.literal.motion:
+                yield effect, {v.name: v.type for v in (*self.variables, *loops)}
 
 
 class Domains:
@@ -119,7 +125,7 @@ class Domains:
                 modules = self.of_type(element)
                 if isinstance(term, ChainModule) and not term.side:
                     return modules
-                return frozenset(e for e in self.of_type("effector") if e.rpartition(".")[0] in modules)
+                return frozenset(e for e in self.of_type("effector") if self.problem.world.owner(e) in modules)
             case _:
                 return frozenset()
 
@@ -129,9 +135,7 @@ class Domains:
             names = self._variable_domains(flat)
             if names is None:
                 continue
-            for effect, inner in scoped_effects(flat.rule.effects, {v.name: v.type for v in flat.variables}):
-                if effect.negated or effect.literal.motion:
-                    continue
+            for effect, inner in flat.additions():
                 literal = effect.literal
                 symmetric = self.problem.predicates[literal.predicate].symmetric
                 domains = [self.term(a, inner, names) for a in literal.args]
@@ -141,28 +145,6 @@ class Domains:
                         grown = grown or not domain <= here
                         here |= domain
         return grown
-
-
-def effects_of(items: Iterable[EffectItem]) -> Iterator[Effect]:
-    """Every effect, however deep in loops and conditions."""
-    for item in items:
-        if isinstance(item, Effect):
-            yield item
-        else:
-            yield from effects_of(item.effects)
-
-
-def scoped_effects(
-    items: Iterable[EffectItem], variables: dict[str, Type]
-) -> Iterator[tuple[Effect, dict[str, Type]]]:
-    """Every effect with the types of the variables that it sees."""
-    for item in items:
-        if isinstance(item, Effect):
-            yield item, variables
-        elif isinstance(item, EffectFor):
-            yield from scoped_effects(item.effects, variables | {v.name: v.type for v in item.variables})
-        else:
-            yield from scoped_effects(item.effects, variables)
 
 
 def has_wildcard(literal: Literal) -> bool:

@@ -15,7 +15,7 @@ from typing import Any
 
 from ..ir import And, EffectFor, EffectItem, Fact, Literal, Number, Object, Or, Term, Type
 from .achievers import MOST_FACTS, Achiever, Achievers
-from .domains import FlatRule, scoped_effects
+from .domains import FlatRule
 from .expressions import Test, literal_test, test_source
 from .links import Links
 from .locations import Family, families
@@ -153,9 +153,7 @@ class Estimate:
         domains = self.layout.domains.variable_domains(flat)
         total = 0
         looped = {id(e) for item in flat.rule.effects for e in _looped(item)}
-        for effect, types in scoped_effects(flat.rule.effects, {v.name: v.type for v in flat.variables}):
-            if effect.negated or effect.literal.motion:
-                continue
+        for effect, types in flat.additions():
             counts: dict[Fact, int] = {}
             for landmark in self.landmarks:
                 for fact in landmark.facts:

@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..extents import box_sides
-from ..hulls import convex_geometry
+from ..hulls import Array, convex_geometry
 from ..ir import Chain, ModuleType, Pose, Problem, Shape
 from ..poses import compose, joint_frames, make, orientation, position, rotate
 from .lengths import longest_chain, path_length, shape_radius
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 STRAIGHT = 1e-9
 THIN = 1e-4

@@ -140,7 +140,7 @@ class Guards:
             return float(len(chain.modules)) if name == "length" else self.geometry.chain_reach(chain)
         if name == "reach":
             names = [self.geometry.names[self.thing(a, env)] for a in args]
-            if names[0].rpartition(".")[0] != names[1].rpartition(".")[0]:
+            if len(set(map(self.problem.world.owner, names))) > 1:
                 raise Undefined
             return self.geometry.reach(names[0], names[1])
         return MATHS[name](*(self.number(a, env) for a in args))

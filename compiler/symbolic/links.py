@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
-from ..ir import ChainType, EffectFor, EffectItem
-from .domains import FlatRule, effects_of
+from ..ir import ChainType, EffectFor, EffectItem, effects_of
+from .domains import FlatRule
 from .guards import Guards
 from .layout import FLAG
 
@@ -24,13 +24,13 @@ class Links:
     def __init__(self, guards: Guards, costs: Mapping[str, float]) -> None:
         self.guards = guards
         layout = guards.layout
-        modules = guards.problem.world.modules
-        self.count = max(len(modules), 1)
+        world = guards.problem.world
+        self.count = max(len(world.modules), 1)
         rules = layout.domains.rules
         kinds = {v.type for r in layout.domains.flat for v in r.variables if isinstance(v.type, ChainType)}
         self.predicates = {k.predicate for k in kinds}
         self.pairs = [
-            (bit, fact[1].rpartition(".")[0], fact[2].rpartition(".")[0])
+            (bit, world.owner(fact[1]), world.owner(fact[2]))
             for fact, bit in layout.flags.items()
             if fact[0] in self.predicates and len(fact) == 3
         ]

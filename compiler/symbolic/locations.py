@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...langs.trees import parts
 from ..ir import (
     Arith,
     ChainEnd,
@@ -30,10 +31,10 @@ from ..ir import (
     Var,
 )
 from .algebra import holds
-from .domains import FlatRule, scoped_effects
+from .domains import FlatRule
 from .guards import Guards
 from .layout import FIELD, Field
-from .normal_form import free_names, parts
+from .normal_form import free_names
 
 Matrix = NDArray[np.bool_]
 Interval = tuple[Any, Any]
@@ -103,9 +104,9 @@ class Family:
     def _edges(self, flat: FlatRule, cost: float, bounds: Bounds) -> list[Edge]:
         domains = self.guards.layout.domains.variable_domains(flat)
         found = []
-        for effect, types in scoped_effects(flat.rule.effects, {v.name: v.type for v in flat.variables}):
+        for effect, types in flat.additions():
             literal = effect.literal
-            if literal.motion or effect.negated or literal.predicate != self.predicate:
+            if literal.predicate != self.predicate:
                 continue
             keys = self.guards.layout.domains.term(literal.args[self.key_at], types, domains)
             if not keys & self.guards.layout.small:

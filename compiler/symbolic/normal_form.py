@@ -4,35 +4,32 @@ variables pulled out. All functions are pure and keep meaning."""
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import count
+from typing import Any, TypeVar
 
+from ...langs.trees import children, mapped, parts
 from ..ir import (
     Aggregate,
     And,
-    Arith,
     ChainEnd,
     ChainModule,
-    ChainType,
     Compare,
-    Conditional,
     EffectFor,
     EffectIf,
     EffectItem,
     Exists,
     Forall,
     Formula,
-    Function,
     Literal,
     Not,
     Or,
     Previous,
     Problem,
-    RangeType,
     Term,
     Type,
     Var,
     Variable,
-    Vector,
 )
 
 TRUE = And(())
@@ -40,6 +37,7 @@ FALSE = Or(())
 MOST_ALTERNATIVES = 16
 NEGATED = {"=": "!=", "!=": "=", "<": ">=", ">=": "<", "<=": ">", ">": "<="}
 Renaming = Mapping[str, Term]
+Part = TypeVar("Part")
 MOST_KNOWN = 10000
 _free: dict[int, tuple[Formula | Term | Type, frozenset[str]]] = {}
 """By identity: equality of large terms costs more than what is looked up."""
@@ -107,20 +105,18 @@ class NormalForm:
         """`formula`, or its negation, with derived predicates replaced and variables of quantifiers renamed apart."""
         match formula:
             case Literal():
-                args = tuple(substitute(a, renaming) for a in formula.args)
+                literal = substitute(formula, renaming)
                 derived = self.problem.derived.get(formula.predicate)
                 if derived is not None:
-                    inner = {v.name: a for v, a in zip(derived.variables, args, strict=True)}
+                    inner = {v.name: a for v, a in zip(derived.variables, literal.args, strict=True)}
                     return self.normal(derived.body, inner, negate)
-                literal = Literal(formula.predicate, args, formula.motion, formula.span)
                 return Not(literal) if negate else literal
             case Compare():
-                operator = NEGATED[formula.operator] if negate else formula.operator
-                left, right = self._term(formula.left, renaming), self._term(formula.right, renaming)
-                return Compare(operator, left, right, formula.span)
+                compare = substitute(formula, renaming)
+                return replace(compare, operator=NEGATED[compare.operator]) if negate else compare
             case Previous():
-                args_ = None if formula.args is None else tuple(substitute(a, renaming) for a in formula.args)
-                return Not(Previous(formula.rule, args_)) if negate else Previous(formula.rule, args_)
+                previous = substitute(formula, renaming)
+                return Not(previous) if negate else previous
             case Not():
                 return self.normal(formula.operand, renaming, not negate)
             case And() | Or():
@@ -139,69 +135,30 @@ class NormalForm:
         fresh = []
         for variable in variables:
             name = f"{variable.name.partition('`')[0]}`{next(self._fresh)}"
-            fresh.append(Variable(name, substitute_type(variable.type, names)))
+            fresh.append(Variable(name, substitute(variable.type, names)))
             names[variable.name] = Var(name)
         return tuple(fresh), names
 
-    def _term(self, term: Term, renaming: Renaming) -> Term:
-        return substitute(term, renaming)
+
+def substitute(part: Part, renaming: Renaming) -> Part:
+    """A formula, term, variable or type with its free variables replaced; that of a chain only by another one."""
+    if not renaming:
+        return part
+    found: Part = _substituted(part, renaming)
+    return found
 
 
-def substitute(term: Term, renaming: Renaming) -> Term:
-    """`term` with variables replaced; a chain variable may only be replaced by another one."""
-    match term:
+def _substituted(whole: Any, renaming: Renaming) -> Any:
+    match whole:
         case Var():
-            return renaming.get(term.name, term)
-        case ChainEnd():
-            return ChainEnd(_chain_name(term.chain, renaming), term.last)
-        case ChainModule():
-            return ChainModule(_chain_name(term.chain, renaming), substitute(term.index, renaming), term.side)
-        case Function():
-            return Function(term.name, tuple(substitute(a, renaming) for a in term.args))
-        case Arith():
-            return Arith(term.operator, tuple(substitute(a, renaming) for a in term.operands))
-        case Vector():
-            return Vector(tuple(substitute(a, renaming) for a in term.items))
-        case Conditional():
-            condition = rename(term.condition, renaming)
-            return Conditional(condition, substitute(term.then, renaming), substitute(term.otherwise, renaming))
-        case Aggregate():
-            inner = {n: t for n, t in renaming.items() if all(v.name != n for v in term.variables)}
-            variables = tuple(Variable(v.name, substitute_type(v.type, inner)) for v in term.variables)
-            return Aggregate(term.operator, variables, substitute(term.body, inner))
-        case _:
-            return term
-
-
-def rename(formula: Formula, renaming: Renaming) -> Formula:
-    """`formula` with its free variables replaced."""
-    match formula:
-        case Literal():
-            return Literal(formula.predicate, tuple(substitute(a, renaming) for a in formula.args), formula.motion)
-        case Compare():
-            return Compare(formula.operator, substitute(formula.left, renaming), substitute(formula.right, renaming))
-        case Previous():
-            args = None if formula.args is None else tuple(substitute(a, renaming) for a in formula.args)
-            return Previous(formula.rule, args)
-        case Not():
-            return Not(rename(formula.operand, renaming))
-        case And() | Or():
-            return type(formula)(tuple(rename(f, renaming) for f in formula.operands))
-        case Exists() | Forall():
-            inner = {n: t for n, t in renaming.items() if all(v.name != n for v in formula.variables)}
-            variables = tuple(Variable(v.name, substitute_type(v.type, inner)) for v in formula.variables)
-            return type(formula)(variables, rename(formula.body, inner))
-
-
-def substitute_type(kind: Type, renaming: Renaming) -> Type:
-    if isinstance(kind, RangeType):
-        return RangeType(substitute(kind.first, renaming), substitute(kind.last, renaming))
-    return kind
-
-
-def _chain_name(name: str, renaming: Renaming) -> str:
-    new = renaming.get(name)
-    return new.name if isinstance(new, Var) else name
+            return renaming.get(whole.name, whole)
+        case ChainEnd() | ChainModule():
+            new = renaming.get(whole.chain)
+            whole = replace(whole, chain=new.name) if isinstance(new, Var) else whole
+        case Exists() | Forall() | Aggregate():
+            bound = {v.name for v in whole.variables}
+            renaming = {name: term for name, term in renaming.items() if name not in bound}
+    return mapped(whole, lambda inner: substitute(inner, renaming))
 
 
 def free_names(item: Formula | Term | Type) -> frozenset[str]:
@@ -216,48 +173,16 @@ def free_names(item: Formula | Term | Type) -> frozenset[str]:
     return names
 
 
-def _names(item: Formula | Term | Type) -> Iterator[str]:
+def _names(item: object) -> set[str]:
+    found: set[str] = set().union(*map(_names, children(item)))
     match item:
         case Var():
-            yield item.name
-        case ChainEnd():
-            yield item.chain
-        case ChainModule():
-            yield item.chain
-            yield from _names(item.index)
-        case Function() | Literal():
-            for part in item.args:
-                yield from _names(part)
-        case Previous():
-            for part in item.args or ():
-                yield from _names(part)
-        case Arith() | And() | Or():
-            for operand in item.operands:
-                yield from _names(operand)
-        case Vector():
-            for part in item.items:
-                yield from _names(part)
-        case Conditional():
-            yield from _names(item.condition)
-            yield from _names(item.then)
-            yield from _names(item.otherwise)
-        case Not():
-            yield from _names(item.operand)
-        case Compare():
-            yield from _names(item.left)
-            yield from _names(item.right)
-        case RangeType():
-            yield from _names(item.first)
-            yield from _names(item.last)
+            found.add(item.name)
+        case ChainEnd() | ChainModule():
+            found.add(item.chain)
         case Exists() | Forall() | Aggregate():
-            bound = {v.name for v in item.variables}
-            inner = [*(_names(v.type) for v in item.variables), _names(item.body)]
-            for names in inner:
-                yield from (n for n in names if n not in bound)
-        case ChainType():
-            return
-        case _:
-            return
+            found -= {v.name for v in item.variables}
+    return found
 
 
 def conjuncts(formula: Formula) -> Iterator[Formula]:
@@ -267,32 +192,3 @@ def conjuncts(formula: Formula) -> Iterator[Formula]:
             yield from conjuncts(part)
     else:
         yield formula
-
-
-def parts(item: Formula | Term) -> Iterator[Formula | Term]:
-    """A formula or term and everything in it, types of variables left out."""
-    yield item
-    inner: tuple[Formula | Term, ...] = ()
-    match item:
-        case Conditional():
-            inner = (item.condition, item.then, item.otherwise)
-        case Arith() | And() | Or():
-            inner = item.operands
-        case Function() | Literal():
-            inner = item.args
-        case Previous():
-            inner = item.args or ()
-        case Vector():
-            inner = item.items
-        case ChainModule():
-            inner = (item.index,)
-        case Aggregate() | Exists() | Forall():
-            inner = (item.body,)
-        case Not():
-            inner = (item.operand,)
-        case Compare():
-            inner = (item.left, item.right)
-        case _:
-            pass
-    for part in inner:
-        yield from parts(part)

@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import permutations, product
 
+from ...langs.diagnostics import UsageError
 from ..ir import (
     And,
     Chain,
@@ -33,7 +34,6 @@ from ..ir import (
     Var,
     Variable,
 )
-from ..scenes.parameters import UsageError
 from .algebra import conjunction, disjunction, negation
 from .domains import FlatRule
 from .guards import Environment, Guards

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from ..ir import Action, Chain, Fact, Formula, Function, Object, Problem, Value, Var
-from .domains import effects_of
+from ...langs.trees import parts
+from ..ir import Action, Chain, Fact, Formula, Function, Object, Problem, Value, Var, effects_of
 from .layout import BIT, Layout
-from .normal_form import parts
 from .successors import Successors
 from .symmetry import is_reversible
 

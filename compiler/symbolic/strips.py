@@ -10,8 +10,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, product
 
+from ...langs.diagnostics import UsageError
 from ..ir import And, Any_, Compare, Exists, Forall, Formula, Literal, Not, Object, ObjectType, Or, Term, Var
-from ..scenes.parameters import UsageError
 from .expressions import ground
 from .guards import Guards
 from .layout import FIELD, Layout

@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from ..ir import Action, And, ChainType, Exists, Fact, Forall, Formula, Not, Or, Problem, Value
+from ...langs.trees import parts
+from ..ir import Action, ChainType, Fact, Formula, Problem, Value
 from .blocks import Block, Blocks
 from .chains import Word
 from .domains import Domains, FlatRule
@@ -193,12 +194,4 @@ def _repeating(blocks: list[Block]) -> set[int]:
 
 def has_chains(formula: Formula) -> bool:
     """Whether a formula quantifies over chains."""
-    match formula:
-        case Exists() | Forall():
-            return any(isinstance(v.type, ChainType) for v in formula.variables) or has_chains(formula.body)
-        case And() | Or():
-            return any(map(has_chains, formula.operands))
-        case Not():
-            return has_chains(formula.operand)
-        case _:
-            return False
+    return any(isinstance(part, ChainType) for part in parts(formula))

@@ -191,7 +191,7 @@ class NoGoods:
         while waiting:
             name = waiting.pop(0)
             world = self.problem.world
-            module = name if name in world.modules else name.rpartition(".")[0]
+            module = world.owner(name)
             known = world.modules.get(module)
             ends = [f"{module}.{e.name}" for e in known.type.effectors] if known is not None else []
             for other in [*sorted(links.get(name, ())), *ends]:

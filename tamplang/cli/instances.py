@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .. import __version__
-from ..compiler.checks.lifted import check_declarations
 from ..compiler.imports import load_sources
+from ..compiler.scenes.lifted import check_declarations
 from ..compiler.scenes.parameters import choose_task, parameter_values
 from ..langs.diagnostics import SourceError
 from ..langs.reader import read_source

@@ -47,8 +47,7 @@ class UsageFailure(SourceFailure):
 def reading_sources(as_json: bool = False) -> Iterator[None]:
     """Around code that reads programs: turns their errors into `SourceFailure`, `UsageFailure` and
     `click.UsageError`."""
-    from ..compiler.scenes.parameters import UsageError
-    from ..langs.diagnostics import SourceError
+    from ..langs.diagnostics import SourceError, UsageError
 
     try:
         yield

@@ -9,9 +9,9 @@ import pytest
 
 from tamplang.compiler.ir import Problem
 from tamplang.compiler.pipeline import compile_text
-from tamplang.compiler.scenes.parameters import UsageError
 from tamplang.compiler.symbolic.pddl import to_pddl
 from tamplang.compiler.symbolic.successors import Successors
+from tamplang.langs.diagnostics import UsageError
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.search.best_first import SkeletonSearch
 

@@ -7,23 +7,23 @@ from dataclasses import dataclass
 
 from ...langs import syntax
 from .. import ir
+from ..checks.check_heuristics import check_heuristics
+from ..checks.check_logic import Placement, check_derived, check_placements, check_rules, lower_predicates
+from ..checks.check_motion import check_motions
+from ..checks.check_usage import check_usage
+from ..checks.context import Context, build_context
+from ..checks.extents import check_extents
+from ..checks.findings import Findings
+from ..checks.formulas import check_formula
+from ..checks.functions import check_functions
+from ..checks.incomplete import keep_certain
+from ..checks.names import Scope
+from ..checks.terms import check_term
+from ..checks.values import parameter_entries
 from ..library import Library
-from ..scenes.module_types import check_modules
-from ..scenes.scene import SceneBuilder
-from ..scenes.scene_names import collect_objects
-from .check_heuristics import check_heuristics
-from .check_logic import Placement, check_derived, check_placements, check_rules, lower_predicates
-from .check_motion import check_motions
-from .check_usage import check_usage
-from .context import Context, build_context
-from .extents import check_extents
-from .findings import Findings
-from .formulas import check_formula
-from .functions import check_functions
-from .incomplete import keep_certain
-from .names import Scope
-from .terms import check_term
-from .values import parameter_entries
+from .module_types import check_modules
+from .scene import SceneBuilder
+from .scene_names import collect_objects
 
 
 @dataclass(frozen=True, slots=True)
