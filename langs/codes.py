@@ -267,6 +267,8 @@ CODES: dict[str, CodeInfo] = {
         "In mid-run something that moves by itself goes right through a robot, which does not get out of its way."),
     "S0010": CodeInfo("memory spent", "outcome",
         "The memory that --memory gives, or 80 % of what was free at the start, was not enough."),
+    "S0011": CodeInfo("plan not verified", "outcome",
+        "Time or memory were spent before the verifier had a verdict on what was planned or carried out."),
     "W0001": CodeInfo("deletes what nothing adds", "warning",
         "No rule, fact or placement ever adds a literal that fits."),
     "W0002": CodeInfo("never read", "warning", "No condition, goal or derived predicate reads this predicate."),

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ..compiler.ir import Action, Problem
 from .assemble import assemble
-from .budget import Budget
+from .budget import Budget, unless_spent
 from .experience import Experience
 from .judgement import Conflict, Judgement
 from .motion.sequence import LONGEST
@@ -25,8 +25,6 @@ LONGEST_WINDOW = 3
 """How many phases a conflict that may start anywhere has at most."""
 WIDER = 0.01
 """Metres by which margins grow for a plan that the verifier refused."""
-VERIFYING = 5.0
-"""Seconds that the verifier gets for a plan, however little of the budget is left."""
 ONCE = 1
 """Starts of a span of a whole skeleton at first."""
 SPAN = 4
@@ -100,10 +98,10 @@ class Bounds(Solves):
         self, skeleton: Skeleton, actions: Sequence[Action], judgement: Judgement, statistics: StatisticsRecord,
         timing: TimingRecord,
     ) -> Plan:  # fmt: skip
-        """The plan with the verifier's verdict in it. One that is refused gets a second motion, with larger margins and
-        from another seed. Raises OutOfTime."""
+        """The plan with the verifier's verdict in it, without one where there was no time for it. One that is refused
+        gets a second motion, with larger margins and from another seed. Raises OutOfTime."""
         plan = self._verified(skeleton, actions, judgement, statistics, timing)
-        if plan.verdict is not None and plan.verdict.verified:
+        if plan.verdict is None or plan.verdict.verified:
             return plan
         careful, seed = self.settings, self.seed
         try:
@@ -129,7 +127,7 @@ class Bounds(Solves):
         self.tell("verify", f"verifying a plan of {len(actions)} actions")
         plan = assemble(self.problem, actions, skeleton, judgement.paths or [], statistics)
         with self.clock("verify"):
-            verdict = verify(plan, Budget(max(VERIFYING, self.budget.remaining)))
+            verdict = unless_spent(lambda: verify(plan, self.budget.whole))
         return msgspec.structs.replace(plan, verdict=verdict, timing=timing)
 
     def _refused_actions(self, skeleton: Skeleton, strains: Sequence[float]) -> list[Conflict]:

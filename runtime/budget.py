@@ -5,11 +5,20 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TypeVar
+
+Result = TypeVar("Result")
 
 SECONDS = 60.0
 """What a solve may take where nothing else is said."""
 SECONDS_OF_RUN = 120.0
 """So much a run in the simulated world."""
+
+
+ASIDE = 0.1
+"""The share of the time that stays for the verifier, where a loop ends with a plan that is still to be verified."""
+OVERRUN, LEAST_OVERRUN = 0.1, 0.3
+"""A command ends within its time and this share of it, or so many seconds where that is more."""
 
 
 class OutOfTime(Exception):
@@ -21,10 +30,12 @@ class OutOfMemory(OutOfTime):
 
 
 class Budget:
-    """Wall-clock seconds from now, and nodes of all search trees together; `None` never ends."""
+    """Wall-clock seconds from now but for the share set `aside`, and nodes of all search trees together; `None` never
+    ends."""
 
-    def __init__(self, seconds: float | None, nodes: int | None = None) -> None:
-        self.seconds = seconds
+    def __init__(self, seconds: float | None, nodes: int | None = None, aside: float = 0.0) -> None:
+        self._whole = Budget(seconds) if aside else None
+        self.seconds = None if seconds is None else (1.0 - aside) * seconds
         self.nodes = nodes
         self.grown = 0
         """Nodes that were made so far."""
@@ -38,6 +49,11 @@ class Budget:
     def remaining(self) -> float:
         """Seconds left, never below 0; infinite without a limit."""
         return float("inf") if self.seconds is None else max(0.0, self.seconds - self.elapsed)
+
+    @property
+    def whole(self) -> Budget:
+        """The same time, before something of it was set aside."""
+        return self if self._whole is None else self._whole
 
     @property
     def full(self) -> bool:
@@ -70,6 +86,19 @@ def ending(loop: Callable[[], str]) -> str:
         return "memory"
     except KeyboardInterrupt:
         return "interrupted"
+
+
+def unless_spent(work: Callable[[], Result]) -> Result | None:
+    """What `work` gives; None when time or memory are spent before."""
+    from .guard import answered
+
+    try:
+        return work()
+    except (OutOfTime, MemoryError, RuntimeError) as error:
+        if not (isinstance(error, OutOfTime) or is_out_of_memory(error)):
+            raise
+        answered()
+        return None
 
 
 def is_out_of_memory(error: BaseException) -> bool:

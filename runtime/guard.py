@@ -13,6 +13,7 @@ that arrives as MemoryError.
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import resource
 import signal
@@ -24,7 +25,7 @@ from pathlib import Path
 from types import FrameType
 
 from . import budget
-from .budget import OutOfMemory, OutOfTime
+from .budget import LEAST_OVERRUN, OVERRUN, OutOfMemory, OutOfTime
 
 LOOK = 0.05
 """Seconds between two looks."""
@@ -32,6 +33,9 @@ GRACE = 0.1
 """Seconds that the loops have to notice by themselves that the time is spent: they know best how to end."""
 AGAIN = 1.0
 """Seconds until what was raised and not answered is raised again: to unwind what was under way takes its time."""
+CLOSING = 0.5
+"""The share of what a command may overrun in which it may verify, measure and draw; the rest is for its last file and
+the end of the process."""
 _ENDING = (__file__, contextlib.__file__, budget.__file__)
 """Where an ending is under way: what is raised between the steps of these would escape it, so it waits for the next
 look."""
@@ -50,6 +54,7 @@ class Guard:
         self.memory = memory
         self.started = time.monotonic() if started is None else started
         self._quiet_until = 0.0
+        self._closes = False
         self._rests = False
 
     @property
@@ -61,8 +66,25 @@ class Guard:
         """Seconds left, never below 0; infinite without a limit."""
         return float("inf") if self.seconds is None else max(0.0, self.seconds - self.elapsed)
 
+    @property
+    def seconds_of_work(self) -> float:
+        """When the work is interrupted."""
+        return math.inf if self.seconds is None else self.seconds + GRACE
+
+    @property
+    def closed(self) -> bool:
+        """Whether even the time for what follows the work is spent."""
+        if self.seconds is None:
+            return False
+        return self.elapsed > self.seconds + CLOSING * max(OVERRUN * self.seconds, LEAST_OVERRUN)
+
+    def close(self) -> None:
+        """The work is done, or what was raised arrived: what follows has its own time, and is interrupted once."""
+        self._rests = self._closes and self.closed
+        self._closes = True
+
     def rest(self) -> None:
-        """What was raised arrived; what is left to do is to tell it."""
+        """Raise nothing any more."""
         self._rests = True
 
     def look(self, number: int, frame: FrameType | None) -> None:
@@ -70,10 +92,10 @@ class Guard:
         now = time.monotonic()
         if self._rests or now < self._quiet_until or (frame is not None and frame.f_code.co_filename in _ENDING):
             return
-        if self.memory is not None and resident() > self.memory:
+        if self.memory is not None and not self._closes and resident() > self.memory:
             self._quiet_until = now + AGAIN
             raise OutOfMemory
-        if self.seconds is not None and now > self.started + self.seconds + GRACE:
+        if self.closed if self._closes else now - self.started > self.seconds_of_work:
             self._quiet_until = now + AGAIN
             raise OutOfTime
 
@@ -82,9 +104,17 @@ _guards: list[Guard] = []
 
 
 def answered() -> None:
-    """Say that OutOfTime or OutOfMemory arrived, so that it is not raised again."""
+    """Say that OutOfTime or OutOfMemory arrived: it is raised once more, where what follows takes too long."""
     if _guards:
-        _guards[-1].rest()
+        _guards[-1].close()
+
+
+def closing() -> None:
+    """Say that the work is done. Raises OutOfTime when even the time for what follows is spent."""
+    if _guards:
+        _guards[-1].close()
+        if _guards[-1].closed:
+            raise OutOfTime
 
 
 @contextmanager

@@ -18,11 +18,11 @@ from ..compiler.symbolic.successors import Successors
 from ..langs.diagnostics import Diagnostic
 from .ahead import Ahead
 from .bounds import EXPECTED, Bounds
-from .budget import SECONDS, Budget, ending
+from .budget import ASIDE, SECONDS, Budget, OutOfTime, ending
 from .judgement import Judgement
 from .motion.settings import MotionSettings
 from .plan import Plan, StatisticsRecord, TimingRecord
-from .refusals import Refusals, distrust, fewer
+from .refusals import Refusals, distrust, fewer, unverified
 from .search.best_first import Candidate, SkeletonSearch
 from .search.roomy import roomier
 from .search.skeletons import build_skeleton
@@ -86,7 +86,7 @@ class Progress:
 class Outcome:
     """What a run found. `status` is solved, infeasible (proved), exhausted (every candidate refused), budget,
     interrupted or refused (by the verifier). `plans` are best first, all of them verified; `refused` is one that the
-    verifier does not believe, where there is no other.
+    verifier does not believe, or had no time for, where there is no other.
 
     With bound "seq" there is no motion, hence no plan: `actions` and `cost` tell the skeleton that P_seq accepts.
     """
@@ -121,7 +121,7 @@ class _Run:
         self.options = options
         self.report = progress
         self.found = found
-        self.budget = Budget(options.time, options.nodes)
+        self.budget = Budget(options.time, options.nodes, ASIDE)
         self.candidates = 0
         self.plans: list[Plan] = []
         self.accepted: list[Candidate] = []
@@ -183,10 +183,13 @@ class _Run:
             search.charge(self.surcharge)
 
     def _believed(self, skeleton: Skeleton, candidate: Candidate, judgement: Judgement) -> bool:
-        """Whether the verifier believes a motion; then the plan is kept and handed on."""
+        """Whether the verifier believes a motion; then the plan is kept and handed on. Raises OutOfTime."""
         statistics = self._statistics([*self.accepted, candidate])
         plan = self.bounds.believe(skeleton, candidate.actions, judgement, statistics, self._timing())
-        if plan.verdict is None or not plan.verdict.verified:
+        if plan.verdict is None:
+            self.distrusted = plan
+            raise OutOfTime
+        if not plan.verdict.verified:
             self.distrusted = self.distrusted or plan
             return False
         self.plans.append(plan)
@@ -226,6 +229,8 @@ class _Run:
             missing = self.options.solutions - len(self.accepted)
             explanation = [fewer(status, len(self.accepted), self.options.solutions)] if missing else []
             status = "interrupted" if status == "interrupted" else "solved"
+        elif self.distrusted is not None and self.distrusted.verdict is None:
+            explanation = [unverified()]
         elif self.distrusted is not None:
             status, explanation = "refused", distrust(self.distrusted.verdict)
         actions = [str(a) for a in self.accepted[0].actions] if self.accepted else []

@@ -145,6 +145,12 @@ def distrust(verdict: VerdictRecord | None) -> list[Diagnostic]:
     return told
 
 
+def unverified() -> Diagnostic:
+    """Says that there was no time, or memory, for the verifier."""
+    help = "give more with --time; --keep-refused FILE keeps the plan, for `tamplang verify FILE`"
+    return Diagnostic("S0011", "time or memory were spent before the plan was verified", help=help)
+
+
 def fewer(status: str, found: int, wanted: int) -> Diagnostic:
     """Says that a run ended with fewer plans than were asked for."""
     reasons = {"budget": ("S0003", "the budget ended"), "interrupted": ("S0005", "the run was interrupted"),

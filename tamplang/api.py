@@ -27,7 +27,8 @@ def load(path: str | PathLike[str], /, task: str | None = None, seed: int = 0, *
     `seed` steers the random parts of the scene and of the search. `parameters` override those of the task; a length
     or an angle is a text with its unit, such as "20 cm".
     Raises `tamplang.langs.diagnostics.SourceError` when the program has errors, and
-    `tamplang.compiler.pipeline.UsageError` for a task or a parameter that is unknown or unfit.
+    `tamplang.compiler.pipeline.UsageError` for a task or a parameter that is unknown or unfit. The time that it takes
+    is not limited: see `Task.solve`.
     """
     from .compiler.pipeline import compile_problem
 
@@ -61,11 +62,15 @@ class Task:
     ) -> Result:
         """Plan the task. What is None here comes from the task's `options` block, else from the defaults.
 
-        `bound` is "seq", "seq-path" or "path"; `search` "astar", "wastar", "bfs" or "guide"; `time` seconds
+        `bound` is "seq", "seq-path" or "path"; `search` "astar", "wastar", "bfs" or "guide"; `time` seconds from now
         (`math.inf`: no limit); `nodes` of the search tree; `solver` "algn" or "ipopt"; `slices` per phase; `horizon`
         plans the motion of so many actions at a time, "auto" as many as seem wise. With `jobs` above 1, so many
         processes work side by side, or this one and the workers of the `cluster` at tcp://HOST:PORT: the result is the
         same. `found` gets every verified plan as soon as it stands.
+
+        The loops of search, motion and verifier look at the time; reading and compiling are `load`, which has no limit.
+        Around whatever there is, `tamplang.runtime.guard.guarded(seconds, memory)` raises
+        `tamplang.runtime.budget.OutOfTime`, in the main thread.
         Raises `tamplang.runtime.native.MissingLibrary` when a system library is missing, and
         `tamplang.runtime.parallel.ClusterUnavailable` when no cluster answers.
         """
@@ -137,7 +142,8 @@ def _solved(
 class Result:
     """What a run found. `status` is "solved", "infeasible" (proved), "exhausted", "budget", "interrupted" or
     "refused" (by the verifier); `plans` are best first, and all verified; `explanation` says what refused the task.
-    `refused` is a plan that the verifier does not believe, to look into, where there is no other."""
+    `refused` is a plan that the verifier does not believe, or had no time for, to look into, where there is no
+    other."""
 
     status: str
     plans: tuple[Plan, ...]

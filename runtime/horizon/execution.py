@@ -8,16 +8,18 @@ import msgspec
 
 from ...compiler import ir
 from ...langs.diagnostics import Diagnostic
-from ..budget import SECONDS_OF_RUN
+from ..budget import SECONDS_OF_RUN, Budget, unless_spent
 from ..lgp import options_of
 from ..plan import Plan
-from ..refusals import distrust
+from ..refusals import distrust, unverified
 from ..verify import verify
 from .drives import Noise
 from .rerun import window_of
 from .run import Run
 from .terms import HORIZON, LATENCY, RunOptions, RunProgress
 from .tracking import Deviations, deviations, follow
+
+NOTHING_FOLLOWED = Deviations((), 0.0, "", None, ())
 
 
 def execute(
@@ -29,10 +31,13 @@ def execute(
     noise = noise or Noise()
     moves = problem.world.courses or problem.world.breakdowns
     if plan is not None and (plan.courses or plan.breakdowns or not moves):
-        plan = msgspec.structs.replace(plan, verdict=verify(plan))
-        assert plan.verdict is not None
+        given = plan
+        verdict = unless_spent(lambda: verify(given, Budget(seconds)))
+        plan = msgspec.structs.replace(plan, verdict=verdict)
+        if plan.verdict is None:
+            return "budget", plan, (unverified(),), NOTHING_FOLLOWED
         if not plan.verdict.verified:
-            return "refused", plan, tuple(distrust(plan.verdict)), Deviations((), 0.0, "", None, ())
+            return "refused", plan, tuple(distrust(plan.verdict)), NOTHING_FOLLOWED
         status = "solved" if plan.verdict.goal_reached else "stuck"
         return status, plan, (), follow(plan, problem, noise, seed)
     bound = "path" if problem.options.bound == "seq" else None
@@ -41,5 +46,5 @@ def execute(
     chosen = HORIZON if horizon is None else None if horizon == "auto" else int(horizon)
     first = None if plan is None else window_of(problem, plan)
     outcome = Run(problem, RunOptions(options, chosen, noise, seed, delay), tell, first).run()
-    off = deviations(outcome.plan, problem, outcome.commanded, outcome.driven)
-    return outcome.status, outcome.plan, tuple(outcome.explanation), off
+    off = unless_spent(lambda: deviations(outcome.plan, problem, outcome.commanded, outcome.driven))
+    return outcome.status, outcome.plan, tuple(outcome.explanation), off or NOTHING_FOLLOWED

@@ -19,10 +19,10 @@ from ...compiler import ir
 from ...langs.diagnostics import Diagnostic
 from ..assemble import assemble
 from ..bounds import WIDER
-from ..budget import Budget, ending
+from ..budget import ASIDE, Budget, ending, unless_spent
 from ..lgp import Outcome, Progress, SolveOptions
 from ..plan import Plan, StatisticsRecord, TimingRecord, WindowRecord
-from ..refusals import distrust
+from ..refusals import distrust, unverified
 from ..seeds import Seed
 from ..skeleton import PhasePath, Skeleton
 from ..verify import verify
@@ -88,7 +88,7 @@ class _Run:
         self.horizon = horizon_of(horizon)
         self.report, self.found = progress, found
         self.lookahead, self.backtracks = lookahead, backtracks
-        self.budget = Budget(options.time, options.nodes)
+        self.budget = Budget(options.time, options.nodes, ASIDE)
         self.memory: Memory = remember(problem, options, self.budget, self._tell)
         self.levels = [_Level(start(problem))]
         self.kept: list[_Kept] = []
@@ -108,9 +108,9 @@ class _Run:
             window = self._plan()
             if window.status == DONE:
                 plan = self._verified(True)
-                if plan.verdict is not None and plan.verdict.verified:
+                if plan.verdict is None or plan.verdict.verified:
                     self.plan = plan
-                    return "solved"
+                    return "budget" if plan.verdict is None else "solved"
                 if not self._doubt(plan):
                     self.plan = plan
                     return "refused"
@@ -201,7 +201,8 @@ class _Run:
     # --- what was found ------------------------------------------------------------------------------------------
 
     def _verified(self, complete: bool) -> Plan:
-        """The plan of all windows that stand, with the verifier's verdict on it as a whole."""
+        """The plan of all windows that stand, with the verifier's verdict on it as a whole; without one where it has
+        no time for it."""
         import msgspec
 
         self._tell("verify", f"verifying {len(self.kept)} windows")
@@ -211,7 +212,7 @@ class _Run:
         plan = assemble(self.problem, [phase.action for phase in phases], skeleton, paths, self._statistics())
         plan = msgspec.structs.replace(plan, windows=self._records(plan), complete=complete)
         with self.memory.bounds.clock("verify"):
-            verdict = verify(plan)
+            verdict = unless_spent(lambda: verify(plan, self.budget.whole))
         return msgspec.structs.replace(
             plan, verdict=verdict, statistics=self._statistics(), timing=self._timing()
         )
@@ -252,7 +253,8 @@ class _Run:
         plan, statistics, timing = self.plan, self._statistics(), self._timing()
         refused: Plan | None = None
         if plan is not None and (plan.verdict is None or not plan.verdict.verified):
-            explanation = [*explanation, *distrust(plan.verdict)]
+            told = [unverified()] if plan.verdict is None else distrust(plan.verdict)
+            explanation = told if plan.complete else [*explanation, *told]
             plan, refused = None, plan
         if plan is not None and status == "solved" and self.found is not None:
             self.found(plan)

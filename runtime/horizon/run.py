@@ -20,9 +20,9 @@ from ...compiler.printing_terms import format_formula
 from ...langs.diagnostics import Diagnostic
 from ...langs.source import Span
 from ..assemble import FACTOR
-from ..budget import Budget, ending
+from ..budget import ASIDE, Budget, ending, unless_spent
 from ..plan import StatisticsRecord, TimingRecord, WindowRecord
-from ..refusals import distrust
+from ..refusals import distrust, unverified
 from ..seeds import Seed
 from ..skeleton import Phase, PhasePath
 from ..verify import verify
@@ -63,7 +63,7 @@ class Run:
         self.problem = problem
         self.options = options
         self.world = World(problem, options.noise, options.seed)
-        self.budget = Budget(options.solve.time, options.solve.nodes)
+        self.budget = Budget(options.solve.time, options.solve.nodes, ASIDE)
         self.steps: list[Step] = []
         self.windows: list[WindowRecord] = []
         self.seconds: list[float] = []
@@ -368,12 +368,15 @@ class Run:
         plan = plan_of_run(
             self.problem, self.steps, reached.mode, self._places, self.windows, statistics, status == "solved"
         )
-        timing = TimingRecord({"total": self.budget.elapsed}, self.seconds)
-        plan = msgspec.structs.replace(plan, verdict=verify(plan), timing=timing)
-        assert plan.verdict is not None
-        if not plan.verdict.verified:
+        verdict = unless_spent(lambda: verify(plan, self.budget.whole))
+        if verdict is None:
+            status = "budget" if status == "solved" else status
+            self._explanation = [*self._explanation, unverified()]
+        elif not verdict.verified:
             status = status if status == "interrupted" else "refused"
-            self._explanation = [*self._explanation, *distrust(plan.verdict)]
+            self._explanation = [*self._explanation, *distrust(verdict)]
+        timing = TimingRecord({"total": self.budget.elapsed}, self.seconds)
+        plan = msgspec.structs.replace(plan, verdict=verdict, timing=timing)
         executed = [step.executed for step in self.steps]
         modules = self.problem.world.modules.values()
         rest = {m.name: [np.array([m.joints])] for m in modules}

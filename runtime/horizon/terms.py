@@ -43,8 +43,8 @@ class RunProgress:
 class RunOutcome:
     """`status` is "solved"; "stuck": from the state reached no way leads on; "lost": a breakdown took what carries a
     robot or holds a thing; "refused": by the verifier; "budget" or "interrupted". `plan` holds what was carried out,
-    verified; it is not `complete` unless the goal is reached. `commanded` and `driven` joint values `(T, n)` are those
-    at its time stamps."""
+    verified where there was time for it; it is not `complete` unless the goal is reached. `commanded` and `driven`
+    joint values `(T, n)` are those at its time stamps."""
 
     status: str
     plan: Plan

@@ -17,7 +17,7 @@ from .limits import limited, memory_option, total
 from .outputs import checked_apart
 from .parameters import Real, Seconds, Whole, parameters_option, plain
 from .plans import read, standing
-from .solution import Written
+from .solution import Written, report_in_time
 from .sources import reading_sources, show_diagnostics
 from .status import ExitStatus
 
@@ -102,7 +102,8 @@ def run(
                 plan=plan, horizon=horizon, noise=Noise(**noise), latency=latency, time=guard.remaining, seed=seed,
                 progress=_told(check),
             )
-    written = _write(result, out, report, refused)
+        guard.rest()
+        written = _write(result, out, report, refused)
     if as_json:
         click.echo(json.dumps(_json(loaded, result, written)))
     else:
@@ -134,9 +135,7 @@ def _write(result: RunResult, out: Path, report: Path | None, refused: Path | No
             result.plan.save(refused)
         return Written((), None, refused)
     result.plan.save(out)
-    if report is not None:
-        result.plan.report(report)
-    return Written((out,), report)
+    return Written((out,), None if report is None else report_in_time(result.plan, report))
 
 
 def _told(check: Callable[[], None]) -> Callable[[RunProgress], None]:
@@ -216,8 +215,8 @@ def _lines(loaded: Task, result: RunResult, written: Written) -> list[str]:
     if record.verdict is not None:
         lines += verdict_lines(record.verdict)
     if not record.complete:
-        kept = "what was carried out until then stands" if record.phases else "nothing was carried out"
-        lines.append(f"{kept}; the goal is not reached")
+        stands = "what was carried out until then stands" if record.verdict is not None else "nothing is verified"
+        lines.append(f"{stands if record.phases else 'nothing was carried out'}; the goal is not reached")
     if result.explanation:
         lines.append(as_text(result.explanation, "full", loaded.problem.sources))
     lines += [f"plan: {file}" for file in written.plans]

@@ -15,5 +15,6 @@ def checked_horizon(context: click.Context, option: click.Parameter, text: str |
         return text
     try:
         return Whole(1).convert(text, option, context)
-    except click.BadParameter as error:
-        raise click.BadParameter(f"{error.message}; give the number of actions of a window, or {AUTO}") from None
+    except click.BadParameter:
+        what = f"give the number of actions of a window, from 1, or {AUTO}"
+        raise click.BadParameter(f"{text!r} is no horizon: {what}") from None

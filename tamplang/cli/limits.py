@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -111,6 +112,13 @@ def out_of_time(seconds: float | None, where: str) -> Diagnostic:
     from ..langs.diagnostics import Diagnostic
 
     return Diagnostic("S0003", f"{seconds or 0.0:g} s are spent {where}", help="give more with --time")
+
+
+def unfinished_report(file: Path) -> Diagnostic:
+    from ..langs.diagnostics import Diagnostic
+
+    help = f"give more, or draw the plan by itself: tamplang report PLAN.json --out {file}"
+    return Diagnostic("S0003", f"time or memory were spent before the report {file} was written", help=help)
 
 
 def out_of_memory(where: str) -> Diagnostic:

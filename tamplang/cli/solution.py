@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .limits import unfinished_report
 from .outputs import numbered
 from .plans import standing, verdict_lines
 from .progress import counted
-from .sources import as_objects, as_text
+from .sources import as_objects, as_text, show_diagnostics
 
 if TYPE_CHECKING:
     from ..api import Plan, Result
@@ -40,7 +41,7 @@ class Keeper:
 
 
 def write(result: Result, plan_file: Path, report_file: Path | None, refused_file: Path | None) -> Written:
-    """Write every plan, and the report of the best. Raises OSError."""
+    """Write every plan, and the report of the best, where there is time for it. Raises OSError."""
     files = tuple(numbered(plan_file, number) for number in range(1, len(result.plans) + 1))
     for plan, file in zip(result.plans, files, strict=True):
         plan.save(file)
@@ -49,8 +50,23 @@ def write(result: Result, plan_file: Path, report_file: Path | None, refused_fil
         return Written(files, None, refused_file)
     if result.plan is None or report_file is None:
         return Written(files, None)
-    result.plan.report(report_file)
-    return Written(files, report_file)
+    return Written(files, report_in_time(result.plan, report_file))
+
+
+def report_in_time(plan: Plan, file: Path) -> Path | None:
+    """Write the report, if time and memory are enough; the file, if so. Raises OSError."""
+    from ..runtime.budget import unless_spent
+    from ..runtime.guard import closing
+
+    def work() -> Path:
+        closing()
+        plan.report(file)
+        return file
+
+    written = unless_spent(work)
+    if written is None:
+        show_diagnostics([unfinished_report(file)])
+    return written
 
 
 def result_json(problem: Problem, result: Result, written: Written, compile_seconds: float) -> dict[str, object]:

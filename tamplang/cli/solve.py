@@ -106,7 +106,8 @@ def solve(
                 progress=progress,
                 found=Keeper(plan_file),
             )
-    written = write(result, plan_file, report_file, refused)
+        guard.rest()
+        written = write(result, plan_file, report_file, refused)
     if as_json:
         click.echo(json.dumps(result_json(loaded.problem, result, written, compiled)))
     else:

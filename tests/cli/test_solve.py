@@ -195,7 +195,7 @@ def test_verify_ends_with_its_budget(tamplang: Tamplang, tmp_path: Path) -> None
     result.plan.save(tmp_path / "plan.json")
     process = tamplang("verify", str(tmp_path / "plan.json"), "--time", "0.001")
     assert process.returncode == 4
-    assert "not checked to its end" in process.stderr
+    assert "S0003" in process.stderr and "there is no verdict" in process.stderr
     with pytest.raises(OutOfTime):
         result.plan.verify(time=0.001)
     assert tamplang("verify", str(tmp_path / "plan.json"), "--time", "nan").returncode == 2

@@ -1,0 +1,80 @@
+"""What is left to do when the time ends late: at the verifier, or with the report."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+from tamplang.api import load
+from tamplang.cli import run as command
+from tamplang.runtime.horizon.terms import RunProgress
+from tamplang.runtime.lgp import Progress
+
+ROOT = Path(__file__).parents[2]
+SLOTS = ROOT / "tests" / "horizon" / "slots.tamp"
+LEAVING = ROOT / "examples" / "failing_module.tamp"
+CLIMB = ROOT / "examples" / "climb.tamp"
+LATE = 1e6
+
+
+class Clock:
+    """The clock of the machine, which may jump."""
+
+    def __init__(self) -> None:
+        self.late = 0.0
+        self._real = time.monotonic
+
+    def __call__(self) -> float:
+        return self._real() + self.late
+
+    def at_verifier(self, progress: Progress) -> None:
+        if progress.stage == "verify":
+            self.late = LATE
+
+    def in_run(self, progress: RunProgress) -> None:
+        if progress.done:
+            self.late = LATE
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    made = Clock()
+    monkeypatch.setattr(time, "monotonic", made)
+    return made
+
+
+@pytest.mark.parametrize("horizon", [None, 2])
+def test_a_plan_without_time_for_the_verifier_is_not_called_verified(clock: Clock, horizon: int | None) -> None:
+    result = load(SLOTS).solve(horizon=horizon, time=1000.0, progress=clock.at_verifier)
+    assert clock.late and result.status == "budget" and result.plan is None
+    assert result.refused is not None and result.refused.record.verdict is None
+    assert [d.code for d in result.explanation] == ["S0011"]
+
+
+def test_a_run_without_time_for_the_verifier_is_not_called_verified(clock: Clock) -> None:
+    result = load(LEAVING, "leaving_module", n=1).run(time=1000.0, progress=clock.in_run)
+    assert clock.late and result.status == "budget" and result.record.phases
+    assert result.record.verdict is None and result.explanation[-1].code == "S0011"
+
+
+def test_a_plan_that_is_carried_out_is_verified_in_time() -> None:
+    task = load(SLOTS)
+    plan = task.solve(time=1000.0).plan
+    assert plan is not None
+    result = task.run(plan=plan.record, time=1e-6)
+    assert (result.status, result.record.verdict) == ("budget", None)
+    assert [d.code for d in result.explanation] == ["S0011"]
+
+
+def test_a_report_for_which_there_is_no_time_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan, report, real = tmp_path / "plan.json", tmp_path / "plan.html", time.monotonic
+    monkeypatch.setattr(time, "monotonic", lambda: real() + LATE * plan.exists())
+    arguments = ["solve", str(CLIMB), "-p", "n=2", "-p", "crawlers=1", "--time", "1000"]
+    assert command([*arguments, "--out", str(plan), "--report", str(report)]) == 0
+    told = capsys.readouterr()
+    assert "S0003" in told.err and f"before the report {report} was written" in told.err and "report:" not in told.out
+    assert plan.exists() and not report.exists()
