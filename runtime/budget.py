@@ -7,9 +7,11 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
 
+from ..compiler.options import OPTIONS
+
 Result = TypeVar("Result")
 
-SECONDS = 60.0
+SECONDS: float = OPTIONS["time"].default
 """What a solve may take where nothing else is said."""
 SECONDS_OF_RUN = 120.0
 """So much a run in the simulated world."""

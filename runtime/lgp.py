@@ -9,10 +9,12 @@ refusals fed back to the search, and the verifier's word on every plan before it
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from ..compiler.ir import Problem
+from ..compiler.options import OPTIONS, given_at
 from ..compiler.symbolic.strain import Strain
 from ..compiler.symbolic.successors import Successors
 from ..langs.diagnostics import Diagnostic
@@ -31,42 +33,33 @@ from .seeds import Seed
 from .skeleton import Skeleton
 from .touching import touching
 
-BOUNDS = ("seq", "seq-path", "path")
-SEARCHES = ("astar", "wastar", "bfs", "guide")
-SOLVERS = ("algn", "ipopt")
 
 @dataclass(frozen=True, slots=True)
 class SolveOptions:
     """What a user may set; `time` in seconds, None without limit. `bound` is the finest bound that is tried."""
 
-    bound: str = "path"
-    search: str = "astar"
+    bound: str = OPTIONS["bound"].default
+    search: str = OPTIONS["search"].default
     time: float | None = SECONDS
     nodes: int | None = None
-    solutions: int = 1
-    solver: str = "algn"
+    solutions: int = OPTIONS["solutions"].default
+    solver: str = OPTIONS["solver"].default
     seed: int = 0
     slices: int | None = None
     ahead: Ahead = field(default_factory=Ahead, compare=False, repr=False)
 
 
-def options_of(
-    problem: Problem, *, bound: str | None = None, search: str | None = None, time: float | None = None,
-    nodes: int | None = None, solver: str | None = None, slices: int | None = None, otherwise: float = SECONDS,
-) -> SolveOptions:  # fmt: skip
-    """What is chosen here, else what the task's `options` block says, else the defaults. `time` may be infinite;
-    `otherwise` is the time in seconds where neither says one."""
-    given, default = problem.options, SolveOptions()
-    seconds = next(t for t in (time, given.time, otherwise) if t is not None)
-    return SolveOptions(
-        bound=bound or given.bound or default.bound,
-        search=search or given.search or default.search,
-        time=None if math.isinf(seconds) else seconds,
-        nodes=nodes or given.nodes,
-        solver=solver or given.solver or default.solver,
-        seed=problem.seed,
-        slices=slices or given.slices,
-    )
+def options_of(problem: Problem, chosen: Mapping[str, Any], otherwise: float = SECONDS) -> SolveOptions:
+    """What is `chosen` by name and not None, else what the task's `options` block says, else the defaults. `time` may
+    be infinite; `otherwise` is the time in seconds where neither says one."""
+    values: dict[str, Any] = {}
+    for name in given_at("python"):
+        value = chosen.get(name)
+        value = getattr(problem.options, name, None) if value is None else value
+        if value is not None:
+            values[name] = value
+    seconds = values.pop("time", otherwise)
+    return SolveOptions(**values, time=None if math.isinf(seconds) else seconds, seed=problem.seed)
 
 
 @dataclass(frozen=True, slots=True)

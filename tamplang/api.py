@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from .runtime.plan import StatisticsRecord, TimingRecord, VerdictRecord
 
 
+BESIDE_OPTIONS = ("horizon", "jobs", "cluster", "progress", "found")
+"""What `Task.solve` takes besides the planner's options."""
+
+
 def load(path: str | PathLike[str], /, task: str | None = None, seed: int = 0, **parameters: str | float) -> Task:
     """Compile the task named `task` of the program at `path`; None takes the only one, or the one named like the file.
 
@@ -59,8 +63,10 @@ class Task:
         cluster: str | None = None,
         progress: Callable[[Progress], None] | None = None,
         found: Callable[[Plan], None] | None = None,
+        **unknown: object,
     ) -> Result:
-        """Plan the task. What is None here comes from the task's `options` block, else from the defaults.
+        """Plan the task. What is None here comes from the task's `options` block, else from the defaults
+        (`compiler/options.py`).
 
         `bound` is "seq", "seq-path" or "path"; `search` "astar", "wastar", "bfs" or "guide"; `time` seconds from now
         (`math.inf`: no limit); `nodes` of the search tree; `solver` "algn" or "ipopt"; `slices` per phase; `horizon`
@@ -71,15 +77,21 @@ class Task:
         The loops of search, motion and verifier look at the time; reading and compiling are `load`, which has no limit.
         Around whatever there is, `tamplang.runtime.guard.guarded(seconds, memory)` raises
         `tamplang.runtime.budget.OutOfTime`, in the main thread.
-        Raises `tamplang.runtime.native.MissingLibrary` when a system library is missing, and
+        Raises `tamplang.langs.diagnostics.UsageError` for an option that is `unknown` or does not take its value,
+        `tamplang.runtime.native.MissingLibrary` when a system library is missing, and
         `tamplang.runtime.parallel.ClusterUnavailable` when no cluster answers.
         """
+        from .compiler.options import check_given
+
+        chosen = {
+            "bound": bound, "search": search, "time": time, "nodes": nodes, "solutions": solutions, "solver": solver,
+            "slices": slices,
+        }  # fmt: skip
+        check_given("python", chosen | unknown, BESIDE_OPTIONS)
         from .runtime.ahead import opened
         from .runtime.lgp import options_of
 
-        options = options_of(
-            self.problem, bound=bound, search=search, time=time, nodes=nodes, solver=solver, slices=slices
-        )
+        options = options_of(self.problem, chosen)
 
         def hand_on(record: PlanRecord) -> None:
             if found is not None:
@@ -87,7 +99,7 @@ class Task:
 
         with opened(jobs, cluster) as ahead:
             outcome = _solved(
-                self.problem, replace(options, solutions=solutions, ahead=ahead), horizon, progress, hand_on
+                self.problem, replace(options, ahead=ahead), horizon, progress, hand_on
             )
         return Result(
             outcome.status,

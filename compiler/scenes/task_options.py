@@ -12,35 +12,33 @@ from ..checks.context import Context
 from ..checks.kinds import LENGTH, NUMBER, TIME
 from ..checks.names import Scope
 from ..checks.values import number
+from ..options import Option, given_at
 
-WORDS = {
-    "bound": ("seq", "seq-path", "path"),
-    "search": ("astar", "wastar", "bfs", "guide"),
-    "solver": ("algn", "ipopt"),
-}
-NUMBERS = {"time": TIME, "nodes": NUMBER, "slices": NUMBER, "margin": LENGTH}
+KINDS = {"whole": NUMBER, "time": TIME, "length": LENGTH}
 
 
 def check_options(context: Context, scope: Scope, item: syntax.OptionsItem, before: ir.Options) -> ir.Options:
     """`before` with the entries of this block; reports unknown options and values that they do not take."""
+    known = given_at("task")
     changes: dict[str, Any] = {}
     for name, term in item.entries:
-        if name in WORDS:
-            changes[name] = _word(context, name, term)
-        elif name in NUMBERS:
-            changes[name] = _number(context, scope, name, term)
-        else:
+        option = known.get(name)
+        if option is None:
             where = context.findings.word(item.span, name)
-            context.findings.unknown("E0116", "option", name, where, [*WORDS, *NUMBERS])
+            context.findings.unknown("E0116", "option", name, where, known)
+        elif option.kind == "word":
+            changes[name] = _word(context, option, term)
+        else:
+            changes[name] = _number(context, scope, option, term)
     return dataclasses.replace(before, **{k: v for k, v in changes.items() if v is not None})
 
 
-def _word(context: Context, name: str, term: syntax.Term) -> str | None:
+def _word(context: Context, option: Option, term: syntax.Term) -> str | None:
     word = _text(term)
-    if word in WORDS[name]:
+    if word in option.choices:
         return word
-    help = did_you_mean(word or "", WORDS[name]) or f"{name} is one of {', '.join(WORDS[name])}"
-    context.findings.report("E0210", term.span, f"option `{name}` does not take this value", help=help)
+    help = did_you_mean(word or "", option.choices) or f"{option.name} is one of {', '.join(option.choices)}"
+    context.findings.report("E0210", term.span, f"option `{option.name}` does not take this value", help=help)
     return None
 
 
@@ -54,14 +52,15 @@ def _text(term: syntax.Term) -> str | None:
     return None
 
 
-def _number(context: Context, scope: Scope, name: str, term: syntax.Term) -> float | int | None:
-    value = number(context, scope, term, NUMBERS[name], f"option `{name}`")
+def _number(context: Context, scope: Scope, option: Option, term: syntax.Term) -> float | int | None:
+    name, kind = option.name, KINDS[option.kind]
+    value = number(context, scope, term, kind, f"option `{name}`")
     if value is None:
         return None
     if value < 0 or (value == 0 and name != "margin"):
         context.findings.report("E0210", term.span, f"option `{name}` must be positive")
         return None
-    if NUMBERS[name] == NUMBER:
+    if kind == NUMBER:
         if value != int(value):
             context.findings.report("E0210", term.span, f"option `{name}` must be a whole number")
             return None

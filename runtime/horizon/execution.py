@@ -41,7 +41,7 @@ def execute(
         status = "solved" if plan.verdict.goal_reached else "stuck"
         return status, plan, (), follow(plan, problem, noise, seed)
     bound = "path" if problem.options.bound == "seq" else None
-    options = options_of(problem, bound=bound, time=seconds, otherwise=SECONDS_OF_RUN)
+    options = options_of(problem, {"bound": bound, "time": seconds}, SECONDS_OF_RUN)
     delay = LATENCY if latency is None else latency
     chosen = HORIZON if horizon is None else None if horizon == "auto" else int(horizon)
     first = None if plan is None else window_of(problem, plan)

@@ -15,7 +15,7 @@ from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
 from .limits import limited, memory_option, total
 from .outputs import checked_apart
-from .parameters import Real, Seconds, Whole, parameters_option, plain
+from .parameters import Real, Whole, parameters_option, plain, planner_option
 from .plans import read, standing
 from .solution import Written, report_in_time
 from .sources import reading_sources, show_diagnostics
@@ -58,7 +58,7 @@ def _noise(context: click.Context, option: click.Parameter, texts: tuple[str, ..
               help="position (m) of sensed bodies, joint (rad) of sensed joints, drive (rad/s²); may be repeated.")
 @click.option("--latency", type=Real(0.0, 2.0),
               help="Simulated seconds that planning a window takes.  [default: 0.25]")
-@click.option("--time", "seconds", type=Seconds(), help="Seconds, reading and compiling included; inf for no limit.")
+@planner_option("time", "seconds")
 @memory_option
 @click.option("--out", type=click.Path(path_type=Path), help="The plan file.  [default: TASK.run.json in this folder]")
 @click.option("--report", type=click.Path(path_type=Path), help="Write the report too: one HTML file.")

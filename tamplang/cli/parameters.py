@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import click
+
+from ..compiler.options import OPTIONS
+
+Command = TypeVar("Command", bound=Callable[..., Any])
 
 MOST = 10**18 - 1
 """The greatest whole number of an option: it fits wherever it is stored."""
@@ -58,6 +63,14 @@ def plain(text: str) -> bool:
         return text.isascii() and "_" not in text and not math.isnan(float(text))
     except ValueError:
         return False
+
+
+def planner_option(name: str, *argument: str, **more: Any) -> Callable[[Command], Command]:
+    """The option `--name` as the table of the planner's options has it; `more` is told to click as it is. The command
+    gives None on where it is not set."""
+    option = OPTIONS[name]
+    kinds = {"word": click.Choice(option.choices), "whole": Whole(1, option.most), "time": Seconds()}
+    return click.option(f"--{name}", *argument, **{"type": kinds[option.kind], "help": option.help, **more})
 
 
 parameters_option = click.option(

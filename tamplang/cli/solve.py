@@ -13,7 +13,7 @@ from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
 from .limits import limited, memory_option, total
 from .outputs import checked_apart, checked_output, numbered
-from .parameters import Seconds, Whole, parameters_option
+from .parameters import Whole, parameters_option, planner_option
 from .progress import shown_progress
 from .side import checked_side, needing_cluster, side_options, without_broken_pipes
 from .solution import Keeper, result_json, result_lines, write
@@ -26,15 +26,15 @@ from .status import OF_OUTCOME
 @click.argument("task", required=False)
 @parameters_option
 @click.option("--seed", type=Whole(0), default=0, show_default=True, help="For the scene and the search.")
-@click.option("--bound", type=click.Choice(["seq", "seq-path", "path"]), help="The finest motion bound to try.")
-@click.option("--search", type=click.Choice(["astar", "wastar", "bfs", "guide"]), help="How to look for skeletons.")
+@planner_option("bound")
+@planner_option("search")
 @click.option("--horizon", callback=checked_horizon, metavar="N|auto", help="Plan the motion of N actions at a time.")
-@click.option("--solutions", type=Whole(1, 1000), default=1, show_default=True, help="How many plans to find.")
-@click.option("--time", "seconds", type=Seconds(), help="Seconds, reading and compiling included; inf for no limit.")
+@planner_option("solutions", default=1, show_default=True)
+@planner_option("time", "seconds")
 @memory_option
-@click.option("--nodes", type=Whole(1), help="How large the search tree may grow.")
+@planner_option("nodes")
 @side_options
-@click.option("--solver", type=click.Choice(["algn", "ipopt"]), help="For the motion programs.")
+@planner_option("solver")
 @click.option("--out", type=click.Path(path_type=Path), help="The plan file.  [default: TASK.plan.json in this folder]")
 @click.option("--report", type=click.Path(path_type=Path), help="Write the report too: one HTML file.")
 @click.option("--keep-refused", "refused", type=click.Path(path_type=Path), metavar="FILE",

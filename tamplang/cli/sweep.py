@@ -17,7 +17,7 @@ from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
 from .limits import limited, memory_option
 from .outputs import UnwritableFile, checked_output
-from .parameters import Seconds, Whole, parameters_option
+from .parameters import parameters_option, planner_option
 from .progress import counted
 from .side import checked_side, needing_cluster, side_options, without_broken_pipes
 from .sources import reading_sources
@@ -41,12 +41,12 @@ FEW = 8
 @parameters_option
 @click.option("--seeds", default="0", show_default=True, help="Seeds, such as 0..9 or 1,5,7.")
 @side_options
-@click.option("--bound", type=click.Choice(["seq", "seq-path", "path"]), help="The finest motion bound to try.")
-@click.option("--search", type=click.Choice(["astar", "wastar", "bfs", "guide"]), help="How to look for skeletons.")
-@click.option("--time", type=Seconds(), help="Seconds for each; inf for no limit.")
+@planner_option("bound")
+@planner_option("search")
+@planner_option("time", help="Seconds for each; inf for no limit.")
 @memory_option
-@click.option("--nodes", type=Whole(1), help="How large each search tree may grow.")
-@click.option("--solver", type=click.Choice(["algn", "ipopt"]), help="For the motion programs.")
+@planner_option("nodes", help="How large each search tree may grow.")
+@planner_option("solver")
 @click.option("--out", type=click.Path(path_type=Path), help="The results.  [default: TASK.sweep.jsonl in this folder]")
 @click.option("--plans", type=click.Path(path_type=Path), help="A folder for the plan files.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object on standard output.")

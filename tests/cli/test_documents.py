@@ -10,10 +10,12 @@ import pytest
 
 from tamplang.cli.app import application
 from tamplang.cli.status import ExitStatus
+from tamplang.compiler.options import OPTIONS, Option, given_at
 
 from .conftest import ROOT
 
 CLI = (ROOT / "docs" / "cli.md").read_text(encoding="utf-8")
+LANGUAGE = (ROOT / "docs" / "language.md").read_text(encoding="utf-8")
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
@@ -47,6 +49,35 @@ def test_every_choice_is_documented() -> None:
                     name,
                     parameter.name,
                 )
+
+
+def row(option: str) -> list[str]:
+    """The cells of the row of an option of `solve`."""
+    found = re.search(rf"^\| `--{option}\b.*\|$", section("solve"), re.MULTILINE)
+    assert found is not None, option
+    return [cell.strip() for cell in re.split(r"(?<!\\)\|", found.group())[1:-1]]
+
+
+@pytest.mark.parametrize("option", given_at("solve").values(), ids=lambda o: o.name)
+def test_choices_and_default_of_an_option_are_those_of_the_table(option: Option) -> None:
+    name, _, default = row(option.name)
+    if option.choices:
+        assert name == f"`--{option.name} " + "\\|".join(option.choices) + "`"
+    number = isinstance(option.default, int | float)
+    written = "no limit" if option.default is None else f"{option.default:g}" if number else option.default
+    assert default.strip("`") == written
+
+
+@pytest.mark.parametrize("option", given_at("task").values(), ids=lambda o: o.name)
+def test_the_page_of_the_language_lists_the_options_of_a_task(option: Option) -> None:
+    rows = re.findall(rf"^\| .*`{option.name}`.*\|$", LANGUAGE, re.MULTILINE)
+    assert any(all(f"`{choice.replace('-', '_')}`" in found for choice in option.choices) for found in rows)
+
+
+@pytest.mark.parametrize("command", ["solve", "sweep"])
+def test_a_command_takes_what_the_table_says(command: str) -> None:
+    parameters = {option for p in application.commands[command].params for option in p.opts}
+    assert {f"--{name}" for name in OPTIONS if f"--{name}" in parameters} == {f"--{n}" for n in given_at(command)}
 
 
 def test_every_exit_status_is_documented() -> None:
