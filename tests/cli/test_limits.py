@@ -86,6 +86,17 @@ def test_an_instance_of_a_sweep_has_its_own_time(tamplang: Tamplang, tmp_path: P
     assert found == {40: "budget", 1: "solved"}
 
 
+@pytest.mark.parametrize("limit", [("--memory", "180MB"), ("--memory", "360MB", "--jobs", "2")])
+def test_a_search_that_grows_without_end_tells_that_the_memory_is_spent(
+    tamplang: Tamplang, tmp_path: Path, limit: tuple[str, ...]
+) -> None:
+    (tmp_path / MAIN).write_text(ENDLESS, encoding="utf-8")
+    process = tamplang("solve", MAIN, "-p", "n=40", "--bound", "seq", "--search", "bfs", "--json", *limit)
+    answer = json.loads(process.stdout)
+    assert (process.returncode, answer["status"]) == (4, "memory")
+    assert answer["tree_nodes"] > 10_000 and answer["explanation"][0]["code"] == "S0010"
+
+
 @pytest.mark.parametrize("text", ["", "2", "0GB", "-1GB", "2 apples", "1e3MB"])
 def test_amounts_of_memory(tamplang: Tamplang, program: Path, text: str) -> None:
     process = tamplang("check", program, "--memory", text, "--time", SHORT)
