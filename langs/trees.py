@@ -7,11 +7,13 @@ through all others. Places in the text (`Span`) are no parts.
 from __future__ import annotations
 
 import operator
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
+from inspect import get_annotations
 from types import UnionType
-from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, TypeVar, Union, get_args, get_origin
 
 from .source import Span
 
@@ -67,15 +69,21 @@ def _changed(value: Any, change: Callable[[Any], Any]) -> Any:
 
 
 @cache
-def _holding(kind: Any) -> tuple[str, ...]:
+def _holding(kind: type) -> tuple[str, ...]:
     """The fields of a class that may hold records."""
     if not is_dataclass(kind):
         return ()
-    hints = get_type_hints(kind)
-    return tuple(f.name for f in fields(kind) if _may_hold(hints[f.name]))
+    homes = {name: base.__module__ for base in kind.__mro__[::-1] for name in get_annotations(base)}
+    return tuple(f.name for f in fields(kind) if _may_hold(homes[f.name], str(f.type)))
 
 
-def _may_hold(hint: Any) -> bool:
+@cache
+def _may_hold(module: str, annotation: str) -> bool:
+    """Few texts annotate all fields: each is read once, which `typing.get_type_hints` would do for every field."""
+    return _has_records(eval(annotation, vars(sys.modules[module])))
+
+
+def _has_records(hint: Any) -> bool:
     if get_origin(hint) in (tuple, Union, UnionType):
-        return any(map(_may_hold, get_args(hint)))
+        return any(map(_has_records, get_args(hint)))
     return is_dataclass(hint) and hint is not Span
