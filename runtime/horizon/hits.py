@@ -14,8 +14,9 @@ from .drift import LOOKS, nearest
 from .sensing import PERIOD
 from .world import World
 
-THROUGH = 0.01
-"""Metres that something is in a robot which does not just press upon it, but goes through it."""
+THROUGH = 1e-3
+"""Metres that something is in a robot which does not just press upon it, but goes through it: no plan may have more.
+The spheres that measure it lie within shapes, so that no less is in it in truth."""
 TOUCHING = 5e-4
 """Metres that it may be in the robot when the run ends."""
 HALVINGS = 12

@@ -240,10 +240,14 @@ def test_a_plan_for_the_scene_at_rest_is_corrected_on_the_way() -> None:
 
 @pytest.mark.parametrize(
     "happens",
-    ["moves ram along (0, -1.2 m, 0) at 0.3 m/s", "disturb ram by (0, -0.35 m, 0) at 0.5 s"],
+    [
+        "moves ram along (0, -1.2 m, 0) at 0.3 m/s",
+        "disturb ram by (0, -0.35 m, 0) at 0.5 s",
+        "disturb ram by (0, -0.204 m, 0) at 0.5 s",
+    ],
 )
 def test_what_goes_right_through_a_robot_ends_the_run_before_that(happens: str) -> None:
-    """The robot stands on one foot and cannot leave."""
+    """The robot stands on one foot and cannot leave. The last one is only 4 mm in that foot: too much for any plan."""
     struck = task(f"object ram: box(0.1 m, 0.1 m, 0.3 m) at (0, 0.3 m, 0.2 m)\n{happens}").run()
     assert struck.status == "stuck" and [d.code for d in struck.explanation] == ["S0009"]
     assert "`ram` moves right through `c`" in struck.explanation[0].message
