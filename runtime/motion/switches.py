@@ -7,7 +7,6 @@ from functools import cached_property
 
 import numpy as np
 
-from ...compiler.extents import box_sides
 from ...compiler.ir import Arith, Function, Problem, Row, Term, Var, Vector
 from ...compiler.motion.collision import Pair, contacts, keeps_pose, pair, standing_clearance
 from ...compiler.motion.permanent import permanent
@@ -35,7 +34,7 @@ TURN = 3.0
 REFRESHES = 4
 """How often pairs that came near during a solve are taken in and the solve is resumed."""
 NEIGHBOUR = 0.006
-"""Metres kept at most between what touches a thing and the body that this thing lies on."""
+"""Metres kept between a thing that touches another one and the body that this one lies on."""
 POLISH = Options(mu=1e4, damping=1e-3, iterations=60)
 
 
@@ -148,50 +147,29 @@ class SwitchProgram:
         touching = contacts(self.skeleton)
         if self._free:
             contact = touching[self.phases[0]]
-            margin = self._margins(self.phases[0], contact.during, contact.start, anywhere=True)
-            collisions.add_slice(0, self.phases[0], margin)
+            collisions.add_slice(0, self.phases[0], self._margins(self.phases[0], contact.during, contact.start))
         for slice_, phase in enumerate(self.phases, start=1):
             margin = self._margins(phase, touching[phase].during, touching[phase].end)
             collisions.add_slice(slice_, phase, margin, before=slice_ - 1)
         return collisions.groups()
 
-    def _margins(self, phase: int, *exempt: frozenset[Pair], anywhere: bool = False) -> Margins:
-        """Contacts are free. What touches a thing may come near to the bodies that this thing lies on before or after
-        the switch, or with `anywhere` may have come from, as near as half its thickness, and a module as near to what
-        it stands on, or to what such a thing lies on, as its own foot brings it."""
+    def _margins(self, phase: int, *exempt: frozenset[Pair]) -> Margins:
+        """Contacts are free. What touches a thing may come near to the body that this thing lies on, as on a thin
+        plate, and a module as near to what it stands on as its own foot brings it."""
         world, usual = self.problem.world, self.settings.switch_margin
         touching = sorted(frozenset[Pair]().union(*exempt))
-        lies_on = self._lies_on(phase, touching if anywhere else ())
+        kept = (keeps_pose(self.problem, literal) for literal in sorted(self.skeleton.phases[phase].mode))
+        lies_on = {upper: lower for lower, upper in (k for k in kept if k) if {lower, upper} <= world.bodies.keys()}
         special: dict[Pair, float | None] = {}
-
-        def at_most(one: str, other: str, margin: float) -> None:
-            key = pair(one, other)
-            if margin < usual:
-                special[key] = min(special.get(key) or usual, margin)
-
         for one, other in (*touching, *(p[::-1] for p in touching)):
+            if other in lies_on:
+                special[pair(one, lies_on[other])] = min(usual, NEIGHBOUR)
             foot = world.effector(one)
-            beside = standing_clearance(foot[0].type, foot[1].name) if foot else usual
             if foot:
-                at_most(foot[0].name, other, beside)
-            for base in lies_on.get(other, ()):
-                room = 0.5 * min(box_sides(world.bodies[other].shape))
-                at_most(one, base, min(NEIGHBOUR, room))
-                if foot:
-                    at_most(foot[0].name, base, beside + room)
+                clearance = standing_clearance(foot[0].type, foot[1].name)
+                if clearance < usual:
+                    special[pair(foot[0].name, other)] = clearance
         return Margins(usual, special | dict.fromkeys(touching))
-
-    def _lies_on(self, phase: int, touching: Sequence[Pair]) -> dict[str, set[str]]:
-        """By body the bodies on which it lies before or after the switch of a phase; of what modules touch, all."""
-        bodies = self.problem.world.bodies
-        modes = sorted(self.skeleton.phases[phase].mode | next_mode(self.skeleton, phase))
-        found: dict[str, set[str]] = {}
-        for lower, upper in (kept for kept in (keeps_pose(self.problem, f) for f in modes) if kept):
-            if {lower, upper} <= bodies.keys():
-                found.setdefault(upper, set()).add(lower)
-        for name in {name for objects in touching for name in objects if name in bodies and bodies[name].movable}:
-            found[name] = set(bodies) - {name}
-        return found
 
     def program(self) -> Program:
         """The program over the pairs that take part at present."""

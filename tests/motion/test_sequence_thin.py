@@ -47,27 +47,3 @@ def test_a_low_foot_and_a_thin_plate_are_no_collisions(tmp_path: Path, seed: int
     assert result.plan is not None
     assert [a.partition("(")[0] for a in result.plan.actions] == ["grasp", "place"]
     assert result.plan.verify().verified
-
-
-@pytest.mark.parametrize(("thick", "seed"), [("2 cm", 0), ("5 mm", 0), ("5 mm", 1)])
-def test_a_thin_thing_is_taken_from_a_table_and_put_down_on_another(tmp_path: Path, thick: str, seed: int) -> None:
-    path = tmp_path / "thin.tamp"
-    path.write_text(f"""
-import std.crawler
-import std.rules
-
-task thin() {{
-    base pedestal: box(0.3 m, 0.3 m, 0.05 m) at (0, 0, 0)
-    object table: box(0.4 m, 1.4 m, 0.04 m) at (0.55 m, 0, 0.02 m)
-    object tray1: box(0.5 m, 0.3 m, 0.04 m) at (0, -0.6 m, 0.02 m)
-    object item: box(0.08 m, 0.08 m, {thick}) on table
-    fact (tray tray1)
-    fact (grippable item)
-    crawler c: A on pedestal
-    goal (on tray1 item)
-}}
-""")
-    result = tamplang.load(path, seed=seed).solve(time=120.0)
-    assert result.status == "solved"
-    assert result.plan is not None
-    assert result.plan.verify().verified
