@@ -96,7 +96,7 @@ class _Loader:
         """The path by which the same file is known already, where a link leads to it; else `path` itself."""
         if path in self.sources or path in self.given or not declaration.is_path:
             return path
-        return self.places.setdefault(os.path.realpath(path), path)
+        return self.places.setdefault(_real(path), path)
 
     def read(self, path: str, declaration: syntax.Import) -> Source | None:
         if path in self.given:
@@ -128,6 +128,14 @@ class _Loader:
         elif not declaration.is_path and near:
             help = "the standard library has " + ", ".join(f"{STANDARD}.{n}" for n in near)
         return Diagnostic("E0111", f"nothing to import under {what}", declaration.span, (), help)
+
+
+def _real(path: str) -> str:
+    """The path without links; the path itself where no file can have that name, which reading it tells."""
+    try:
+        return os.path.realpath(path)
+    except ValueError:
+        return path
 
 
 def _foreign(declaration: syntax.Import) -> Diagnostic:

@@ -346,7 +346,7 @@ def test_a_refused_plan_is_kept_only_where_it_was_asked_for(
     monkeypatch.setitem(LIMITS, "position_m", -1.0)  # a verifier that believes no plan
     (tmp_path / "t.tamp").write_text(TINY)
     out, bad = tmp_path / "p.json", tmp_path / "bad.json"
-    options = ["--time", "20", "--nodes", "60", "--out", out, "--json"]
+    options = ["--time", "60", "--nodes", "600" if "--horizon" in command else "60", "--out", out, "--json"]
     told = run(command[0], tmp_path / "t.tamp", *command[1:], *options)
     found = told.json()
     assert told.status == 5 and found["status"] == "refused" and not found["verified"], told
