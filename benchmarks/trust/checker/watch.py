@@ -10,14 +10,13 @@ import numpy as np
 
 from tamplang.compiler import ir
 
-from .frames import Spline, apart, frames_of, inverse
+from .frames import apart, frames_of, inverse
 from .motion import Keep, Moving, Recording, moving
 from .rows import View, excess, functions, is_length, value, volume
 from .touch import Part, neighbours, overlaps, parts_of
 
 Wrong = tuple[str, str, float, float]
 SLIP, TURN = 1e-3, 2e-3
-STOP = 0.05
 
 
 def watch(problem: ir.Problem, plan: dict[str, Any], recording: Recording) -> Iterator[Wrong]:
@@ -124,12 +123,7 @@ def _joints(recording: Recording, plan: dict[str, Any], number: int, motion: Mov
             for order, what in ((0, "joint_limit"), (1, "joint_speed"), (2, "joint_acceleration")):
                 if order and spline.knots[0] < phase["start"] - 1e-9:
                     break
-                if order and any(_stopped(plan, p) for p in _span(plan, spline)):
-                    times = np.linspace(spline.knots[0], spline.knots[-1], 20 * len(spline.knots))
-                    rows = spline(times[_driven(plan, times)], order)
-                    low, high = rows.min(axis=0, initial=0.0), rows.max(axis=0, initial=0.0)
-                else:
-                    low, high = spline.extremes(order)
+                low, high = spline.extremes(order)
                 for joint, least, most in zip(record["joints"], low, high, strict=True):
                     if order == 0:
                         over, limit = max(most - joint["upper"], joint["lower"] - least), 1e-3
@@ -146,26 +140,6 @@ def _joints(recording: Recording, plan: dict[str, Any], number: int, motion: Mov
             spread = float(np.ptp(motion.joints[name][after], axis=0).max(initial=0.0))
             if spread > 1.1e-6:
                 yield "stuck_rad", f"{name} moves in phase {number} though it is locked", spread, 1e-6
-
-
-def _stopped(plan: dict[str, Any], phase: dict[str, Any]) -> bool:
-    """Whether a breakdown stops a phase."""
-    ends = any(abs(b["time"] - phase["end"]) < 1e-6 for b in plan["breakdowns"])
-    return ends and not phase.get("completed", True)
-
-
-def _span(plan: dict[str, Any], spline: Spline) -> list[dict[str, Any]]:
-    first, last = spline.knots[0], spline.knots[-1]
-    return [p for p in plan["phases"] if p["start"] >= first - 1e-9 and p["end"] <= last + 1e-9]
-
-
-def _driven(plan: dict[str, Any], times: Any) -> Any:
-    """Which times are not those of joints that a breakdown brings to rest."""
-    found = np.ones(len(times), dtype=bool)
-    for phase in plan["phases"]:
-        if _stopped(plan, phase):
-            found &= (times < phase["end"] - STOP) | (times > phase["end"])
-    return found
 
 
 def _bound(problem: ir.Problem, plan: dict[str, Any], recording: Recording) -> Iterator[Wrong]:
