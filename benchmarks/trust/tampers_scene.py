@@ -196,7 +196,7 @@ def rule_changed_and_hashed(draft: Draft) -> None:
 
 @kind(false=True)
 def text_broken_and_hashed(draft: Draft) -> None:
-    _rewrite(draft, _main(draft), r"\btask\b", "tsak")
+    _rewrite(draft, _main(draft), r"(?m)^task\b", "tsak")
 
 
 @kind(false=True)
