@@ -16,12 +16,6 @@ from .terms import check_term
 TRUE = ir.And(())
 
 
-def check_conjunction(context: Context, scope: Scope, formulas: Sequence[syntax.Formula]) -> ir.Formula:
-    """All of `formulas` in one conjunction; a single one stays alone."""
-    lowered = tuple(check_formula(context, scope, f) for f in formulas)
-    return lowered[0] if len(lowered) == 1 else ir.And(lowered)
-
-
 def check_formula(context: Context, scope: Scope, formula: syntax.Formula) -> ir.Formula:
     """The lowered formula. What is wrong is reported and lowered as true."""
     match formula:
