@@ -40,15 +40,16 @@ ALGEBRA, ESTIMATE = "compiler/symbolic/algebra.py", "compiler/symbolic/estimate.
 LOCATIONS, PRICES = "compiler/symbolic/locations.py", "compiler/symbolic/prices.py"
 LINKS = "compiler/symbolic/links.py"
 LAYOUT, DOMAINS, STRAINS = "compiler/symbolic/layout.py", "compiler/symbolic/domains.py", "compiler/symbolic/strain.py"
-BEST, NOGOODS, ROOMY = "runtime/search/best_first.py", "runtime/search/conflicts.py", "runtime/search/roomy.py"
-SURCHARGE, LGP, JUDGED = "runtime/search/surcharge.py", "runtime/lgp.py", "runtime/judgement.py"
-EXPERIENCE, REFUSALS, SEED = "runtime/experience.py", "runtime/refusals.py", "runtime/seeds.py"
+SEARCH, CONFLICTS, MOTION = "runtime/planner/search", "runtime/planner/conflicts", "runtime/planner/motion"
+BEST, NOGOODS = f"{SEARCH}/best_first.py", f"{CONFLICTS}/forbidden_sequences.py"
+ROOMY, SURCHARGE = f"{SEARCH}/slack_maximisation.py", f"{SEARCH}/learned_penalties.py"
+LGP, JUDGED, SEED = "runtime/planner/lgp.py", "runtime/planner/bounds/verdicts.py", "runtime/seeds.py"
+EXPERIENCE, REFUSALS = f"{CONFLICTS}/nogoods.py", f"{CONFLICTS}/infeasibility.py"
 FOUND, TABLE, RATE = "runtime/verify/findings.py", "runtime/verify/limits.py", "runtime/verify/rates.py"
 DEPTH = "runtime/verify/collision.py"
-ATTEMPTS, SMOOTH, CLEAR = (
-    "runtime/motion/phases/attempts.py", "runtime/motion/phases/smoothing.py", "runtime/motion/clearance.py",
-)  # fmt: skip
-SENSE, SUCC = "runtime/horizon/sensing.py", "compiler/symbolic/successors.py"
+ATTEMPTS, SMOOTH = f"{MOTION}/phases/attempts.py", f"{MOTION}/phases/smoothing.py"
+CLEAR = f"{MOTION}/collision/clearance_rows.py"
+SENSE, SUCC = "runtime/simulation/sensing.py", "compiler/symbolic/successors.py"
 
 MUTATIONS = [
     # --- symbolic layer: meaning, costs, estimate

@@ -24,7 +24,7 @@ from tamplang.compiler.pipeline import compile_problem
 from tamplang.compiler.symbolic.pddl import to_pddl
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.search.best_first import SkeletonSearch
+from tamplang.runtime.planner.search.best_first import SkeletonSearch
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 TASKS = {"climb": {"crawlers": "2"}, "rendezvous": {}}

@@ -17,7 +17,7 @@ from tamplang.compiler.ir import Problem
 from tamplang.compiler.pipeline import compile_problem, compile_text
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.search.best_first import SkeletonSearch
+from tamplang.runtime.planner.search.best_first import SkeletonSearch
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 TASKS = (

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .compiler.ir import Problem
     from .langs.diagnostics import Diagnostic
-    from .runtime.horizon.drives import Noise
-    from .runtime.horizon.terms import RunProgress
-    from .runtime.horizon.tracking import Deviations
-    from .runtime.lgp import Outcome, Progress, SolveOptions
     from .runtime.plan import Plan as PlanRecord
     from .runtime.plan import StatisticsRecord, TimingRecord, VerdictRecord
+    from .runtime.planner.lgp import Outcome, Progress, SolveOptions
+    from .runtime.simulation.actuators import Noise
+    from .runtime.simulation.results import RunProgress
+    from .runtime.simulation.tracking import Deviations
 
 
 BESIDE_OPTIONS = ("horizon", "jobs", "cluster", "progress", "found")
@@ -88,8 +88,8 @@ class Task:
             "slices": slices,
         }  # fmt: skip
         check_given("python", chosen | unknown, BESIDE_OPTIONS)
-        from .runtime.ahead import opened
-        from .runtime.lgp import options_of
+        from .runtime.planner.bounds.speculation import opened
+        from .runtime.planner.lgp import options_of
 
         options = options_of(self.problem, chosen)
 
@@ -128,7 +128,7 @@ class Task:
         simulated seconds (None: the default); `seed` steers the noise.
         Raises `tamplang.runtime.native.MissingLibrary` when a system library is missing.
         """
-        from .runtime.horizon.execution import execute
+        from .runtime.simulation.execution import execute
 
         return RunResult(*execute(self.problem, plan, horizon, noise, time, seed, latency, progress))
 
@@ -142,10 +142,10 @@ def _solved(
 ) -> Outcome:
     """The whole task at once, or with a receding horizon."""
     if horizon is None:
-        from .runtime.lgp import solve
+        from .runtime.planner.lgp import solve
 
         return solve(problem, options, progress, found)
-    from .runtime.horizon.receding import solve_receding
+    from .runtime.planner.receding.receding_horizon import solve_receding
 
     return solve_receding(problem, options, None if horizon == "auto" else int(horizon), progress, found)
 

@@ -16,12 +16,12 @@ from tamplang.compiler.ir import Action, Problem
 from tamplang.compiler.pipeline import compile_text
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget, OutOfTime
-from tamplang.runtime.motion.path import solve_path
-from tamplang.runtime.motion.phases import solve_sequence_path
-from tamplang.runtime.motion.sequence import solve_sequence
-from tamplang.runtime.motion.settings import MotionSettings
 from tamplang.runtime.plan import StatisticsRecord
-from tamplang.runtime.search.skeletons import build_skeleton
+from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
+from tamplang.runtime.planner.motion.path.path_program import solve_path
+from tamplang.runtime.planner.motion.phases import solve_sequence_path
+from tamplang.runtime.planner.motion.settings import MotionSettings
+from tamplang.runtime.planner.search.skeleton_replay import build_skeleton
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import BoundResult, Configuration, PhasePath, Skeleton
 
@@ -226,7 +226,7 @@ def motion(prepared: Prepared, paths: Sequence[PhasePath]) -> tuple[Array, Array
 
 def verified(prepared: Prepared, paths: Sequence[PhasePath]) -> bool:
     """The verdict of tamplang's verifier on the plan."""
-    from tamplang.runtime.assemble import assemble
+    from tamplang.runtime.planner.plan_assembly import assemble
     from tamplang.runtime.verify.check import check
 
     plan = assemble(prepared.problem, prepared.actions, prepared.skeleton, paths, StatisticsRecord())

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import msgspec
 import numpy as np
 
-from .. import transforms
+from ..geometry import transforms
+from ..geometry.transforms import Array
 from ..plan import JointRecord, ModuleRecord
-from ..transforms import Array
 
 IDENTITY = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from ...compiler.extents import box_sides
 from ...compiler.hulls import hull
 from ...compiler.ir import Shape
+from ..geometry.transforms import Array, rotate
 from ..plan import BodyRecord, PhaseRecord, Plan, ShapeRecord
 from ..tracks import body_rows
-from ..transforms import Array, rotate
 from .kinematics import joint_frames, pose_rows
 from .robots import ACCENT, FIXED, PALETTE, group_modules, lighten, module_colours
 

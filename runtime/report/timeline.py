@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..geometry.transforms import Array
 from ..plan import JointRecord, Plan
 from ..tracks import body_rows
-from ..transforms import Array
 from .replay import joint_rows, pick_samples
 from .robots import ACCENT, Robot, effector_owners, group_modules, module_colours
 

@@ -23,8 +23,8 @@ from .status import ExitStatus
 
 if TYPE_CHECKING:
     from ..api import RunResult, Task
-    from ..runtime.horizon.terms import RunProgress
     from ..runtime.plan import Plan
+    from ..runtime.simulation.results import RunProgress
 
 STATUS = {
     "solved": ExitStatus.DONE,
@@ -85,7 +85,7 @@ def run(
     The scene may move, and modules may fail. What was carried out is a plan file, which is verified.
     """
     from ..runtime.budget import SECONDS_OF_RUN
-    from ..runtime.horizon.drives import Noise
+    from ..runtime.simulation.actuators import Noise
 
     most = SECONDS_OF_RUN if seconds is None else seconds
     with limited(most, memory, f"compiling {file}", as_json) as guard, needing_libraries():

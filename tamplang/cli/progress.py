@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ..runtime.lgp import Progress
+    from ..runtime.planner.lgp import Progress
 
 SECONDS_BETWEEN_LINES = 1.0
 

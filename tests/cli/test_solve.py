@@ -176,7 +176,7 @@ def test_ctrl_c_ends_with_what_was_found(tmp_path: Path) -> None:
     assert json.loads(output)["status"] == "interrupted"
 
 
-@pytest.mark.parametrize("loaded", ["click", "tamplang.cli.app", "tamplang.runtime.lgp"])
+@pytest.mark.parametrize("loaded", ["click", "tamplang.cli.app", "tamplang.runtime.planner.lgp"])
 def test_ctrl_c_is_quiet_while_the_command_still_loads(tmp_path: Path, loaded: str) -> None:
     arguments = ["solve", CLIMB, "-p", "n=60", "--solutions", "9"]
     process = begin(tmp_path, "-X", "importtime", "-m", "tamplang", *arguments)

@@ -8,7 +8,7 @@ import pytest
 
 from tamplang.compiler.pipeline import check_sources, compile_text
 from tamplang.langs.source import Source
-from tamplang.runtime.lgp import SolveOptions, solve
+from tamplang.runtime.planner.lgp import SolveOptions, solve
 
 TEXT = """import std.crawler
 import std.rules

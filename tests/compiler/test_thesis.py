@@ -12,7 +12,7 @@ from tamplang.compiler.imports import load_library
 from tamplang.compiler.pipeline import compile_text
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.langs import syntax
-from tamplang.runtime.search.plain import PlainSearch
+from tamplang.runtime.planner.search.thesis_search import PlainSearch
 
 ROOT = Path(__file__).parents[2]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tamplang.api import load
-from tamplang.runtime.horizon.length import FIRST, LEAST, MOST, horizon_of
+from tamplang.runtime.planner.receding.horizon_length import FIRST, LEAST, MOST, horizon_of
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
 

@@ -14,14 +14,14 @@ from tamplang.compiler.ir import Pose, Problem
 from tamplang.compiler.pipeline import compile_problem
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.horizon.receding import solve_receding
-from tamplang.runtime.horizon.state import after, start
-from tamplang.runtime.horizon.windows import plan_window, remember
-from tamplang.runtime.lgp import Outcome, Progress, SolveOptions
-from tamplang.runtime.motion.sequence import solve_sequence
-from tamplang.runtime.motion.starts import effector_pose, to_tuple
-from tamplang.runtime.search.best_first import SkeletonSearch
-from tamplang.runtime.search.skeletons import build_skeleton
+from tamplang.runtime.planner.lgp import Outcome, Progress, SolveOptions
+from tamplang.runtime.planner.motion.keyframes.initial_guesses import effector_pose, to_tuple
+from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
+from tamplang.runtime.planner.receding.mid_run_state import after, start
+from tamplang.runtime.planner.receding.receding_horizon import solve_receding
+from tamplang.runtime.planner.receding.window import plan_window, remember
+from tamplang.runtime.planner.search.best_first import SkeletonSearch
+from tamplang.runtime.planner.search.skeleton_replay import build_skeleton
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Configuration, beginning
 from tamplang.runtime.verify import verify

@@ -10,12 +10,12 @@ import pytest
 
 from tamplang.api import Task, load, task_of_plan
 from tamplang.compiler.pipeline import compile_text
-from tamplang.runtime.horizon.drives import Noise
-from tamplang.runtime.horizon.run import Run
-from tamplang.runtime.horizon.terms import RunOptions, RunProgress
-from tamplang.runtime.lgp import SolveOptions
 from tamplang.runtime.plan import Plan
 from tamplang.runtime.plan_files import read_plan
+from tamplang.runtime.planner.lgp import SolveOptions
+from tamplang.runtime.simulation.actuators import Noise
+from tamplang.runtime.simulation.results import RunOptions, RunProgress
+from tamplang.runtime.simulation.run import Run
 from tamplang.runtime.verify import verify
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

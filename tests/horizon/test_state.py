@@ -14,11 +14,11 @@ from tamplang.compiler.poses import joint_frames
 from tamplang.compiler.symbolic.geometry import Geometry
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.horizon.breakdowns import frozen, without
-from tamplang.runtime.horizon.goals import ordered, parts_of
-from tamplang.runtime.horizon.state import Reached, after, reached_problem, start
-from tamplang.runtime.horizon.windows import plan_window, remember
-from tamplang.runtime.lgp import SolveOptions
+from tamplang.runtime.planner.lgp import SolveOptions
+from tamplang.runtime.planner.receding.mid_run_state import Reached, after, reached_problem, start
+from tamplang.runtime.planner.receding.subgoals import ordered, parts_of
+from tamplang.runtime.planner.receding.window import plan_window, remember
+from tamplang.runtime.simulation.breakdowns import frozen, without
 from tamplang.runtime.skeleton import start_configuration
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"

@@ -7,10 +7,10 @@ import pytest
 
 from tamplang.compiler import ir
 from tamplang.compiler.pipeline import compile_text
-from tamplang.runtime.horizon.braking import within_limits
-from tamplang.runtime.horizon.sensing import PERIOD, Sensing
-from tamplang.runtime.horizon.steering import Steering
-from tamplang.runtime.horizon.world import World, spline_values
+from tamplang.runtime.simulation.braking import within_limits
+from tamplang.runtime.simulation.sensing import PERIOD, Sensing
+from tamplang.runtime.simulation.steering import Steering
+from tamplang.runtime.simulation.world import World, spline_values
 from tamplang.runtime.skeleton import Array, Phase, PhasePath
 
 SCENE = """

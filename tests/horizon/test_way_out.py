@@ -8,18 +8,18 @@ import pytest
 from tamplang.compiler import ir
 from tamplang.compiler.pipeline import compile_text
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.horizon.aside import ROOM, way_aside
-from tamplang.runtime.horizon.braking import waiting
-from tamplang.runtime.horizon.drift import LOOKS, clearances, deepest, nearest
-from tamplang.runtime.horizon.failures import Failures
-from tamplang.runtime.horizon.foresight import foreseen_problem
-from tamplang.runtime.horizon.lookout import Lookout
-from tamplang.runtime.horizon.planning import Planner
-from tamplang.runtime.horizon.route import PRESSED, Route
-from tamplang.runtime.horizon.sensing import PERIOD, Sensing
-from tamplang.runtime.horizon.world import Interval, World
-from tamplang.runtime.lgp import SolveOptions, motion_settings
+from tamplang.runtime.planner.lgp import SolveOptions, motion_settings
 from tamplang.runtime.seeds import Seed
+from tamplang.runtime.simulation.braking import waiting
+from tamplang.runtime.simulation.evasion import ROOM, way_aside
+from tamplang.runtime.simulation.failures import Failures
+from tamplang.runtime.simulation.monitor import Lookout
+from tamplang.runtime.simulation.planning import Planner
+from tamplang.runtime.simulation.predicted_clearance import LOOKS, clearances, deepest, nearest
+from tamplang.runtime.simulation.route import PRESSED, Route
+from tamplang.runtime.simulation.scene_prediction import foreseen_problem
+from tamplang.runtime.simulation.sensing import PERIOD, Sensing
+from tamplang.runtime.simulation.world import Interval, World
 from tamplang.runtime.skeleton import Phase
 from tamplang.runtime.verify.replay import Interpreter
 

@@ -12,18 +12,11 @@ from hypothesis import strategies as st
 
 from tamplang.compiler import ir
 from tamplang.compiler.pipeline import compile_text
-from tamplang.runtime.horizon.braking import (
-    braked,
-    first_part,
-    reversed_path,
-    stopped,
-    waiting,
-    within_limits,
-)
-from tamplang.runtime.horizon.drift import signed_distance
-from tamplang.runtime.horizon.drives import Noise
-from tamplang.runtime.horizon.sensing import Sensing
-from tamplang.runtime.horizon.world import Interval, World, carried, spline_values
+from tamplang.runtime.simulation.actuators import Noise
+from tamplang.runtime.simulation.braking import braked, first_part, reversed_path, stopped, waiting, within_limits
+from tamplang.runtime.simulation.predicted_clearance import signed_distance
+from tamplang.runtime.simulation.sensing import Sensing
+from tamplang.runtime.simulation.world import Interval, World, carried, spline_values
 from tamplang.runtime.skeleton import PhasePath
 from tamplang.runtime.verify.happenings import Course
 

@@ -6,11 +6,11 @@ import pytest
 
 from tamplang.compiler.ir import Action, Problem
 from tamplang.compiler.pipeline import compile_text
-from tamplang.runtime.experience import Experience
-from tamplang.runtime.judgement import Conflict, blame
-from tamplang.runtime.lgp import SolveOptions, solve
-from tamplang.runtime.refusals import Refusals
-from tamplang.runtime.search.skeletons import build_skeleton
+from tamplang.runtime.planner.bounds.verdicts import Conflict, blame
+from tamplang.runtime.planner.conflicts.infeasibility import Refusals
+from tamplang.runtime.planner.conflicts.nogoods import Experience
+from tamplang.runtime.planner.lgp import SolveOptions, solve
+from tamplang.runtime.planner.search.skeleton_replay import build_skeleton
 from tamplang.runtime.skeleton import BoundResult, Breach, Skeleton, Violation
 
 TWO_WAYS = """

@@ -12,14 +12,14 @@ from tamplang.compiler.pipeline import compile_problem, compile_text
 from tamplang.compiler.symbolic.strain import Strain
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.experience import Experience
-from tamplang.runtime.lgp import SolveOptions, solve
-from tamplang.runtime.motion.program import DIVERGED
-from tamplang.runtime.refusals import describe
-from tamplang.runtime.search.best_first import SkeletonSearch
-from tamplang.runtime.search.roomy import roomier
-from tamplang.runtime.search.skeletons import build_skeleton
-from tamplang.runtime.search.surcharge import POWER, Surcharge
+from tamplang.runtime.planner.conflicts.infeasibility import describe
+from tamplang.runtime.planner.conflicts.nogoods import Experience
+from tamplang.runtime.planner.lgp import SolveOptions, solve
+from tamplang.runtime.planner.motion.nlp.program import DIVERGED
+from tamplang.runtime.planner.search.best_first import SkeletonSearch
+from tamplang.runtime.planner.search.learned_penalties import POWER, Surcharge
+from tamplang.runtime.planner.search.skeleton_replay import build_skeleton
+from tamplang.runtime.planner.search.slack_maximisation import roomier
 from tamplang.runtime.skeleton import Breach, Phase, Violation
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"

@@ -9,8 +9,8 @@ import pytest
 
 from tamplang.api import load
 from tamplang.cli import run as command
-from tamplang.runtime.horizon.terms import RunProgress
-from tamplang.runtime.lgp import Progress
+from tamplang.runtime.planner.lgp import Progress
+from tamplang.runtime.simulation.results import RunProgress
 
 ROOT = Path(__file__).parents[2]
 SLOTS = ROOT / "tests" / "horizon" / "slots.tamp"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tamplang.compiler.pipeline import compile_text
-from tamplang.runtime.lgp import Outcome, SolveOptions, solve
+from tamplang.runtime.planner.lgp import Outcome, SolveOptions, solve
 
 HEAD = """
 import std.rules

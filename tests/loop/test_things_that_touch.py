@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from tamplang.compiler.pipeline import compile_text
-from tamplang.runtime.lgp import SolveOptions, solve
-from tamplang.runtime.touching import touching
+from tamplang.runtime.geometry.start_contacts import touching
+from tamplang.runtime.planner.lgp import SolveOptions, solve
 
 TEXT = """
 import std.crawler

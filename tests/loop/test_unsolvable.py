@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tamplang.compiler.pipeline import compile_problem, compile_text
-from tamplang.runtime.lgp import Outcome, SolveOptions, solve
+from tamplang.runtime.planner.lgp import Outcome, SolveOptions, solve
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 REACH = "std/logic.tamp"

@@ -21,7 +21,7 @@ from tamplang.compiler.motion.collision import (
     taper,
 )
 from tamplang.compiler.motion.pairs import reach, self_pairs
-from tamplang.runtime.motion.phases.tree import link_frames
+from tamplang.runtime.planner.motion.phases.joint_forest import link_frames
 
 from .fixtures import CRAWLER, climb_alone, climb_together, pick_and_place
 

@@ -13,10 +13,10 @@ from scipy.interpolate import CubicSpline
 
 from tamplang import load
 from tamplang.compiler.pipeline import compile_text
-from tamplang.runtime.motion.easing import eased
-from tamplang.runtime.motion.timing import peaks, shortest_duration
+from tamplang.runtime.geometry.splines import ClampedSpline
+from tamplang.runtime.planner.motion.end_conditions import eased
+from tamplang.runtime.planner.motion.time_scaling import peaks, shortest_duration
 from tamplang.runtime.skeleton import PhasePath
-from tamplang.runtime.splines import ClampedSpline
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TEXT = """

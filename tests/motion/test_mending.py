@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.motion.mending import Mend, mended, spans
-from tamplang.runtime.motion.phases import solve_sequence_path
-from tamplang.runtime.motion.sequence import solve_sequence
-from tamplang.runtime.motion.settings import MotionSettings
+from tamplang.runtime.planner.motion.keyframes.local_repair import Mend, mended, spans
+from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
+from tamplang.runtime.planner.motion.phases import solve_sequence_path
+from tamplang.runtime.planner.motion.settings import MotionSettings
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Breach, Violation
 

@@ -9,7 +9,7 @@ import pytest
 
 from tamplang.compiler.motion.permanent import permanent
 from tamplang.compiler.pipeline import compile_problem
-from tamplang.runtime.lgp import SolveOptions, solve
+from tamplang.runtime.planner.lgp import SolveOptions, solve
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "mobile_manipulator.tamp"
 

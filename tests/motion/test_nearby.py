@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tamplang.runtime.motion.nearby import NO_PAIRS, Blocks, Pairs
+from tamplang.runtime.planner.motion.collision.broad_phase import NO_PAIRS, Blocks, Pairs
 from tamplang.runtime.skeleton import Array
 
 NEAR = 0.3

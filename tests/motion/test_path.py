@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.motion.path import solve_path
-from tamplang.runtime.motion.sequence import solve_sequence
-from tamplang.runtime.motion.settings import MotionSettings
-from tamplang.runtime.motion.starts import effector_pose
+from tamplang.runtime.planner.motion.keyframes.initial_guesses import effector_pose
+from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
+from tamplang.runtime.planner.motion.path.path_program import solve_path
+from tamplang.runtime.planner.motion.settings import MotionSettings
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import BoundResult, Skeleton
 

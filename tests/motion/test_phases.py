@@ -24,16 +24,16 @@ from tamplang.compiler.ir import (
 )
 from tamplang.compiler.motion.collision import contacts, pose_matrix
 from tamplang.runtime.budget import Budget, OutOfTime
-from tamplang.runtime.motion.phases import Reason, UnsupportedPhase, polish, solve_sequence_path
-from tamplang.runtime.motion.phases.batch import Batch
-from tamplang.runtime.motion.phases.geometry import make_parts
-from tamplang.runtime.motion.phases.near import close
-from tamplang.runtime.motion.phases.sampling import sampled_starts
-from tamplang.runtime.motion.phases.smoothing import Schedule, smooth_paths
-from tamplang.runtime.motion.phases.swept import sweep
-from tamplang.runtime.motion.phases.tree import link_frames, phase_tree
-from tamplang.runtime.motion.sequence import solve_sequence
-from tamplang.runtime.motion.settings import MotionSettings
+from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
+from tamplang.runtime.planner.motion.phases import Reason, UnsupportedPhase, polish, solve_sequence_path
+from tamplang.runtime.planner.motion.phases.joint_forest import link_frames, phase_tree
+from tamplang.runtime.planner.motion.phases.phase_batch import Batch
+from tamplang.runtime.planner.motion.phases.phase_geometry import make_parts
+from tamplang.runtime.planner.motion.phases.proximity import close
+from tamplang.runtime.planner.motion.phases.rrt_connect import sampled_starts
+from tamplang.runtime.planner.motion.phases.smoothing import Schedule, smooth_paths
+from tamplang.runtime.planner.motion.phases.swept_check import sweep
+from tamplang.runtime.planner.motion.settings import MotionSettings
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import BoundResult, Breach, Configuration, Phase, Skeleton, start_configuration
 

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from tamplang.compiler.ir import Joint, ModuleType, Shape
 from tamplang.compiler.motion.collision import pose_matrix
-from tamplang.runtime.motion.phases.balls import Ball
-from tamplang.runtime.motion.phases.kinematics import Kinematics, Points, mounted_poses
-from tamplang.runtime.motion.phases.shapes import Shapes
-from tamplang.runtime.motion.phases.tree import PhaseTree, link_frames, mount_module, node_frames
+from tamplang.runtime.geometry.signed_distances import Shapes
+from tamplang.runtime.planner.motion.phases.batch_kinematics import Kinematics, Points, mounted_poses
+from tamplang.runtime.planner.motion.phases.collision_spheres import Ball
+from tamplang.runtime.planner.motion.phases.joint_forest import PhaseTree, link_frames, mount_module, node_frames
 
 Pose = tuple[float, float, float, float, float, float, float]
 

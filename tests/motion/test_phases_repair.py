@@ -10,17 +10,25 @@ import pytest
 from tamplang.compiler.ir import IDENTITY, Action, Body, Effector, Joint, Link, Module, ModuleType, Shape
 from tamplang.compiler.motion.collision import PhaseContacts, contacts, taper
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.motion.phases import solve_sequence_path
-from tamplang.runtime.motion.phases.attempts import Group, attempt, homeward, start_group, straight
-from tamplang.runtime.motion.phases.batch import Batch
-from tamplang.runtime.motion.phases.geometry import make_parts
-from tamplang.runtime.motion.phases.near import close
-from tamplang.runtime.motion.phases.shares import BOTH, END, FULL, NEVER, START, kind_of, share_table
-from tamplang.runtime.motion.phases.smoothing import Schedule, smooth_paths
-from tamplang.runtime.motion.phases.swept import sweep
-from tamplang.runtime.motion.phases.tree import phase_tree
-from tamplang.runtime.motion.sequence import solve_sequence
-from tamplang.runtime.motion.settings import MotionSettings
+from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
+from tamplang.runtime.planner.motion.phases import solve_sequence_path
+from tamplang.runtime.planner.motion.phases.attempts import Group, attempt, homeward, start_group, straight
+from tamplang.runtime.planner.motion.phases.contact_margins import (
+    BOTH,
+    END,
+    FULL,
+    NEVER,
+    START,
+    kind_of,
+    share_table,
+)
+from tamplang.runtime.planner.motion.phases.joint_forest import phase_tree
+from tamplang.runtime.planner.motion.phases.phase_batch import Batch
+from tamplang.runtime.planner.motion.phases.phase_geometry import make_parts
+from tamplang.runtime.planner.motion.phases.proximity import close
+from tamplang.runtime.planner.motion.phases.smoothing import Schedule, smooth_paths
+from tamplang.runtime.planner.motion.phases.swept_check import sweep
+from tamplang.runtime.planner.motion.settings import MotionSettings
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Configuration, Phase, Skeleton, start_configuration
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from tamplang.runtime.budget import Budget, OutOfTime
-from tamplang.runtime.motion.phases import solve_sequence_path
-from tamplang.runtime.motion.phases.geometry import Geometry
-from tamplang.runtime.motion.phases.near import close
-from tamplang.runtime.motion.phases.sampling import sampled_starts
-from tamplang.runtime.motion.phases.shares import NEVER
-from tamplang.runtime.motion.sequence import solve_sequence
+from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
+from tamplang.runtime.planner.motion.phases import solve_sequence_path
+from tamplang.runtime.planner.motion.phases.contact_margins import NEVER
+from tamplang.runtime.planner.motion.phases.phase_geometry import Geometry
+from tamplang.runtime.planner.motion.phases.proximity import close
+from tamplang.runtime.planner.motion.phases.rrt_connect import sampled_starts
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Configuration, Skeleton
 

@@ -9,9 +9,9 @@ import pytest
 
 from tamplang.compiler.ir import Module
 from tamplang.compiler.pipeline import compile_text
-from tamplang.runtime.lgp import SolveOptions, solve
-from tamplang.runtime.motion.postures import Aim, closing, freedom
-from tamplang.runtime.motion.starts import effector_pose
+from tamplang.runtime.planner.lgp import SolveOptions, solve
+from tamplang.runtime.planner.motion.keyframes.initial_guesses import effector_pose
+from tamplang.runtime.planner.motion.keyframes.posture_samples import Aim, closing, freedom
 
 HEAD = """
 import std.motion

@@ -9,7 +9,7 @@ import numpy as np
 import tamplang
 from tamplang.compiler.ir import Function, Number, Row, Var, Vector
 from tamplang.compiler.motion.constraints import EffectorKind, stage
-from tamplang.runtime.assemble import module_record
+from tamplang.runtime.planner.plan_assembly import module_record
 from tamplang.runtime.verify.inertia import centre_of
 from tamplang.runtime.verify.kinematics import Kinematics
 

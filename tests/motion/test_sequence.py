@@ -9,9 +9,9 @@ import pytest
 
 from tamplang.compiler.ir import Problem
 from tamplang.runtime.budget import Budget, OutOfTime
-from tamplang.runtime.motion.sequence import solve_sequence, window_feasible
-from tamplang.runtime.motion.settings import MotionSettings
-from tamplang.runtime.motion.starts import effector_pose
+from tamplang.runtime.planner.motion.keyframes.initial_guesses import effector_pose
+from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence, window_feasible
+from tamplang.runtime.planner.motion.settings import MotionSettings
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Configuration, Skeleton, start_configuration
 

@@ -21,10 +21,10 @@ from tamplang.compiler.ir import (
     Shape,
 )
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.motion.path import solve_path
-from tamplang.runtime.motion.sequence import solve_sequence
-from tamplang.runtime.motion.settings import MotionSettings
-from tamplang.runtime.motion.starts import effector_pose
+from tamplang.runtime.planner.motion.keyframes.initial_guesses import effector_pose
+from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
+from tamplang.runtime.planner.motion.path.path_program import solve_path
+from tamplang.runtime.planner.motion.settings import MotionSettings
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Phase, Skeleton
 

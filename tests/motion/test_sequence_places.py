@@ -9,10 +9,10 @@ import numpy as np
 
 from tamplang.compiler.ir import Shape
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.motion.places import GAP, MANY, places
-from tamplang.runtime.motion.sequence import solve_sequence
-from tamplang.runtime.motion.settings import MotionSettings
-from tamplang.runtime.motion.spans import judged_alone
+from tamplang.runtime.planner.motion.keyframes.multi_start import judged_alone
+from tamplang.runtime.planner.motion.keyframes.placement_samples import GAP, MANY, places
+from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
+from tamplang.runtime.planner.motion.settings import MotionSettings
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Skeleton
 

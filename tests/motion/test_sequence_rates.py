@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.motion.sequence import solve_sequence
-from tamplang.runtime.motion.settings import MotionSettings
-from tamplang.runtime.motion.switches import SwitchProgram
+from tamplang.runtime.planner.motion.keyframes.keyframe_program import SwitchProgram
+from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
+from tamplang.runtime.planner.motion.settings import MotionSettings
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Skeleton
 

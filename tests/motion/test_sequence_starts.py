@@ -10,12 +10,12 @@ import pytest
 from tamplang.compiler.pipeline import compile_text
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.lgp import SolveOptions, solve
-from tamplang.runtime.motion.postures import Aim, reaching
-from tamplang.runtime.motion.sequence import solve_sequence
-from tamplang.runtime.motion.settings import MotionSettings
-from tamplang.runtime.motion.starts import effector_pose
-from tamplang.runtime.search.skeletons import build_skeleton
+from tamplang.runtime.planner.lgp import SolveOptions, solve
+from tamplang.runtime.planner.motion.keyframes.initial_guesses import effector_pose
+from tamplang.runtime.planner.motion.keyframes.posture_samples import Aim, reaching
+from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
+from tamplang.runtime.planner.motion.settings import MotionSettings
+from tamplang.runtime.planner.search.skeleton_replay import build_skeleton
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Skeleton
 

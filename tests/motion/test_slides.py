@@ -8,7 +8,7 @@ import pytest
 
 from tamplang.compiler.ir import Action
 from tamplang.compiler.pipeline import compile_problem
-from tamplang.runtime.motion.slides import all_pierced, held_back
+from tamplang.runtime.planner.motion.keyframes.prismatic_sweeps import all_pierced, held_back
 from tamplang.runtime.skeleton import Configuration, Phase, Skeleton, start_configuration
 
 SCENE = """

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tamplang.runtime.budget import Budget, OutOfTime
-from tamplang.runtime.motion.groups import Label, LinearGroup, NormGroup
-from tamplang.runtime.motion.ipopt import solve_ipopt
-from tamplang.runtime.motion.program import DIVERGED, Program
-from tamplang.runtime.motion.solver import Options, project, solve
+from tamplang.runtime.planner.motion.nlp.augmented_lagrangian import Options, project, solve
+from tamplang.runtime.planner.motion.nlp.ipopt import solve_ipopt
+from tamplang.runtime.planner.motion.nlp.program import DIVERGED, Program
+from tamplang.runtime.planner.motion.nlp.row_groups import Label, LinearGroup, NormGroup
 from tamplang.runtime.skeleton import Breach
 
 EXACT = Options(tolerance=1e-8, step_tolerance=1e-6, iterations=300)

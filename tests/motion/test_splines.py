@@ -10,9 +10,9 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
-from tamplang.runtime.motion.banded import factored, solved
-from tamplang.runtime.splines import ClampedSpline, spline_weights
-from tamplang.runtime.transforms import quaternions
+from tamplang.runtime.geometry.splines import ClampedSpline, spline_weights
+from tamplang.runtime.geometry.transforms import quaternions
+from tamplang.runtime.planner.motion.nlp.banded_cholesky import factored, solved
 
 RANDOM = np.random.default_rng(4)
 
@@ -63,7 +63,7 @@ def test_banded_systems_are_solved_and_indefinite_ones_told() -> None:
 def test_the_planner_and_the_verifier_load_little_of_scipy() -> None:
     code = (
         "import sys\n"
-        "import tamplang.runtime.lgp, tamplang.runtime.motion.phases, tamplang.runtime.verify\n"
+        "import tamplang.runtime.planner.lgp, tamplang.runtime.planner.motion.phases, tamplang.runtime.verify\n"
         "print([m for m in sys.modules if m in ('scipy.linalg', 'scipy.interpolate', 'scipy.spatial', 'numpy.f2py')])\n"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

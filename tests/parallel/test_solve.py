@@ -14,14 +14,14 @@ import pytest
 
 from tamplang.api import load
 from tamplang.compiler.symbolic.successors import Successors
-from tamplang.runtime.ahead import Ahead, opened
 from tamplang.runtime.budget import Budget, OutOfTime
-from tamplang.runtime.motion.settings import MotionSettings
 from tamplang.runtime.parallel import Side
 from tamplang.runtime.parallel.processes import Processes
-from tamplang.runtime.questions import Attempt, Whole, Window
-from tamplang.runtime.search.best_first import SkeletonSearch
-from tamplang.runtime.search.skeletons import build_skeleton
+from tamplang.runtime.planner.bounds.requests import Attempt, Whole, Window
+from tamplang.runtime.planner.bounds.speculation import Ahead, opened
+from tamplang.runtime.planner.motion.settings import MotionSettings
+from tamplang.runtime.planner.search.best_first import SkeletonSearch
+from tamplang.runtime.planner.search.skeleton_replay import build_skeleton
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Skeleton, start_configuration
 

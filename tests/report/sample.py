@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 
+from tamplang.runtime.geometry.transforms import Array, compose, rotate
 from tamplang.runtime.plan import (
     FORMAT,
     BodyRecord,
@@ -34,7 +35,6 @@ from tamplang.runtime.plan import (
     VerdictRecord,
 )
 from tamplang.runtime.report.kinematics import joint_frames
-from tamplang.runtime.transforms import Array, compose, rotate
 
 CENTRES = [0.0, 0.15, 0.325, 0.5, 0.675, 0.85, 1.0]
 HOME = [0.0, 0.3, 0.0, -0.6, 0.0, 0.3, 0.0]

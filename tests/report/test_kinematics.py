@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pinocchio
 
+from tamplang.runtime.geometry.transforms import compose
 from tamplang.runtime.plan import JointRecord, ModuleRecord
 from tamplang.runtime.report.kinematics import joint_frames, pose_rows
-from tamplang.runtime.transforms import compose
 
 from .sample import crawler
 

@@ -10,9 +10,9 @@ from tamplang.compiler.pipeline import compile_text
 from tamplang.compiler.symbolic.strain import Strain
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.search.best_first import Candidate, SkeletonSearch
-from tamplang.runtime.search.roomy import roomier
-from tamplang.runtime.search.surcharge import POWER
+from tamplang.runtime.planner.search.best_first import Candidate, SkeletonSearch
+from tamplang.runtime.planner.search.learned_penalties import POWER
+from tamplang.runtime.planner.search.slack_maximisation import roomier
 
 WAYS = """
 import std.crawler

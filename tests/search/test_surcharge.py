@@ -10,8 +10,8 @@ from tamplang.compiler.pipeline import compile_problem
 from tamplang.compiler.symbolic.strain import Strain
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.search.best_first import Candidate, SkeletonSearch
-from tamplang.runtime.search.surcharge import POWER, Surcharge
+from tamplang.runtime.planner.search.best_first import Candidate, SkeletonSearch
+from tamplang.runtime.planner.search.learned_penalties import POWER, Surcharge
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
 

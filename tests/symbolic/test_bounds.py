@@ -13,7 +13,7 @@ from tamplang.compiler.pipeline import compile_problem, compile_text
 from tamplang.compiler.symbolic.algebra import holds
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.search.best_first import SkeletonSearch
+from tamplang.runtime.planner.search.best_first import SkeletonSearch
 
 from .brute import cheapest, explored
 

@@ -9,7 +9,7 @@ from tamplang.compiler.symbolic.pddl import to_pddl
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.langs.source import Source
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.search.best_first import SkeletonSearch
+from tamplang.runtime.planner.search.best_first import SkeletonSearch
 from tamplang.runtime.verify.replay import Interpreter
 
 from .test_pddl import shortest

@@ -10,7 +10,7 @@ from tamplang import load
 from tamplang.compiler.pipeline import compile_problem
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.search.best_first import Candidate, SkeletonSearch
+from tamplang.runtime.planner.search.best_first import Candidate, SkeletonSearch
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

@@ -8,7 +8,7 @@ from tamplang.compiler.pipeline import check_sources, compile_text
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.langs.source import Source
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.search.best_first import SkeletonSearch
+from tamplang.runtime.planner.search.best_first import SkeletonSearch
 from tamplang.runtime.verify.replay import Interpreter
 
 TEXT = """

@@ -10,7 +10,7 @@ import pytest
 from tamplang.compiler.ir import Chain, Problem
 from tamplang.compiler.pipeline import compile_problem
 from tamplang.compiler.symbolic.successors import Successors
-from tamplang.runtime.lgp import SolveOptions, solve
+from tamplang.runtime.planner.lgp import SolveOptions, solve
 
 from .interpreter import Interpreter
 from .test_search import check_estimate, replayed, started

@@ -8,7 +8,7 @@ import pytest
 
 from tamplang.compiler.ir import Fact, Problem
 from tamplang.compiler.symbolic.successors import Successors
-from tamplang.runtime.search.skeletons import build_skeleton
+from tamplang.runtime.planner.search.skeleton_replay import build_skeleton
 from tamplang.runtime.verify.replay import Interpreter
 
 from .random_tasks import compiled, task_text

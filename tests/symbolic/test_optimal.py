@@ -16,7 +16,7 @@ import pytest
 from tamplang.compiler.ir import And, Formula, Literal, Not, Object, Problem
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.search.best_first import SkeletonSearch
+from tamplang.runtime.planner.search.best_first import SkeletonSearch
 
 from .brute import Facts, Graph, explored
 from .random_tasks import compiled, task_text

@@ -13,7 +13,7 @@ from tamplang.compiler.symbolic.pddl import to_pddl
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.langs.diagnostics import UsageError
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.search.best_first import SkeletonSearch
+from tamplang.runtime.planner.search.best_first import SkeletonSearch
 
 from . import variants
 from .problems import climb, pick_and_place

@@ -14,9 +14,9 @@ from tamplang.compiler.ir import And, Body, Chain, Formula, Not, Object, Problem
 from tamplang.compiler.symbolic.strain import Strain
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.search.best_first import Candidate, SkeletonSearch, _Run
-from tamplang.runtime.search.skeletons import build_skeleton
-from tamplang.runtime.search.surcharge import Surcharge
+from tamplang.runtime.planner.search.best_first import Candidate, SkeletonSearch, _Run
+from tamplang.runtime.planner.search.learned_penalties import Surcharge
+from tamplang.runtime.planner.search.skeleton_replay import build_skeleton
 
 from . import variants
 from .problems import box, climb, lit, module, pick_and_place, problem

@@ -8,9 +8,9 @@ import numpy as np
 
 from tamplang.compiler.ir import Action, Fact
 from tamplang.compiler.pipeline import compile_text
-from tamplang.runtime.assemble import assemble
+from tamplang.runtime.geometry.resampling import resample
 from tamplang.runtime.plan import Plan, StatisticsRecord
-from tamplang.runtime.resampling import resample
+from tamplang.runtime.planner.plan_assembly import assemble
 from tamplang.runtime.skeleton import Phase, PhasePath, Skeleton, start_configuration
 from tamplang.runtime.verify.replay import Interpreter
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tamplang.compiler import ir
-from tamplang.runtime.assemble import module_record
+from tamplang.runtime.planner.plan_assembly import module_record
 from tamplang.runtime.verify.bounds import Bounds, Rates
 from tamplang.runtime.verify.geometry import Array, Frames, angles, frames
 from tamplang.runtime.verify.happenings import Course, Happenings

@@ -13,10 +13,10 @@ from scipy.spatial.transform import Rotation
 from tamplang.compiler import ir
 from tamplang.compiler.pipeline import compile_sources
 from tamplang.langs.source import Source
-from tamplang.runtime.assemble import module_record
+from tamplang.runtime.geometry.resampling import effector_poses
+from tamplang.runtime.geometry.transforms import compose, inverse
 from tamplang.runtime.plan import Plan
-from tamplang.runtime.resampling import effector_poses
-from tamplang.runtime.transforms import compose, inverse
+from tamplang.runtime.planner.plan_assembly import module_record
 from tamplang.runtime.verify import geometry, shapes, verify
 from tamplang.runtime.verify.findings import Findings
 from tamplang.runtime.verify.guards import joint_frames

@@ -1,0 +1,126 @@
+"""Resampling of phase motions: joints by the clamped spline, poses by chaining kinematics from what stands still."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...compiler.ir import IDENTITY, Fact, Module, Problem
+from ...compiler.motion.collision import keeps_pose
+from ..skeleton import Configuration, PhasePath
+from .splines import ClampedSpline
+from .transforms import Array, compose, inverse, joint_frames
+
+
+def effector_poses(module: Module, effector: str, joints: Array) -> Array:
+    """Poses `(T, 7)` of an effector in its module frame for joint values `(T, n)`."""
+    end = module.type.effector(effector)
+    frames = joint_frames(module.type.joints, np.tile(IDENTITY, (len(joints), 1)), joints)
+    return compose(frames[end.joint + 1], np.asarray(end.placement))
+
+
+def kept_pairs(problem: Problem, mode: frozenset[Fact]) -> list[tuple[str, str]]:
+    """Pairs of objects whose relative pose the literals of a mode keep, in a fixed order."""
+    return [pair for pair in (keeps_pose(problem, literal) for literal in sorted(mode)) if pair]
+
+
+@dataclass(slots=True)
+class Resampled:
+    """One phase: `times` `(T,)`, per module poses `(T, 7)` and joints `(T, n)`, per moving body poses `(T, 7)`."""
+
+    times: Array
+    poses: dict[str, Array]
+    joints: dict[str, Array]
+    bodies: dict[str, Array]
+
+    def end(self, start: Configuration) -> Configuration:
+        """Where everything is at the end."""
+        modules = {m: np.concatenate([self.poses[m][-1], self.joints[m][-1]]) for m in self.poses}
+        return Configuration(modules, {**start.bodies, **{b: p[-1] for b, p in self.bodies.items()}})
+
+
+def resample(
+    problem: Problem, mode: frozenset[Fact], path: PhasePath, start: Configuration, begin: float, factor: int
+) -> Resampled:
+    """Sample one phase `factor` times as densely. Poses begin at `start` and follow the joints through whatever
+    the mode holds fixed; only what nothing holds is interpolated."""
+    count = path.samples - 1
+    knots = np.linspace(0.0, path.duration, count + 1)
+    times = np.linspace(0.0, path.duration, factor * count + 1)
+    joints = {m: ClampedSpline(knots, rows[:, 7:])(times) for m, rows in path.modules.items()}
+    own = {b: pose[None, :] for b, pose in start.bodies.items() if b not in path.bodies}
+    linker = Linker(problem, joints, start, own, len(times))
+    linker.follow(kept_pairs(problem, mode))
+    poses = {m: linker.poses.get(m) for m in path.modules}
+    bodies = {b: linker.poses.get(b) for b in path.bodies}
+    return Resampled(
+        begin + times,
+        {m: p if p is not None else between(knots, path.modules[m][:, :7], times) for m, p in poses.items()},
+        joints,
+        {b: p if p is not None else between(knots, path.bodies[b], times) for b, p in bodies.items()},
+    )
+
+
+def between(knots: Array, poses: Array, times: Array) -> Array:
+    """Positions linear, quaternions linear and normalised, between samples of what nothing holds."""
+    signs = np.cumprod(np.where(np.sum(poses[1:, 3:] * poses[:-1, 3:], axis=1) < 0, -1.0, 1.0))
+    rows = poses.copy()
+    rows[1:, 3:] *= signs[:, None]
+    result = np.column_stack([np.interp(times, knots, column) for column in rows.T])
+    result[:, 3:] /= np.linalg.norm(result[:, 3:], axis=1, keepdims=True)
+    return result
+
+
+class Linker:
+    """Finds the `poses` of everything that is linked, through kept poses, to bodies whose `own` poses, `(1, 7)` or
+    `(count, 7)`, are known. `start` is the configuration in which linked things are as they are kept."""
+
+    def __init__(
+        self, problem: Problem, joints: Mapping[str, Array], start: Configuration, own: Mapping[str, Array], count: int
+    ) -> None:
+        self._problem = problem
+        self._joints = joints
+        self._start = start
+        self._count = count
+        self.poses: dict[str, Array] = dict(own)
+
+    def follow(self, pairs: Sequence[tuple[str, str]]) -> None:
+        """Take each pair of which one side is known, and find the other side's thing, until nothing is new."""
+        progress = True
+        while progress:
+            progress = False
+            for pair in pairs:
+                for known, other in (pair, pair[::-1]):
+                    if self._thing(known) in self.poses and self._thing(other) not in self.poses:
+                        self._attach(known, other)
+                        progress = True
+
+    def _thing(self, name: str) -> str:
+        end = self._problem.world.effector(name)
+        return name if end is None else end[0].name
+
+    def _local(self, name: str, joints: Array) -> Array:
+        end = self._problem.world.effector(name)
+        if end is None:
+            return np.array([[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]])
+        return effector_poses(end[0], end[1].name, joints)
+
+    def _at_start(self, name: str) -> Array:
+        thing = self._thing(name)
+        if thing in self._start.bodies:
+            return self._start.bodies[thing][None, :]
+        row = self._start.modules[thing]
+        return compose(row[None, :7], self._local(name, row[None, 7:]))
+
+    def _attach(self, known: str, other: str) -> None:
+        relative = compose(inverse(self._at_start(known)), self._at_start(other))
+        thing, base = self._thing(other), self._thing(known)
+        carrier = self.poses[base]
+        if base in self._joints:
+            carrier = compose(carrier, self._local(known, self._joints[base]))
+        held = compose(carrier, relative)
+        if thing in self._joints:
+            held = compose(held, inverse(self._local(other, self._joints[thing])))
+        self.poses[thing] = np.broadcast_to(held, (self._count, 7)).copy()

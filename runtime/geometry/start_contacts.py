@@ -1,0 +1,51 @@
+"""What is so near at the start of a scene that no margin can be asked for at once: things that lie side by side, or a
+robot in mid-run that has just let go."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...compiler import ir
+from ...compiler.motion.collision import Pair, bounding_radius, pair
+from ...compiler.poses import compose, joint_frames
+from ...compiler.symbolic.geometry import Placed, shape_distance
+
+TOUCHING = 0.02
+"""Metres: what is nearer when a phase starts may be so, and is not asked for the margin of paths at once."""
+
+
+def touching(world: ir.World, within: float = TOUCHING) -> frozenset[Pair]:
+    """Pairs of effectors and bodies, of different robots' modules or of a module and a body or of two bodies one of
+    which can be moved, that are less than `within` metres apart."""
+    found: set[Pair] = set()
+    movers = _movers(world)
+    still = [(b.name, Placed(b.shape, b.pose)) for b in world.bodies.values() if not b.movable]
+    centres = np.array([placed.pose[:3] for _, placed in still]).reshape(-1, 3)
+    radii = np.array([bounding_radius(placed.shape) for _, placed in still])
+    for index, (name, placed) in enumerate(movers):
+        far = np.linalg.norm(centres - np.array(placed.pose[:3]), axis=1) - radii
+        near = np.flatnonzero(far < bounding_radius(placed.shape) + within)
+        others = [still[i] for i in near.tolist()] + movers[index + 1 :]
+        for other, shape in others:
+            if world.owner(name) != world.owner(other) and _near(placed, shape, within):
+                found.add(pair(name, other))
+    return frozenset(found)
+
+
+def _movers(world: ir.World) -> list[tuple[str, Placed]]:
+    """Effectors with a shape, then movable bodies, where they are."""
+    found = []
+    for module in world.modules.values():
+        frames = joint_frames(module.type, module.pose, module.joints)
+        for effector in module.type.effectors:
+            if effector.shape is not None:
+                placed = Placed(effector.shape, compose(frames[effector.joint], effector.placement))
+                found.append((f"{module.name}.{effector.name}", placed))
+    return found + [(b.name, Placed(b.shape, b.pose)) for b in world.bodies.values() if b.movable]
+
+
+def _near(first: Placed, second: Placed, within: float) -> bool:
+    apart = float(np.linalg.norm(np.subtract(first.pose[:3], second.pose[:3])))
+    if apart >= bounding_radius(first.shape) + bounding_radius(second.shape) + within:
+        return False
+    return shape_distance(first, second) < within

@@ -1,0 +1,257 @@
+"""Multi-bound judgement of one skeleton (thesis, section 3.2): cheap bounds first, conflicts when one refuses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ....compiler.ir import Action, Problem
+from ...budget import Budget, unless_spent
+from ...plan import Plan, StatisticsRecord, TimingRecord
+from ...seeds import Seed
+from ...skeleton import BoundResult, Configuration, Skeleton, beginning
+from ...verify import verify
+from ..conflicts.nogoods import Experience
+from ..motion.keyframes.initial_guesses import guess
+from ..motion.keyframes.multi_start import NOISE, judged_alone
+from ..motion.keyframes.sequence import LONGEST
+from ..plan_assembly import assemble
+from .requests import Whole, Window
+from .solves import QUICK, Solves
+from .verdicts import Conflict, Judgement
+
+EXPECTED = "expected"
+"""The bound of conflicts that similar windows make likely, without a solve."""
+LONGEST_WINDOW = 3
+"""How many phases a conflict that may start anywhere has at most."""
+WIDER = 0.01
+"""Metres by which margins grow for a plan that the verifier refused."""
+ONCE = 1
+"""Starts of a span of a whole skeleton at first."""
+SPAN = 4
+"""How far from the phases that P_seq blames a conflict is looked for."""
+
+
+class Bounds(Solves):
+    """The bounds of one run, and what single actions were already found to allow."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._windows: dict[tuple[object, ...], BoundResult] = {}
+        self._feasible: set[tuple[object, ...]] = set()
+        self.experience = Experience(self.problem)
+
+    def restart(self, problem: Problem, seed: Seed, budget: Budget) -> None:
+        """Go on with the same task from another state: what was learnt of phases wherever they start stays."""
+        self.problem, self.seed, self.budget = problem, seed, budget
+        self.tries = QUICK
+        self._windows.clear()
+        self._feasible.clear()
+        self.experience.leave_start()
+
+    def judge(self, skeleton: Skeleton, strains: Sequence[float], motions: int | None = None) -> Judgement:
+        """Take a skeleton through the bounds; `strains` tells how close the conditions of each action are to their
+        limits (`symbolic.strain`). With `motions` only so many phases get their motion, and P_seq looks farther ahead.
+        Raises OutOfTime."""
+        self.ahead.forget()
+        expected = self.experience.expected_refusals(skeleton.phases, strains)
+        if expected:
+            return Judgement(False, conflicts=[Conflict(EXPECTED, *window, ()) for window in expected])
+        conflicts = self._refused_actions(skeleton, strains)
+        if not conflicts:
+            sequence, end = self._whole(skeleton)
+            if sequence.feasible:
+                if self.finest == "seq":
+                    return Judgement(True)
+                return self.motion(skeleton, sequence, motions)
+            conflicts = [self._shrink(skeleton, sequence, end)]
+        for c in conflicts:
+            window = slice(c.first, c.last + 1)
+            if not (c.from_start and self.tries is None):
+                self.experience.refuse(skeleton.phases[window], strains[window], c.from_start)
+        return Judgement(False, conflicts=conflicts)
+
+    def go_on(self, skeleton: Skeleton, motions: int, ahead: Sequence[Configuration]) -> Judgement:
+        """As `judge`, for a way that was seen before: `ahead` holds its first switch configurations as they were
+        expected then. A refusal has no conflicts. Raises OutOfTime."""
+        return self.motion(skeleton, self._onward(skeleton, ahead), motions)
+
+    def _onward(self, skeleton: Skeleton, ahead: Sequence[Configuration]) -> BoundResult:
+        """P_seq from the first switch configurations `ahead`, and guesses behind them."""
+        random = self.seed.child("onward").random()
+        rest = range(len(ahead), len(skeleton))
+        warm = [*ahead[: len(skeleton)], *guess(skeleton, rest, ahead[-1], random, NOISE)]
+        return self._sequence(skeleton, self.seed, warm, tries=self.tries)
+
+    def retry(self, skeleton: Skeleton, motions: int) -> Judgement:
+        """As `judge`, for a way that was refused only from the start: with all starts, and others than before. A
+        refusal has no conflicts. Raises OutOfTime."""
+        return self.motion(skeleton, self._sequence(skeleton, self.seed.child("retry"), None, tries=None), motions)
+
+    def try_harder(self) -> None:
+        """Forget every refusal; from now on each span gets all its starts, and others than before."""
+        self.experience.forget()
+        self._windows = {key: result for key, result in self._windows.items() if result.feasible}
+        self.seed = self.seed.child("harder")
+        self.tries = None
+
+    def believe(
+        self, skeleton: Skeleton, actions: Sequence[Action], judgement: Judgement, statistics: StatisticsRecord,
+        timing: TimingRecord,
+    ) -> Plan:  # fmt: skip
+        """The plan with the verifier's verdict in it, without one where there was no time for it. One that is refused
+        gets a second motion, with larger margins and from another seed. Raises OutOfTime."""
+        plan = self._verified(skeleton, actions, judgement, statistics, timing)
+        if plan.verdict is None or plan.verdict.verified:
+            return plan
+        careful, seed = self.settings, self.seed
+        try:
+            self.settings = careful.wider(WIDER)
+            self.seed = seed.child("wider")
+            judgement = self.motion(skeleton, self._sequence(skeleton, self.seed, None, tries=self.tries))
+        finally:
+            self.settings, self.seed = careful, seed
+        if judgement.paths is None:
+            return plan
+        again = self._verified(skeleton, actions, judgement, statistics, timing)
+        return again if again.verdict is not None and again.verdict.verified else plan
+
+    def _verified(
+        self, skeleton: Skeleton, actions: Sequence[Action], judgement: Judgement, statistics: StatisticsRecord,
+        timing: TimingRecord,
+    ) -> Plan:  # fmt: skip
+        import msgspec
+
+        statistics = msgspec.structs.replace(
+            statistics, path_cost=judgement.path_cost, path_cost_before=judgement.path_cost_before
+        )
+        self.tell("verify", f"verifying a plan of {len(actions)} actions")
+        plan = assemble(self.problem, actions, skeleton, judgement.paths or [], statistics)
+        with self.clock("verify"):
+            verdict = unless_spent(lambda: verify(plan, self.budget.whole))
+        return msgspec.structs.replace(plan, verdict=verdict, timing=timing)
+
+    def _refused_actions(self, skeleton: Skeleton, strains: Sequence[float]) -> list[Conflict]:
+        """Conflicts of all single actions that P_seq refuses, wherever they start. The most strained go first: those
+        that are less so then need no solve."""
+        conflicts: list[Conflict] = []
+        order = sorted(range(len(skeleton)), key=lambda k: (-strains[k], k))
+        for number, k in enumerate(order):
+            phase = skeleton.phases[k]
+            if self._needs_no_solve(skeleton, strains, k):
+                continue
+            self._expect_actions(skeleton, strains, order[number + 1 :], whole=not conflicts)
+            result = self._window(skeleton, k, k)
+            if not result.feasible:
+                conflicts.append(Conflict("seq", k, k, k == 0, tuple(result.violations)))
+            elif k:
+                self.experience.accept(phase, strains[k])
+            else:
+                self._feasible.add(self._beginning_key(skeleton, 1))
+        return sorted(conflicts, key=lambda conflict: conflict.first)
+
+    def _needs_no_solve(self, skeleton: Skeleton, strains: Sequence[float], k: int) -> bool:
+        """Whether an action alone is expected to succeed, or cannot be judged alone."""
+        if k == 0:
+            return False
+        return self.experience.expects_success(skeleton.phases[k], strains[k]) or not judged_alone(skeleton, k)
+
+    def _window(self, skeleton: Skeleton, first: int, last: int) -> BoundResult:
+        """P_seq of some phases alone."""
+        key = self._window_key(skeleton, first, last)
+        if key not in self._windows:
+            self.tell("seq", f"P_seq of {skeleton.phases[last].action}")
+            with self.clock("seq"):
+                result = self.ahead.answer(skeleton, Window(self.settings, self.seed, first, last), self.budget)
+            self._count("seq", result.feasible)
+            self._windows[key] = result
+        return self._windows[key]
+
+    def _window_key(self, skeleton: Skeleton, first: int, last: int) -> tuple[object, ...]:
+        """From the start itself names matter, elsewhere interchangeable ones do not."""
+        phases = skeleton.phases[first : last + 1]
+        return self.experience.lifted(phases) if first else tuple(phase.action for phase in phases)
+
+    def _whole(self, skeleton: Skeleton) -> tuple[BoundResult, int]:
+        """P_seq of a skeleton; where it is refused, of the shortest beginning that is, and how long that is. It takes
+        long to refuse, the more so what is long: from the phase on that fails after one start of all, beginnings grow
+        until one is refused; the whole then begins where the longest of them ends. The windows of a long skeleton tell
+        it by themselves, exactly once they came far."""
+        known, end = self._known(skeleton), len(skeleton)
+        found: BoundResult | None = None
+        certain = end > LONGEST
+        refused = self._sequence(skeleton, self.seed, None, tries=self.tries if certain else ONCE)
+        if certain and refused.violations:
+            worst = refused.violations[0].phase
+            far = worst + SPAN > LONGEST
+            known, end = (worst, worst + 1) if far else (max(0, worst - SPAN), min(end, worst + SPAN))
+        while not refused.feasible and (end - known > 1 or not certain):
+            blamed = refused.violations[0].phase if refused.violations else end - 1
+            asked = max(known + 1, min(blamed, end - 1))
+            if not certain and known >= min(blamed + SPAN, end - 1):
+                asked = end
+            self._expect_beginnings(skeleton, asked, end)
+            if asked == len(skeleton) and found is not None:
+                result = self._onward(skeleton, found.configurations[1:])
+            else:
+                result = self._sequence(beginning(skeleton, asked), self.seed, None, tries=self.tries)
+            if not result.feasible:
+                refused, end, certain = result, asked, True
+            elif asked == len(skeleton):
+                return result, asked
+            else:
+                known, found = asked, result
+                self._feasible |= {self._beginning_key(skeleton, k) for k in range(1, known + 1)}
+        return refused, end
+
+    def _known(self, skeleton: Skeleton) -> int:
+        """How long a proper beginning is known to be feasible."""
+        shorter = range(len(skeleton) - 1, 0, -1)
+        return next((k for k in shorter if self._beginning_key(skeleton, k) in self._feasible), 0)
+
+    def _beginning_key(self, skeleton: Skeleton, length: int) -> tuple[object, ...]:
+        return self.settings, skeleton.coming, tuple(phase.action for phase in skeleton.phases[:length])
+
+    def _shrink(self, skeleton: Skeleton, refused: BoundResult, end: int) -> Conflict:
+        """A minimal contiguous conflict behind a refused P_seq of the first `end` phases: the fewest at their end that
+        are refused wherever they start; all from the start where there are none."""
+        for first in range(end - 1, max(0, end - LONGEST_WINDOW - 1), -1):
+            if not judged_alone(skeleton, first):
+                continue
+            self._expect_windows(skeleton, first, end - 1)
+            window = self._window(skeleton, first, end - 1)
+            if not window.feasible:
+                return Conflict("seq", first, end - 1, False, tuple(window.violations))
+        return Conflict("seq", 0, end - 1, True, tuple(refused.violations))
+
+    # --- what is probably asked next ------------------------------------------------------------------------------
+
+    def _expect_window(self, skeleton: Skeleton, first: int, last: int) -> bool:
+        if self._window_key(skeleton, first, last) in self._windows:
+            return True
+        return self.ahead.expect(skeleton, Window(self.settings, self.seed, first, last), self.budget)
+
+    def _expect_actions(self, skeleton: Skeleton, strains: Sequence[float], later: Sequence[int], whole: bool) -> None:
+        """The other single actions, then the whole skeleton: it comes next when none of them is refused."""
+        if not self.ahead.helps:
+            return
+        for k in later:
+            if not self._needs_no_solve(skeleton, strains, k) and not self._expect_window(skeleton, k, k):
+                return
+        if whole:
+            self._expect_whole(skeleton, ONCE if len(skeleton) <= LONGEST else self.tries)
+
+    def _expect_whole(self, skeleton: Skeleton, tries: int | None) -> bool:
+        return self.ahead.expect(skeleton, Whole(self.settings, self.seed, tries), self.budget)
+
+    def _expect_beginnings(self, skeleton: Skeleton, asked: int, end: int) -> None:
+        """The longer beginnings, which are asked about when the one that is `asked` now is feasible."""
+        for length in range(asked + 1, end + 1) if self.ahead.helps else ():
+            if not self._expect_whole(beginning(skeleton, length), self.tries):
+                return
+
+    def _expect_windows(self, skeleton: Skeleton, first: int, last: int) -> None:
+        """The next longer windows that end with the same phase."""
+        if self.ahead.helps:
+            for earlier in range(first - 1, max(0, last - LONGEST_WINDOW), -1):
+                if judged_alone(skeleton, earlier) and not self._expect_window(skeleton, earlier, last):
+                    return

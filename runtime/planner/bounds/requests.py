@@ -1,0 +1,94 @@
+"""What is asked about skeletons, as values that other processes can answer as well; an answer depends on nothing but
+the question and its skeleton."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
+
+from ...budget import Budget
+from ...seeds import Seed
+from ...skeleton import BoundResult, Configuration, Skeleton, beginning
+from ..motion.keyframes.sequence import solve_sequence, window_feasible
+from ..motion.path.path_program import solve_path
+from ..motion.phases import UnsupportedPhase, solve_sequence_path
+from ..motion.settings import MotionSettings
+
+Answer = TypeVar("Answer")
+
+
+class Question(ABC, Generic[Answer]):
+    """Questions with the same key, about the same skeleton, have the same answer."""
+
+    @property
+    def key(self) -> Hashable:
+        return self
+
+    @abstractmethod
+    def solved(self, skeleton: Skeleton, budget: Budget) -> Answer:
+        """The answer, computed in this process. Raises OutOfTime."""
+
+
+@dataclass(frozen=True)
+class Whole(Question[BoundResult]):
+    """P_seq of a skeleton from the start, with at most `tries` starts of a span."""
+
+    settings: MotionSettings
+    seed: Seed
+    tries: int | None
+
+    def solved(self, skeleton: Skeleton, budget: Budget) -> BoundResult:
+        return solve_sequence(skeleton, self.settings, self.seed, budget, tries=self.tries)
+
+
+@dataclass(frozen=True)
+class Window(Question[BoundResult]):
+    """P_seq of phases `first` … `last` alone."""
+
+    settings: MotionSettings
+    seed: Seed
+    first: int
+    last: int
+
+    def solved(self, skeleton: Skeleton, budget: Budget) -> BoundResult:
+        return window_feasible(skeleton, self.first, self.last, self.settings, self.seed, budget)
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt(Question[tuple[BoundResult, BoundResult | None]]):
+    """P_seq from the switch configurations 1 … K in `warm`, with random numbers from `draw`, and where it is feasible
+    P_seqPath of the first `motions` phases between those it finds."""
+
+    settings: MotionSettings
+    draw: Seed
+    tries: int | None
+    warm: Sequence[Configuration]
+    motions: int
+
+    @property
+    def key(self) -> Hashable:
+        rows = [row.tobytes() for c in self.warm for part in (c.modules, c.bodies) for row in part.values()]
+        return Attempt, self.settings, self.draw, self.tries, self.motions, tuple(rows)
+
+    def solved(self, skeleton: Skeleton, budget: Budget) -> tuple[BoundResult, BoundResult | None]:
+        sequence = solve_sequence(skeleton, self.settings, self.draw, budget, warm=self.warm, tries=self.tries)
+        if not sequence.feasible:
+            return sequence, None
+        first = beginning(skeleton, self.motions)
+        return sequence, sequence_path(first, sequence, self.settings, self.draw, budget)
+
+
+def sequence_path(
+    skeleton: Skeleton, sequence: BoundResult, settings: MotionSettings, seed: Seed, budget: Budget,
+    thorough: bool = True, known: BoundResult | None = None,
+) -> BoundResult:  # fmt: skip
+    """P_seqPath of a skeleton, or of its beginning, between the switch configurations of `sequence`; as one program
+    where phases cannot be told apart. Unless `thorough`, hard phases fail soon; what is `known` of phases between the
+    same switches stays. Raises OutOfTime."""
+    sequence = replace(sequence, configurations=sequence.configurations[: len(skeleton) + 1])
+    try:
+        return solve_sequence_path(skeleton, sequence.configurations, settings, seed, budget, thorough, known)
+    except UnsupportedPhase:
+        return solve_path(skeleton, settings, seed, budget, sequence, pinned=True)

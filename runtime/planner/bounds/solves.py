@@ -1,0 +1,168 @@
+"""Solves for one run: their settings and counters, and motion between switches, which are drawn anew where phases
+find no path."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+from ....compiler.ir import Problem
+from ...budget import Budget, Clock
+from ...plan import BoundRecord
+from ...seeds import Seed
+from ...skeleton import BoundResult, Configuration, Skeleton, beginning
+from ..motion.keyframes.local_repair import MENDS, QUICK_MENDS, Mend, mended, resampled, unmoved
+from ..motion.keyframes.sequence import LONGEST, solve_sequence
+from ..motion.path.path_program import solve_path
+from ..motion.settings import MotionSettings
+from .requests import Attempt, Whole, sequence_path
+from .speculation import Ahead
+from .verdicts import Judgement, blame, with_motion
+
+QUICK = 3
+"""Starts of a span before a skeleton is refused for the first time."""
+RESAMPLES = 4
+"""How often all switch poses are drawn anew when mending them around phases without a path does not help."""
+PATH_EFFORT = 400_000
+"""What P_path of one skeleton may take, iterations times unknowns: about 12 s, at 25 to 50 µs each."""
+
+
+@dataclass(eq=False)
+class Solves:
+    """Single solves, told and counted, and motion for the first phases of a skeleton. `finest` is the last bound that
+    is asked, `tries` how many starts a span gets at most."""
+
+    problem: Problem
+    settings: MotionSettings
+    finest: str
+    seed: Seed
+    budget: Budget
+    tell: Callable[[str, str], None]
+    ahead: Ahead = field(default_factory=Ahead)
+    clock: Clock = field(default_factory=Clock, init=False)
+    tries: int | None = field(default=QUICK, init=False)
+    _counts: dict[str, list[int]] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._counts = {"seq": [0, 0], "seq-path": [0, 0], "path": [0, 0]}
+
+    def records(self) -> list[BoundRecord]:
+        return [BoundRecord(bound, solved, refused) for bound, (solved, refused) in self._counts.items()]
+
+    def _sequence(
+        self, skeleton: Skeleton, seed: Seed, warm: Sequence[Configuration] | None, tries: int | None
+    ) -> BoundResult:
+        self.tell("seq", f"P_seq of {len(skeleton)} actions")
+        with self.clock("seq"):
+            if warm is None:
+                result = self.ahead.answer(skeleton, Whole(self.settings, seed, tries), self.budget)
+            else:
+                result = solve_sequence(skeleton, self.settings, seed, self.budget, warm=warm, tries=tries)
+        self._count("seq", result.feasible)
+        return result
+
+    def motion(self, skeleton: Skeleton, sequence: BoundResult, motions: int | None = None) -> Judgement:
+        """P_seqPath of the first phases (default: of all) between switch poses, drawn anew, in long skeletons first
+        around phases that fail; then P_path. The phases behind them keep a say in where switches are. A refusal by
+        P_seq stays one, without conflicts."""
+        if not sequence.feasible:
+            return Judgement(False)
+        first = beginning(skeleton, len(skeleton) if motions is None else motions)
+        if not first.phases:
+            return Judgement(True, paths=[])
+        result = self._sequence_path(first, sequence, thorough=False)
+        blamed = [{v.phase for v in result.violations}]
+        mends = MENDS if len(skeleton) > LONGEST else ()
+        for draw in (*mends, *range(1, RESAMPLES + 1)):
+            if result.feasible:
+                break
+            path: BoundResult | None = None
+            if isinstance(draw, Mend):
+                again = self._mended(skeleton, sequence, result, draw)
+            else:
+                again, path = self._attempt(skeleton, sequence, result, draw, len(first))
+            if not again.feasible:
+                continue
+            sequence = again
+            if path is None:
+                if isinstance(draw, int):
+                    self._expect_attempt(skeleton, sequence, result, draw + 1, len(first))
+                before = result if isinstance(draw, Mend) else None
+                seed = self.seed if isinstance(draw, Mend) else self.seed.child("attempt", draw)
+                path = self._sequence_path(first, sequence, draw not in QUICK_MENDS, before, seed)
+            result = path
+            blamed.append({v.phase for v in result.violations})
+        if result.feasible:
+            return with_motion(self.problem.world, result, sequence.configurations[len(first) + 1 :])
+        bound = "seq-path"
+        if self.finest == "path":
+            known = sequence.configurations[: len(first) + 1]
+            free = self._path(first, replace(sequence, configurations=known))
+            if free.feasible:
+                return with_motion(self.problem.world, free, [])
+            bound = "path"
+        return Judgement(False, conflicts=[blame(bound, result, blamed, len(first))])
+
+    def _mended(self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, mend: Mend) -> BoundResult:
+        """P_seq around the phases that have no path; the other switch poses stay."""
+        self.tell("seq", f"P_seq around {len(refused.violations)} actions")
+        with self.clock("seq"):
+            result = mended(skeleton, sequence, refused, mend, self.settings, self.seed, self.budget, self.tries)
+        self._count("seq", result.feasible)
+        return result
+
+    def _drawn(self, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int) -> Attempt:
+        """The attempt after P_seqPath between the switch poses of `sequence` was refused."""
+        failed = sorted({v.phase for v in refused.violations})
+        draw = self.seed.child("attempt", attempt)
+        if attempt == 1:
+            warm = unmoved(sequence.configurations, failed)[1:]
+        else:
+            warm = resampled(sequence.configurations, failed, draw.child("start"))[1:]
+        return Attempt(self.settings, draw, self.tries, warm, motions)
+
+    def _attempt(
+        self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int
+    ) -> tuple[BoundResult, BoundResult | None]:
+        """P_seq once more, and P_seqPath too where another process has come to it already."""
+        if len(skeleton) > LONGEST:
+            return self._sequence(skeleton, self.seed.child("attempt", attempt), None, tries=self.tries), None
+        drawn = self._drawn(sequence, refused, attempt, motions)
+        if not self.ahead.expects(skeleton, drawn):
+            return self._sequence(skeleton, drawn.draw, drawn.warm, tries=self.tries), None
+        self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
+        with self.clock("seq_path"):
+            again, path = self.ahead.answer(skeleton, drawn, self.budget)
+        self._count("seq", again.feasible)
+        if path is not None:
+            self._count("seq-path", path.feasible)
+        return again, path
+
+    def _expect_attempt(
+        self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int
+    ) -> None:
+        """An attempt, if the same phases are refused as before."""
+        if self.ahead.helps and attempt <= RESAMPLES and len(skeleton) <= LONGEST:
+            self.ahead.expect(skeleton, self._drawn(sequence, refused, attempt, motions), self.budget)
+
+    def _path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult:
+        """P_path, with bounded effort."""
+        self.tell("path", f"P_path of {len(skeleton)} actions")
+        with self.clock("path"):
+            result = solve_path(skeleton, self.settings, self.seed, self.budget, sequence, effort=PATH_EFFORT)
+        self._count("path", result.feasible)
+        return result
+
+    def _sequence_path(
+        self, skeleton: Skeleton, sequence: BoundResult, thorough: bool, known: BoundResult | None = None,
+        seed: Seed | None = None,
+    ) -> BoundResult:  # fmt: skip
+        """P_seqPath of a skeleton, or of a beginning of that of `sequence`."""
+        self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
+        with self.clock("seq_path"):
+            result = sequence_path(skeleton, sequence, self.settings, seed or self.seed, self.budget, thorough, known)
+        self._count("seq-path", result.feasible)
+        return result
+
+    def _count(self, bound: str, feasible: bool) -> None:
+        self._counts[bound][0 if feasible else 1] += 1

@@ -1,0 +1,264 @@
+"""What motion has refused, in the search's terms: sequences of actions that must not be done one after the other.
+
+A conflict holds where it was met: its context is where the robots that its first action concerns stand, and what they
+hold. It is stored lifted: modules of one type stand for each other, and so do the ends of a module that is the same
+from both; names are replaced in the order of their first appearance, which makes the lifted form of a beginning the
+beginning of the lifted form. All no-goods are soft: a local solver's refusal is no proof.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ....compiler.ir import Action, Chain, Fact, Problem
+from ....compiler.symbolic.successors import Successors
+from ....compiler.symbolic.symmetry import is_reversible
+
+Signature = tuple[object, ...]
+Context = tuple[Fact, ...]
+"""Values of functional predicates for the objects that an action concerns."""
+History = tuple[tuple[int, Context], ...]
+"""The last actions, each with its context, as far as they begin some conflict."""
+EMPTY = 0
+"""The number of the empty history."""
+OFF = -1
+"""Place in the tree of forbidden prefixes once a plan has left it."""
+LEAF = -2
+MISSING: set[Signature] = set()
+
+
+class NoGoods:
+    """Forbidden actions, sequences and prefixes of one search."""
+
+    def __init__(self, problem: Problem, successors: Successors) -> None:
+        self.problem = problem
+        self.successors = successors
+        self.names = Lifting(problem)
+        self._conflicts: dict[Signature, set[Signature]] = {}
+        self._beginnings: set[Signature] = set()
+        self._bare: dict[tuple[int, ...], Signature] = {}
+        self._lifted: dict[tuple[tuple[int, ...], Context], Signature] = {}
+        self._contexts: dict[tuple[int, int], Context] = {}
+        self._linked: dict[int, dict[str, set[str]]] = {}
+        self._tree: list[dict[int, int]] = [{}]
+        self._prefixes: list[tuple[tuple[int, ...], bool]] = []
+        self._histories: list[History] = [()]
+        self._history_numbers: dict[History, int] = {(): EMPTY}
+        self._predicates = tuple(dict.fromkeys(p for p, _ in successors.layout.fields))
+        self._single: dict[int, set[Signature] | None] = {}
+        self._heads: dict[int, bool] = {}
+
+    @property
+    def active(self) -> bool:
+        """Whether some sequence is forbidden."""
+        return bool(self._conflicts)
+
+    @property
+    def watches(self) -> bool:
+        """Whether some conflict is longer than one action."""
+        return bool(self._beginnings)
+
+    @property
+    def root(self) -> int:
+        """Where a plan starts in the tree of prefixes."""
+        return 0 if self._tree[0] else OFF
+
+    def forbid_sequence(self, numbers: Sequence[int], state: int) -> None:
+        """Forbid these actions one after the other, from where the first one's robots are in `state`, and whatever is
+        the same but for names."""
+        full = self._full(numbers, self.context(state, numbers[0]))
+        self._conflicts.setdefault(self.bare(numbers), set()).add(full)
+        self._beginnings.update(self.bare(numbers[:k]) for k in range(1, len(numbers)))
+        self._single.clear()
+        self._heads.clear()
+
+    @property
+    def forbids_all(self) -> bool:
+        """Whether the plan without actions is forbidden, with which every plan begins."""
+        return any(not numbers for numbers, _ in self._prefixes)
+
+    def forbid_prefix(self, numbers: Sequence[int], for_good: bool = True) -> None:
+        """Forbid exactly these actions from the start; unless `for_good`, until refusals get a second try."""
+        self._prefixes.append((tuple(numbers), for_good))
+        self._grow(numbers)
+
+    def _grow(self, numbers: Sequence[int]) -> None:
+        node = 0
+        for number in numbers[:-1]:
+            following = self._tree[node].get(number)
+            if following == LEAF:
+                return
+            if following is None:
+                self._tree.append({})
+                following = self._tree[node][number] = len(self._tree) - 1
+            node = following
+        if numbers:
+            self._tree[node][numbers[-1]] = LEAF
+
+    def readmit(self) -> bool:
+        """Forget the sequences, and the prefixes that are not forbidden for good, for a second try. False when there
+        were none."""
+        lasting = [prefix for prefix in self._prefixes if prefix[1]]
+        known = bool(self._conflicts) or len(lasting) < len(self._prefixes)
+        self._prefixes, self._tree = lasting, [{}]
+        for numbers, _ in lasting:
+            self._grow(numbers)
+        self._conflicts.clear()
+        self._beginnings.clear()
+        self._single.clear()
+        self._heads.clear()
+        return known
+
+    def allows(self, state: int, number: int) -> bool:
+        """Whether an action is not forbidden by itself in a state."""
+        known = self._single.get(number, MISSING)
+        if known is MISSING:
+            known = self._single[number] = self._conflicts.get(self.bare((number,)))
+        return known is None or self._full((number,), self.context(state, number)) not in known
+
+    def follow(self, number_before: int, state: int, number: int) -> int | None:
+        """The number of the history after one more action; None when that completes a conflict."""
+        if number_before == EMPTY:
+            begins = self._heads.get(number)
+            if begins is None:
+                begins = self._heads[number] = self.bare((number,)) in self._beginnings
+            if not begins:
+                return EMPTY
+        kept = self._follow(self._histories[number_before], state, number)
+        if kept is None:
+            return None
+        if kept not in self._history_numbers:
+            self._history_numbers[kept] = len(self._histories)
+            self._histories.append(kept)
+        return self._history_numbers[kept]
+
+    def _follow(self, history: History, state: int, number: int) -> History | None:
+        numbers = (*(n for n, _ in history), number)
+        kept: History | None = None
+        for k in range(len(numbers)):
+            bare = self.bare(numbers[k:])
+            begins, forbidden = bare in self._beginnings, self._conflicts.get(bare)
+            if not begins and forbidden is None:
+                continue
+            context = history[k][1] if k < len(history) else self.context(state, number)
+            if forbidden is not None and self._full(numbers[k:], context) in forbidden:
+                return None
+            if begins and kept is None:
+                kept = (*history[k:], (number, self.context(state, number)))
+        return () if kept is None else kept
+
+    def descend(self, node: int, number: int) -> int:
+        """The place in the tree of prefixes after an action: LEAF where it is forbidden, OFF outside."""
+        return self._tree[node].get(number, OFF) if node >= 0 else OFF
+
+    def bare(self, numbers: Sequence[int]) -> Signature:
+        """The lifted actions without context."""
+        key = tuple(numbers)
+        if key not in self._bare:
+            self._bare[key] = self.names.actions([self.successors.action(n) for n in key])[0]
+        return self._bare[key]
+
+    def _full(self, numbers: Sequence[int], context: Context) -> Signature:
+        key = (tuple(numbers), context)
+        if key in self._lifted:
+            return self._lifted[key]
+        signature, names = self.names.actions([self.successors.action(n) for n in numbers])
+        lifted = [(f[0], *(self.names.token(o, names) for o in f[1:])) for f in context]
+        self._lifted[key] = (signature, tuple(lifted))
+        return self._lifted[key]
+
+    def context(self, state: int, number: int) -> Context:
+        """What the functional predicates say in `state` of the objects in an action, and of the modules linked to
+        them; nearest first, so that the order does not depend on names."""
+        key = (state, number)
+        if key not in self._contexts:
+            found: dict[Fact, None] = {}
+            fields = self.successors.layout.fields
+            for name in self._concerned(state, self.successors.action(number)):
+                for predicate in self._predicates:
+                    place = fields.get((predicate, name))
+                    value = None if place is None else place.read(state)
+                    if value is not None:
+                        found[predicate, name, value] = None
+            self._contexts[key] = tuple(found)
+        return self._contexts[key]
+
+    def _concerned(self, state: int, action: Action) -> list[str]:
+        """The objects of an action and all ends of the modules that are linked to its own, walking along the links."""
+        links = self._links(state)
+        found = dict.fromkeys(objects_of(action))
+        waiting = list(found)
+        while waiting:
+            name = waiting.pop(0)
+            world = self.problem.world
+            module = world.owner(name)
+            known = world.modules.get(module)
+            ends = [f"{module}.{e.name}" for e in known.type.effectors] if known is not None else []
+            for other in [*sorted(links.get(name, ())), *ends]:
+                if other not in found:
+                    found[other] = None
+                    waiting.append(other)
+        return list(found)
+
+    def _links(self, state: int) -> dict[str, set[str]]:
+        flags = state & self.successors.layout.flag_mask
+        if flags not in self._linked:
+            links: dict[str, set[str]] = {}
+            for fact in self.successors.word(state).facts:
+                if len(fact) == 3:
+                    links.setdefault(fact[1], set()).add(fact[2])
+                    links.setdefault(fact[2], set()).add(fact[1])
+            self._linked[flags] = links
+        return self._linked[flags]
+
+
+class Names(dict[str, object]):
+    """What stands for an object, in the order of appearance, and how many of a kind were met."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.counts: dict[str, int] = {}
+
+    def next(self, kind: str) -> int:
+        self.counts[kind] = self.counts.get(kind, 0) + 1
+        return self.counts[kind]
+
+
+class Lifting:
+    """Replaces modules, and ends of reversible ones, by numbers in the order of appearance."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.modules = problem.world.modules
+        self.reversible = {m.name for m in self.modules.values() if is_reversible(m.type)}
+
+    def actions(self, actions: Sequence[Action]) -> tuple[Signature, Names]:
+        names = Names()
+        return tuple((a.rule, *(self.token(arg, names) for arg in a.args)) for a in actions), names
+
+    def token(self, arg: object, names: Names) -> object:
+        """What stands for an argument of an action."""
+        if isinstance(arg, Chain):
+            return ("chain", *(self.token(part, names) for line in arg.modules for part in line))
+        if not isinstance(arg, str) or arg in names:
+            return names[arg] if isinstance(arg, str) else arg
+        module, dot, end = arg.rpartition(".")
+        if arg in self.modules:
+            kind = self.modules[arg].type.name
+            names[arg] = (kind, names.next(kind))
+        elif dot and module in self.modules:
+            whole = self.token(module, names)
+            names[arg] = (whole, names.next(module) if module in self.reversible else end)
+        else:
+            return arg
+        return names[arg]
+
+
+def objects_of(action: Action) -> list[str]:
+    """The objects that an action names, in order."""
+    found: list[str] = []
+    for arg in action.args:
+        if isinstance(arg, Chain):
+            found += [part for line in arg.modules for part in line]
+        elif isinstance(arg, str):
+            found.append(arg)
+    return found

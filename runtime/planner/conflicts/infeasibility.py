@@ -1,0 +1,188 @@
+"""What was refused and why: the records for report and plan, and the explanation for a task that found no plan."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ....compiler.ir import Problem
+from ....langs.diagnostics import Diagnostic, Label
+from ....langs.source import Span
+from ...plan import RefusalRecord, VerdictRecord
+from ...skeleton import Breach, Skeleton, Violation
+from ..bounds.verdicts import Conflict
+from ..motion.nlp.program import DIVERGED
+from ..plan_assembly import placed
+from .nearest_miss import nearest
+from .shortfall import achievers, lacking
+
+MOST_EXPLAINED = 5
+
+
+class Refusals:
+    """Collects conflicts in the order in which they were found."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self._found: list[tuple[Skeleton, Conflict]] = []
+
+    def add(self, skeleton: Skeleton, conflict: Conflict) -> None:
+        self._found.append((skeleton, conflict))
+
+    def records(self) -> list[RefusalRecord]:
+        return [self._record(skeleton, conflict) for skeleton, conflict in self._found]
+
+    def explain(self, status: str) -> list[Diagnostic]:
+        """S-diagnostics, most telling first: the fewest actions, then those that were met most often, then
+        the smallest miss; one for each row of the program, and with whom it was met."""
+        if status == "infeasible":
+            return self._unreachable()
+        if not self._found:
+            return [self._nothing_found(status)]
+        groups: dict[object, list[tuple[Skeleton, Conflict]]] = {}
+        for skeleton, conflict in self._found:
+            groups.setdefault(self._cause(skeleton, conflict), []).append((skeleton, conflict))
+        ranked = sorted(groups.values(), key=lambda g: (min(map(_length, g)), -len(g)))
+        told = [self._diagnostic(*min(group, key=_miss), len(group)) for group in ranked[:MOST_EXPLAINED]]
+        if len(ranked) > MOST_EXPLAINED:
+            more = sum(map(len, ranked[MOST_EXPLAINED:]))
+            told[-1] = replace(told[-1], note="; ".join(filter(None, (told[-1].note, f"{more} more refusals"))))
+        return told
+
+    def _cause(self, skeleton: Skeleton, conflict: Conflict) -> object:
+        """What refusals must share to be told as one: rules, bound, and the row or the kind of limit that is missed."""
+        rules = tuple(p.action.rule for p in skeleton.phases[conflict.first : conflict.last + 1])
+        if not conflict.violations:
+            return rules, conflict.bound
+        worst = conflict.violations[0]
+        return rules, conflict.bound, worst.span or (worst.names[0] if worst.kind == Breach.ROW else worst.kind)
+
+    def _nothing_found(self, status: str) -> Diagnostic:
+        if status == "interrupted":
+            return Diagnostic("S0005", "the run was interrupted before a sequence of actions was judged")
+        if status == "memory":
+            help = "give more with --memory, or a smaller instance"
+            return Diagnostic("S0010", "the memory was spent before a sequence of actions was judged", help=help)
+        return Diagnostic(
+            "S0003",
+            "the budget ended before a sequence of actions was judged",
+            help="give more with --time or --nodes, or a smaller instance",
+        )
+
+    def _unreachable(self) -> list[Diagnostic]:
+        """What the proof says, at the rules that achieve the goal and at the bounds on length that they need."""
+        rules = achievers(self.problem)
+        names = " or ".join(f"`{rule.name}`" for rule, _ in rules)
+        blamed = f"; what achieves it is {names}, never applicable where it would help" if rules else ""
+        bounds = [(rule, bound.span) for rule, bound in rules if bound is not None and bound.span is not None]
+        labels = [Label(span, f"a bound that `{rule.name}` needs") for rule, span in bounds]
+        lacks = lacking(self.problem)[:MOST_EXPLAINED]
+        if not lacks:
+            near = nearest(self.problem, [rule for rule, _ in rules])
+            lacks = [str(near)] if near else [""]
+            labels += [Label(near.place, "this stays false")] if near and near.place else []
+        return [
+            Diagnostic(
+                "S0001",
+                f"no sequence of actions reaches the goal: every state that can be reached was seen{blamed}",
+                rules[0][0].span if rules else None,
+                tuple(labels),
+                note=lack or None,
+                help="look at the conditions of the rules that achieve the goal, and at the reach of the robots",
+            )
+            for lack in lacks
+        ]
+
+    def _diagnostic(self, skeleton: Skeleton, conflict: Conflict, count: int) -> Diagnostic:
+        action = skeleton.phases[conflict.last].action
+        rule = self.problem.rules.get(action.rule)
+        where = " from the start" if conflict.from_start and conflict.first < conflict.last else ""
+        span = self._span(conflict)
+        labels = (Label(rule.span, "the rule of this action"),) if rule is not None and rule.span else ()
+        earlier = ", ".join(str(p.action) for p in skeleton.phases[conflict.first : conflict.last])
+        notes = [f"straight after {earlier}{where}"] if earlier else []
+        if count > 1:
+            notes.append(f"this was met in {count} such sequences; the smallest miss is shown")
+        return Diagnostic(
+            "S0002",
+            f"{_BOUND_NAMES[conflict.bound]} refuses {action}: {self._reason(conflict)}",
+            span or (rule.span if rule else None),
+            labels if span else (),
+            note="; ".join(notes) or None,
+        )
+
+    def _reason(self, conflict: Conflict) -> str:
+        if not conflict.violations:
+            return "no motion was found"
+        return describe(conflict.violations[0])
+
+    def _span(self, conflict: Conflict) -> Span | None:
+        for violation in conflict.violations[:1]:
+            if violation.span is not None:
+                return violation.span
+            if violation.kind == Breach.ROW:
+                return self.problem.motions[violation.names[0]].span
+        return None
+
+    def _record(self, skeleton: Skeleton, conflict: Conflict) -> RefusalRecord:
+        worst = conflict.violations[0] if conflict.violations else None
+        span = self._span(conflict)
+        return RefusalRecord(
+            bound=conflict.bound,
+            actions=[str(p.action) for p in skeleton.phases[conflict.first : conflict.last + 1]],
+            reason=self._reason(conflict),
+            amount=float(worst.amount) if worst else 0.0,
+            unit=worst.unit if worst else "",
+            place=placed(self.problem, span),
+        )
+
+
+def distrust(verdict: VerdictRecord | None) -> list[Diagnostic]:
+    """What the verifier says against a plan, the first few things."""
+    failures = [] if verdict is None else verdict.failures
+    told = [Diagnostic("S0004", f"the verifier refuses the plan: {f.message}") for f in failures[:MOST_EXPLAINED]]
+    if len(failures) > MOST_EXPLAINED:
+        told[-1] = replace(told[-1], note=f"and {len(failures) - MOST_EXPLAINED} more failures")
+    return told
+
+
+def unverified() -> Diagnostic:
+    """Says that there was no time, or memory, for the verifier."""
+    help = "give more with --time; --keep-refused FILE keeps the plan, for `tamplang verify FILE`"
+    return Diagnostic("S0011", "time or memory were spent before the plan was verified", help=help)
+
+
+def fewer(status: str, found: int, wanted: int) -> Diagnostic:
+    """Says that a run ended with fewer plans than were asked for."""
+    reasons = {"budget": ("S0003", "the budget ended"), "interrupted": ("S0005", "the run was interrupted"),
+               "memory": ("S0010", "the memory was spent")}  # fmt: skip
+    code, reason = reasons.get(status, ("S0002", "no further sequence of actions passed"))
+    return Diagnostic(code, f"{reason} after {found} of {wanted} plans")
+
+
+def _length(item: tuple[Skeleton, Conflict]) -> int:
+    return item[1].last - item[1].first
+
+
+def _miss(item: tuple[Skeleton, Conflict]) -> tuple[int, float]:
+    return _length(item), max((v.amount for v in item[1].violations), default=float("inf"))
+
+
+_BOUND_NAMES = {"seq": "P_seq", "seq-path": "P_seqPath", "path": "P_path"}
+_TOLD = {
+    Breach.ROW: "[{0}] is missed",
+    Breach.COLLISION: "{1} and {2} would overlap",
+    Breach.SELF_COLLISION: "parts of {1} would overlap",
+    Breach.JOINT_LIMIT: "a joint limit of {1} is exceeded",
+    Breach.STEP: "joint {2} of {1} moves too far between two slices",
+    Breach.DRIFT: "what rests would slip",
+    Breach.UNIT_QUATERNION: "an orientation is missed",
+}
+
+
+def describe(violation: Violation) -> str:
+    """One clause for a violated row: `[touch c.B item] is missed by 0.213 m`."""
+    text = _TOLD[violation.kind].format(" ".join(violation.names), *violation.names)
+    if violation.amount >= DIVERGED:
+        who = f"[{' '.join(violation.names)}]" if violation.kind == Breach.ROW else f"the {violation.kind}"
+        return f"the numbers of {who} diverge"
+    return f"{text} by {violation.amount:.3g} {'' if violation.unit == '1' else violation.unit}".rstrip()

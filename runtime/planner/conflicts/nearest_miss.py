@@ -1,0 +1,102 @@
+"""How near a task that is proved infeasible comes to an action that its goal needs: a look at every state that can be
+reached, with the verifier's plain interpreter of formulas."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ....compiler.ir import Action, Forall, Formula, Problem, Rule
+from ....compiler.printing_terms import format_formula
+from ....compiler.symbolic.normal_form import conjuncts
+from ....compiler.symbolic.renaming import renaming
+from ....compiler.symbolic.successors import Successors
+from ....langs.source import Span
+from ...native import MissingLibrary
+from ...verify.formulas import Environment, ReplayError, State, bindings, holds
+from ...verify.replay import Interpreter, ground, span_of
+
+MOST_STATES = 200
+"""Where more states can be reached than that, one state tells little of all."""
+MOST_LOOKS = 20_000
+"""Conditions of ground actions that are looked at: about 2 s."""
+
+
+@dataclass(frozen=True, slots=True)
+class Nearest:
+    """The action of a rule that lacks least in any state, the actions that lead to that state, and the parts of its
+    condition that are false there, each with the first values for which a `forall` fails."""
+
+    action: Action
+    before: tuple[Action, ...]
+    missing: tuple[Formula, ...]
+    where: str
+
+    @property
+    def place(self) -> Span | None:
+        """Where the first missing part stands."""
+        return next(filter(None, map(span_of, self.missing)), None)
+
+    def __str__(self) -> str:
+        after = f"after {', '.join(map(str, self.before))}" if self.before else "at the start"
+        lacks = " and ".join(f"`{format_formula(part)}`" for part in self.missing)
+        return f"{self.action} comes nearest {after}: it still lacks {lacks}{self.where}"
+
+
+def nearest(problem: Problem, rules: Sequence[Rule]) -> Nearest | None:
+    """The nearest action of all `rules`; None where they are too many to look at, or coal is missing."""
+    found: tuple[tuple[int, int], Nearest] | None = None
+    looks = 0
+    try:
+        interpreter = Interpreter(problem)
+        for facts, before in _reached(problem):
+            state = interpreter.state(facts)
+            for rule in rules:
+                parts = [*conjuncts(rule.condition)]
+                for environment in bindings(state, rule.variables, {}):
+                    looks += 1
+                    if looks > MOST_LOOKS:
+                        return None
+                    missing = tuple(part for part in parts if not holds(state, part, environment))
+                    failing = [_failing(state, part, environment) for part in missing]
+                    rank = len(missing), sum(map(len, failing))
+                    if missing and (found is None or rank < found[0]):
+                        found = rank, Nearest(ground(rule, environment), before, missing, _told(failing))
+    except (MissingLibrary, ReplayError):
+        return None
+    return found[1] if found else None
+
+
+def _reached(problem: Problem) -> list[tuple[frozenset[tuple[str, ...]], tuple[Action, ...]]]:
+    """Every state that can be reached, one of those that are alike up to names, each with the shortest way there; none
+    where they are too many."""
+    successors = Successors(problem)
+    names = renaming(successors)
+    queue: list[tuple[int, tuple[int, ...]]] = [(successors.initial, ())]
+    seen = {names.canonical(successors.initial) if names else successors.initial}
+    for state, way in queue:
+        for following, number in successors.expand(state):
+            key = names.canonical(following) if names else following
+            if key not in seen:
+                seen.add(key)
+                queue.append((following, (*way, number)))
+        if len(queue) > MOST_STATES:
+            return []
+    return [(successors.facts(state), tuple(map(successors.action, way))) for state, way in queue]
+
+
+def _failing(state: State, part: Formula, environment: Environment) -> list[str]:
+    """The values for which a `forall` fails; one entry for any other formula."""
+    if not isinstance(part, Forall):
+        return [""]
+    names = [variable.name for variable in part.variables]
+    return [
+        ", ".join(f"{name} = {inner[name]}" for name in names)
+        for inner in bindings(state, part.variables, environment)
+        if not holds(state, part.body, inner)
+    ]
+
+
+def _told(failing: Sequence[Sequence[str]]) -> str:
+    values = [values[0] for values in failing if values and values[0]]
+    return f", which fails for {' and '.join(values)}" if values else ""

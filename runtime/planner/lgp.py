@@ -1,0 +1,266 @@
+"""The LGP loop (thesis, algorithm 1): candidate skeletons from the symbolic search, bounds from coarse to fine,
+refusals fed back to the search, and the verifier's word on every plan before it is called solved.
+
+    search ──candidate──▶ single actions ──▶ P_seq ──▶ P_seqPath ──▶ (P_path) ──▶ verifier ──▶ plan
+       ▲                        │               │            │            │
+       └────────── conflict ────┴───────────────┴────────────┴────────────┘
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from ...compiler.ir import Problem
+from ...compiler.options import OPTIONS, given_at
+from ...compiler.symbolic.strain import Strain
+from ...compiler.symbolic.successors import Successors
+from ...langs.diagnostics import Diagnostic
+from ..budget import ASIDE, SECONDS, Budget, OutOfTime, ending
+from ..geometry.start_contacts import touching
+from ..plan import Plan, StatisticsRecord, TimingRecord
+from ..seeds import Seed
+from ..skeleton import Skeleton
+from .bounds.multi_bound import EXPECTED, Bounds
+from .bounds.speculation import Ahead
+from .bounds.verdicts import Judgement
+from .conflicts.infeasibility import Refusals, distrust, fewer, unverified
+from .motion.settings import MotionSettings
+from .search.best_first import Candidate, SkeletonSearch
+from .search.learned_penalties import Surcharge
+from .search.skeleton_replay import build_skeleton
+from .search.slack_maximisation import roomier
+
+
+@dataclass(frozen=True, slots=True)
+class SolveOptions:
+    """What a user may set; `time` in seconds, None without limit. `bound` is the finest bound that is tried."""
+
+    bound: str = OPTIONS["bound"].default
+    search: str = OPTIONS["search"].default
+    time: float | None = SECONDS
+    nodes: int | None = None
+    solutions: int = OPTIONS["solutions"].default
+    solver: str = OPTIONS["solver"].default
+    seed: int = 0
+    slices: int | None = None
+    ahead: Ahead = field(default_factory=Ahead, compare=False, repr=False)
+
+
+def options_of(problem: Problem, chosen: Mapping[str, Any], otherwise: float = SECONDS) -> SolveOptions:
+    """What is `chosen` by name and not None, else what the task's `options` block says, else the defaults. `time` may
+    be infinite; `otherwise` is the time in seconds where neither says one."""
+    values: dict[str, Any] = {}
+    for name in given_at("python"):
+        value = chosen.get(name)
+        value = getattr(problem.options, name, None) if value is None else value
+        if value is not None:
+            values[name] = value
+    seconds = values.pop("time", otherwise)
+    return SolveOptions(**values, time=None if math.isinf(seconds) else seconds, seed=problem.seed)
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Where a run stands, for a progress bar; seconds."""
+
+    stage: str
+    message: str
+    elapsed: float
+    limit: float | None
+    tree_nodes: int
+    candidates: int
+    solutions: int
+
+
+@dataclass(slots=True)
+class Outcome:
+    """What a run found. `status` is solved, infeasible (proved), exhausted (every candidate refused), budget,
+    interrupted or refused (by the verifier). `plans` are best first, all of them verified; `refused` is one that the
+    verifier does not believe, or had no time for, where there is no other.
+
+    With bound "seq" there is no motion, hence no plan: `actions` and `cost` tell the skeleton that P_seq accepts.
+    """
+
+    status: str
+    plans: list[Plan] = field(default_factory=list)
+    statistics: StatisticsRecord = field(default_factory=StatisticsRecord)
+    timing: TimingRecord = field(default_factory=TimingRecord)
+    explanation: list[Diagnostic] = field(default_factory=list)
+    actions: list[str] = field(default_factory=list)
+    cost: float = 0.0
+    refused: Plan | None = None
+
+
+def solve(
+    problem: Problem,
+    options: SolveOptions,
+    progress: Callable[[Progress], None] | None = None,
+    found: Callable[[Plan], None] | None = None,
+) -> Outcome:
+    """Search until `options.solutions` verified plans stand or the budget is spent; Ctrl-C ends with what was found.
+    `found` gets every verified plan as soon as it stands."""
+    return _Run(replace(problem, touching=touching(problem.world)), options, progress, found).run()
+
+
+class _Run:
+    def __init__(
+        self, problem: Problem, options: SolveOptions, progress: Callable[[Progress], None] | None,
+        found: Callable[[Plan], None] | None,
+    ) -> None:  # fmt: skip
+        self.problem = problem
+        self.options = options
+        self.report = progress
+        self.found = found
+        self.budget = Budget(options.time, options.nodes, ASIDE)
+        self.candidates = 0
+        self.plans: list[Plan] = []
+        self.accepted: list[Candidate] = []
+        self.distrusted: Plan | None = None
+        self.first_bound: float | None = None
+        settings, seed = motion_settings(problem, options), Seed(options.seed)
+        self.bounds = Bounds(problem, settings, options.bound, seed, self.budget, self._tell, options.ahead)
+        self.refusals = Refusals(problem)
+        self.search: SkeletonSearch | None = None
+        self.again = False
+
+    def run(self) -> Outcome:
+        return self._outcome(ending(self._loop))
+
+    def _loop(self) -> str:
+        clock = self.bounds.clock
+        self.options.ahead.prepare(self.problem)
+        self._tell("compile", "compiling the rules")
+        with clock("compile"):
+            successors = Successors(self.problem)
+            self.search = SkeletonSearch(self.problem, successors, self.options.search, self.budget)
+            self.strain = Strain(successors)
+            self.surcharge = Surcharge(self.strain)
+        while len(self.accepted) < self.options.solutions:
+            self._tell("search", "searching for a skeleton")
+            with clock("search"):
+                candidate = self.search.next()
+                if candidate is not None:
+                    candidate = roomier(self.search, self.strain, candidate)
+            if candidate is None:
+                if self.search.status == "exhausted" and not self.again and self.search.readmit():
+                    self.again = True
+                    self.bounds.try_harder()
+                    continue
+                return self.search.status
+            self.candidates += 1
+            if self.first_bound is None:
+                self.first_bound = candidate.lower_bound
+            self._try(self.search, candidate)
+        return "solved"
+
+    def _try(self, search: SkeletonSearch, candidate: Candidate) -> None:
+        """Take one candidate through the bounds; whatever comes of it, the search will not propose it again."""
+        skeleton = build_skeleton(self.problem, candidate.actions, search.successors)
+        judgement = self.bounds.judge(skeleton, self.strain.along(candidate.numbers))
+        if judgement.accepted:
+            if judgement.paths is None or self._believed(skeleton, candidate, judgement):
+                self.accepted.append(candidate)
+                self._tell("solved", f"plan {len(self.accepted)}: {len(candidate.actions)} actions")
+            search.forbid_plan(candidate)
+            return
+        for conflict in judgement.conflicts:
+            if conflict.bound != EXPECTED:
+                self.refusals.add(skeleton, conflict)
+                self.surcharge.refused(candidate.numbers, conflict.first, conflict.last)
+            for_good = conflict.bound not in ("seq", EXPECTED)
+            search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start, for_good)
+        if self.surcharge.weight:
+            search.charge(self.surcharge)
+
+    def _believed(self, skeleton: Skeleton, candidate: Candidate, judgement: Judgement) -> bool:
+        """Whether the verifier believes a motion; then the plan is kept and handed on. Raises OutOfTime."""
+        statistics = self._statistics([*self.accepted, candidate])
+        plan = self.bounds.believe(skeleton, candidate.actions, judgement, statistics, self._timing())
+        if plan.verdict is None:
+            self.distrusted = plan
+            raise OutOfTime
+        if not plan.verdict.verified:
+            self.distrusted = self.distrusted or plan
+            return False
+        self.plans.append(plan)
+        if self.found is not None:
+            self.found(plan)
+        return True
+
+    def _statistics(self, accepted: list[Candidate] | None = None) -> StatisticsRecord:
+        search = self.search
+        accepted = self.accepted if accepted is None else accepted
+        cost = min((c.cost for c in accepted), default=0.0)
+        gap = None if self.first_bound is None or not accepted else max(0.0, cost - self.first_bound)
+        return StatisticsRecord(
+            tree_nodes=search.tree_nodes if search else 0,
+            expanded_nodes=search.expanded_nodes if search else 0,
+            optimal=gap == 0.0,
+            gap=gap,
+            cost=cost,
+            bounds=self.bounds.records(),
+            refusals=self.refusals.records(),
+            tree=list(search.tree) if search else [],
+        )
+
+    def _timing(self) -> TimingRecord:
+        return TimingRecord({"total": self.budget.elapsed, **self.bounds.clock.seconds})
+
+    def _outcome(self, status: str) -> Outcome:
+        statistics, timing = self._statistics(), self._timing()
+        order = sorted(range(len(self.accepted)), key=lambda i: self.accepted[i].cost)
+        self.accepted = [self.accepted[i] for i in order]
+        plans = [_with_statistics(self.plans[i], statistics, timing, self.accepted[k].cost)
+                 for k, i in enumerate(order) if i < len(self.plans)]  # fmt: skip
+        if plans:
+            statistics = plans[0].statistics
+        explanation = self.refusals.explain(status) if not self.accepted else []
+        if self.accepted:
+            missing = self.options.solutions - len(self.accepted)
+            explanation = [fewer(status, len(self.accepted), self.options.solutions)] if missing else []
+            status = "interrupted" if status == "interrupted" else "solved"
+        elif self.distrusted is not None and self.distrusted.verdict is None:
+            explanation = [unverified()]
+        elif self.distrusted is not None:
+            status, explanation = "refused", distrust(self.distrusted.verdict)
+        actions = [str(a) for a in self.accepted[0].actions] if self.accepted else []
+        if self.distrusted is not None and not self.accepted:
+            actions = [phase.action for phase in self.distrusted.phases]
+        refused = None if self.accepted else self.distrusted
+        return Outcome(status, plans, statistics, timing, explanation, actions, statistics.cost, refused)
+
+    def _tell(self, stage: str, message: str) -> None:
+        if self.report is None:
+            return
+        nodes = self.search.tree_nodes if self.search else 0
+        self.report(
+            Progress(
+                stage, message, self.budget.elapsed, self.options.time, nodes, self.candidates, len(self.accepted)
+            )
+        )
+
+
+def motion_settings(problem: Problem, options: SolveOptions) -> MotionSettings:
+    settings = MotionSettings(solver=options.solver)
+    slices = options.slices or problem.options.slices
+    if slices is not None:
+        settings = replace(settings, slices=slices)
+    if problem.options.margin is not None:
+        margin = problem.options.margin
+        settings = replace(settings, margin=margin, switch_margin=margin + 0.005)
+    return settings
+
+
+def _with_statistics(plan: Plan, statistics: StatisticsRecord, timing: TimingRecord, cost: float) -> Plan:
+    """The plan with the figures of the whole run, but its own costs and gap."""
+    import msgspec
+
+    gap = None if statistics.gap is None else statistics.gap + cost - statistics.cost
+    path, before = plan.statistics.path_cost, plan.statistics.path_cost_before
+    own = msgspec.structs.replace(
+        statistics, cost=cost, gap=gap, optimal=gap == 0.0, path_cost=path, path_cost_before=before
+    )
+    return msgspec.structs.replace(plan, statistics=own, timing=timing)

@@ -1,0 +1,142 @@
+"""Pairs of spheres and solids by blocks, told apart only where the boxes around the parts of a block are near."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....skeleton import Array
+from ..nlp.unknowns import Indices
+
+SLACK = 1e-6
+"""Metres by which boxes may be wrong."""
+
+Runs = Indices
+"""Successive numbers, each with its owner `(R, 3)`: first number, how many, number of the owner."""
+Edges = tuple[Array, Array]
+"""Least and greatest coordinates `(N, 3)` of things, in metres, in the world."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pairs:
+    """Pairs of things by their numbers `first` and `second` `(K,)`, the distance to keep `(K,)` in metres, and (phase,
+    owner, owner) `(K, 3)` of each; `places` `(K,)` tells them apart and orders them."""
+
+    places: Indices
+    first: Indices
+    second: Indices
+    wanted: Array
+    tags: Indices
+
+    def __getitem__(self, chosen: Indices) -> Pairs:
+        return Pairs(
+            self.places[chosen], self.first[chosen], self.second[chosen], self.wanted[chosen], self.tags[chosen]
+        )
+
+    def joined(self, other: Pairs) -> tuple[Pairs, NDArray[np.bool_]]:
+        """These pairs and others, each once and in order, and which of them `(K,)` are of these."""
+        places, at = np.unique(np.concatenate([self.places, other.places]), return_index=True)
+        both = Pairs(
+            places,
+            np.concatenate([self.first, other.first])[at], np.concatenate([self.second, other.second])[at],
+            np.concatenate([self.wanted, other.wanted])[at], np.concatenate([self.tags, other.tags])[at],
+        )  # fmt: skip
+        return both, at < len(self.places)
+
+
+NO_PAIRS = Pairs(
+    np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0),
+    np.zeros((0, 3), dtype=np.int64),
+)  # fmt: skip
+
+
+class Blocks:
+    """Blocks of pairs: everything in one run against everything in another."""
+
+    def __init__(self) -> None:
+        self._size = 0
+        self._rows = [np.zeros((0, 9), dtype=np.int64)]
+        self._margins = [np.zeros(0)]
+        self._finished: tuple[Indices, Array] | None = None
+        self._runs: list[tuple[Indices, Indices]] = []
+
+    def __len__(self) -> int:
+        return sum(map(len, self._margins))
+
+    def grid(self, phase: int, first: Runs, second: Runs, margins: Array) -> None:
+        """Every run of `first` against every one of `second`, kept apart as `margins` says for their owners: metres, or
+        -inf where they may touch."""
+        each, every = np.repeat(np.arange(len(first)), len(second)), np.tile(np.arange(len(second)), len(first))
+        width = int(second[:, 1].sum())
+        place = _before(first)[each] * width + _before(second)[every]
+        self._add(phase, first[each], second[every], place, width, margins)
+        self._size += int(first[:, 1].sum()) * width
+
+    def pairs(self, phase: int, first: Runs, second: Runs, margins: Array) -> None:
+        """Each run of `first`, a single thing, against the same one of `second`."""
+        self._add(phase, first, second, np.arange(len(first)), 1, margins)
+        self._size += len(first)
+
+    def _add(self, phase: int, first: Runs, second: Runs, place: Indices, width: int, margins: Array) -> None:
+        wanted = margins[first[:, 2], second[:, 2]]
+        kept = np.isfinite(wanted)
+        rows = np.empty((len(place), 9), dtype=np.int64)
+        rows[:, 0], rows[:, 1] = self._size + place, width
+        rows[:, 2:4], rows[:, 4:6] = first[:, :2], second[:, :2]
+        rows[:, 6], rows[:, 7], rows[:, 8] = phase, first[:, 2], second[:, 2]
+        self._rows.append(rows[kept])
+        self._margins.append(wanted[kept])
+        self._finished = None
+
+    def _tables(self) -> tuple[Indices, Array]:
+        if self._finished is None:
+            self._finished = (np.concatenate(self._rows), np.concatenate(self._margins))
+            self._runs = [_distinct(self._finished[0][:, at : at + 2]) for at in (2, 4)]
+        return self._finished
+
+    def near(self, first: Edges, second: Edges, near: float) -> Pairs:
+        """All pairs of the blocks whose parts' boxes are closer than `near` beyond the distance to keep, by the edges
+        of all things that `first` and `second` number."""
+        rows, margins = self._tables()
+        if not len(rows):
+            return NO_PAIRS
+        (low, high), (other_low, other_high) = (
+            tuple(side[which] for side in _around(edges, runs))
+            for edges, (runs, which) in zip((first, second), self._runs, strict=True)
+        )
+        apart = np.maximum(np.maximum(low - other_high, other_low - high), 0.0)
+        chosen = np.flatnonzero(np.einsum("ij,ij->i", apart, apart) <= (near + margins + SLACK) ** 2)
+        return _expanded(rows[chosen], margins[chosen])
+
+
+def _before(runs: Runs) -> Indices:
+    """How many things come before each run."""
+    return np.cumsum(runs[:, 1]) - runs[:, 1]
+
+
+def _distinct(runs: Indices) -> tuple[Indices, Indices]:
+    """The distinct ones among runs `(K, 2)`, and which of them each is."""
+    width = int(runs[:, 1].max(initial=0)) + 1
+    found, which = np.unique(runs[:, 0] * width + runs[:, 1], return_inverse=True)
+    return np.stack(np.divmod(found, width), axis=1), which
+
+
+def _around(edges: Edges, runs: Indices) -> Edges:
+    """The edges of runs `(R, 2)` of things."""
+    ends = np.stack([runs[:, 0], runs[:, 0] + runs[:, 1]], axis=1).ravel()
+    low, high = (np.concatenate([side, side[-1:]]) for side in edges)
+    return np.minimum.reduceat(low, ends)[::2], np.maximum.reduceat(high, ends)[::2]
+
+
+def _expanded(rows: Indices, margins: Array) -> Pairs:
+    """The pairs of blocks, in order."""
+    counts = rows[:, 3] * rows[:, 5]
+    block = np.repeat(np.arange(len(rows)), counts)
+    within = np.arange(len(block)) - np.repeat(np.cumsum(counts) - counts, counts)
+    i, j = np.divmod(within, rows[block, 5])
+    places = rows[block, 0] + i * rows[block, 1] + j
+    order = np.argsort(places, kind="stable")
+    block, i, j = block[order], i[order], j[order]
+    return Pairs(places[order], rows[block, 2] + i, rows[block, 4] + j, margins[block], rows[block, 6:9])

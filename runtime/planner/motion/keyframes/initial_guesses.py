@@ -1,0 +1,224 @@
+"""First guesses for the motion programs: copies of the start with noise, set down on the feet that carry them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import permutations
+
+import numpy as np
+
+from .....compiler import poses
+from .....compiler.extents import box_sides
+from .....compiler.ir import Body, Fact, Module, Pose, Problem
+from .....compiler.motion.collision import bounding_radius, keeps_pose
+from ....geometry.attachments import followers
+from ....skeleton import Array, Configuration, Skeleton
+from .placement_samples import outline, places
+from .posture_samples import Aim, Stance, closing, freedom, reaching, rooms
+
+LIMIT = 0.1
+"""Radians by which guesses keep away from joint limits."""
+SPREAD = 0.4
+"""The share of a base's top, around its middle, over which guesses spread what is put down there."""
+ANY = 6
+"""Directions in which a hand can move with which a solve finds its way from any posture."""
+HALF_TURN = (1.0, 0.0, 0.0, 0.0)
+"""About x: effectors that are docked look at each other."""
+
+
+def to_tuple(pose: Array) -> Pose:
+    x, y, z, a, b, c, w = (float(v) for v in pose)
+    return (x, y, z, a, b, c, w)
+
+
+def effector_pose(module: Module, effector: str, slot: Array) -> Pose:
+    """The effector's frame in the world, from the module's slot `(7 + n,)`."""
+    return poses.compose(to_tuple(slot[:7]), poses.effector_pose(module.type, effector, slot[7:].tolist()))
+
+
+def put_effector(module: Module, effector: str, slot: Array, target: Pose) -> None:
+    """Move the module as a rigid thing, in place, so that its effector comes to `target`."""
+    local = poses.effector_pose(module.type, effector, slot[7:].tolist())
+    slot[:7] = poses.compose(target, poses.inverse(local))
+
+
+def _height(body: Body) -> float:
+    """Half the height of a body that lies in its own axes."""
+    flat = body.shape.kind in ("box", "convex")
+    return box_sides(body.shape)[2] / 2 if flat else bounding_radius(body.shape)
+
+
+class Guess:
+    """Guesses one slice after the other: feet that are kept stay, feet that are set down go on top of their base."""
+
+    def __init__(
+        self, skeleton: Skeleton, start: Configuration, random: np.random.Generator, noise: float, wide: bool = False,
+    ) -> None:  # fmt: skip
+        self.problem: Problem = skeleton.problem
+        self.skeleton = skeleton
+        self.random = random
+        self.noise = noise
+        self.wide = wide
+        self.current = start.copy()
+        self.feet: dict[str, Pose] = {}
+        self.places = places(skeleton)
+
+    def _relations(self, facts: frozenset[tuple[str, ...]]) -> list[tuple[str, str]]:
+        return [pair for pair in (keeps_pose(self.problem, f) for f in sorted(facts)) if pair]
+
+    def _pose(self, name: str) -> Pose:
+        found = self.problem.world.effector(name)
+        if found:
+            module, effector = found
+            return effector_pose(module, effector.name, self.current.modules[module.name])
+        slot = self.current.bodies.get(name)
+        return to_tuple(self.current.modules[name][:7] if slot is None else slot)
+
+    def _shake(self) -> None:
+        for name, slot in self.current.modules.items():
+            lower, upper = rooms(self.problem.world.modules[name], LIMIT)
+            slot[7:] = np.clip(slot[7:] + self.noise * self.random.normal(size=len(lower)), lower, upper)
+
+    def _above(self, base: str, lift: float, turn: tuple[float, float, float, float]) -> Pose:
+        body = self.problem.world.bodies[base]
+        x, y, z = self.current.bodies[base][:3]
+        return (float(x), float(y), float(z) + _height(body) + lift, *turn)
+
+    def _aside(self, base: str, phase: int, thing: str) -> Array:
+        """Where on a base: as laid out, or shifted at random from its middle, as two things that lie in the very same
+        place do not push each other away."""
+        planned = self.places.get((phase, thing))
+        if planned is not None:
+            return planned
+        side = outline(self.problem.world.bodies[base])
+        return self.current.bodies[base][:2] + SPREAD * self.random.uniform(-0.5, 0.5, 2) * side
+
+    def advance(self, phase: int) -> Configuration:
+        """The guess for the switch of the next phase; call for rising phases."""
+        mode, added = self.skeleton.phases[phase].mode, self.skeleton.phases[phase].added
+        carried = followers(self.problem, mode)
+        before = {name: self.feet.get(name) or self._pose(name) for pair in self._relations(mode) for name in pair}
+        self.current = self.current.copy()
+        self._shake()
+        stances = self._stand(mode, carried, before)
+        placed = set(stances)
+        feet = self._set_down(phase, carried, before, list(stances.values()), placed)
+        self._turn_to(self._aims(phase, feet, before), stances, feet)
+        self._dock(mode, placed)
+        for leader, follower in self._relations(mode):
+            if follower in carried and follower not in {b for _, b in self._relations(added)}:
+                self.current.bodies[follower][:3] = self._pose(leader)[:3]
+        stays = {name: pose for name, pose in self.feet.items() if name in before}
+        self.feet = stays | feet
+        return self.current.copy()
+
+    def _stand(self, mode: frozenset[Fact], carried: frozenset[str], before: dict[str, Pose]) -> dict[str, Stance]:
+        """Put modules on the feet that carry them, by module."""
+        world = self.problem.world
+        stances: dict[str, Stance] = {}
+        for base, follower in self._relations(mode):
+            found = world.effector(follower)
+            if found and base in world.bodies and base not in carried and found[0].name not in stances:
+                stance = (found[1].name, before[follower])
+                put_effector(found[0], stance[0], self.current.modules[found[0].name], stance[1])
+                stances[found[0].name] = stance
+        return stances
+
+    def _set_down(
+        self, phase: int, carried: frozenset[str], before: dict[str, Pose], stances: list[Stance], placed: set[str]
+    ) -> dict[str, Pose]:
+        """The poses of feet and things that are set down at the switch, on top of their bases."""
+        world = self.problem.world
+        feet: dict[str, Pose] = {}
+        for base, follower in self._relations(self.skeleton.phases[phase].added):
+            found = world.effector(follower)
+            if found and base in world.bodies and base not in carried:
+                lift = bounding_radius(found[1].shape) if found[1].shape else 0.0
+                turn = (stances[-1][1] if stances else before.get(follower) or self._pose(follower))[3:]
+                feet[follower] = self._above(base, lift, turn)
+                if found[0].name not in placed:
+                    put_effector(found[0], found[1].name, self.current.modules[found[0].name], feet[follower])
+                    placed.add(found[0].name)
+            elif follower in world.bodies and base in world.bodies:
+                body = world.bodies[follower]
+                self.current.bodies[follower][:] = self._above(base, _height(body), body.pose[3:])
+                self.current.bodies[follower][:2] = self._aside(base, phase, follower)
+        return feet
+
+    def _aims(self, phase: int, feet: dict[str, Pose], before: dict[str, Pose]) -> dict[str, Aim]:
+        """By module, what a switch brings where: an effector to its foothold, to the thing that it is to meet, or to
+        the place of what it holds, which then stands as upright as where it was taken."""
+        world = self.problem.world
+        aims: dict[str, Aim] = {}
+        held = {follower: leader for leader, follower in self._relations(self.skeleton.phases[phase].mode)}
+        for literal in sorted(self.skeleton.phases[phase].added):
+            for name, other in permutations(literal[1:], 2):
+                hand = held.get(name, "") if name in world.bodies else name
+                found = world.effector(hand)
+                if not found or other not in world.bodies:
+                    continue
+                thing = name if name in world.bodies else other
+                distance = _height(world.bodies[thing]) + (bounding_radius(found[1].shape) if found[1].shape else 0.0)
+                aim = Aim(found[1].name, self.current.bodies[thing][:3], distance)
+                if hand in feet:
+                    aim = Aim(found[1].name, np.array(feet[hand][:3]), 0.0)
+                elif thing == name:
+                    aim = replace(aim, upright=np.array(poses.rotate(poses.inverse(before[hand])[3:], (0.0, 0.0, 1.0))))
+                aims.setdefault(found[0].name, aim)
+        return aims
+
+    def _turn_to(self, aims: dict[str, Aim], stances: dict[str, Stance], feet: dict[str, Pose]) -> None:
+        """Joint values from which modules that stand on their own and cannot turn as they like come near to their aims.
+        A foot that is set down gets there, and is turned as this posture turns it: the next one starts from there."""
+        for name, stance in stances.items():
+            module, slot, aim = self.problem.world.modules[name], self.current.modules[name], aims.get(name)
+            if aim is None or aim.effector == stance[0]:
+                continue
+            if not self.wide and freedom(module.type, stance[0], aim.effector) >= ANY:
+                continue
+            slot[7:] = reaching(module, slot[7:], stance, aim, LIMIT, self.random)
+            foot = f"{name}.{aim.effector}"
+            if foot in feet:
+                slot[7:] = closing(module, slot[7:], stance, aim, LIMIT)
+            put_effector(module, stance[0], slot, stance[1])
+            if foot in feet:
+                feet[foot] = (*feet[foot][:3], *self._pose(foot)[3:])
+
+    def _dock(self, mode: frozenset[tuple[str, ...]], placed: set[str]) -> None:
+        """Put modules that hang on placed ones against them, effector to effector."""
+        world = self.problem.world
+        waiting = [pair for pair in self._relations(mode) if all(world.effector(name) for name in pair)]
+        found = True
+        while found:
+            found = False
+            for pair in [*waiting, *((b, a) for a, b in waiting)]:
+                leader, follower = (world.effector(name) for name in pair)
+                if leader and follower and leader[0].name in placed and follower[0].name not in placed:
+                    radii = sum(bounding_radius(e.shape) for _, e in (leader, follower) if e.shape)
+                    pose = poses.compose(self._pose(pair[0]), (0.0, 0.0, radii, *HALF_TURN))
+                    put_effector(follower[0], follower[1].name, self.current.modules[follower[0].name], pose)
+                    placed.add(follower[0].name)
+                    found = True
+
+
+def guess(
+    skeleton: Skeleton, phases: Sequence[int], start: Configuration, random: np.random.Generator, noise: float,
+    wide: bool = False,
+) -> list[Configuration]:  # fmt: skip
+    """Guesses for the switches of `phases`, by the poses of feet and `noise` radians on every joint. Modules that stand
+    on their own and cannot turn as they like, with `wide` all that stand on their own, take postures from anywhere
+    within their limits that come near to what they are to meet."""
+    maker = Guess(skeleton, start, random, noise, wide)
+    return [maker.advance(phase) for phase in phases]
+
+
+def shake(
+    problem: Problem, configuration: Configuration, random: np.random.Generator, noise: float
+) -> Configuration:
+    """A copy with noise on every joint, within the limits."""
+    copy = configuration.copy()
+    for name, slot in copy.modules.items():
+        for i, joint in enumerate(problem.world.modules[name].type.joints):
+            slot[7 + i] = min(max(slot[7 + i] + noise * random.normal(), joint.lower), joint.upper)
+    return copy

@@ -1,0 +1,264 @@
+"""The program of P_seq: one slice per phase, which is its switch (thesis section 3.2.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from .....compiler.ir import Arith, Function, Problem, Row, Term, Var, Vector
+from .....compiler.motion.collision import Pair, contacts, keeps_pose, pair, standing_clearance
+from .....compiler.motion.permanent import permanent
+from ....budget import Budget
+from ....geometry.attachments import carrier, followers, involved, next_mode
+from ....skeleton import Array, Configuration, Skeleton
+from ..collision.clearance_rows import ClearanceGroup
+from ..collision.pairs_in_phases import Collisions, Margins, refresh
+from ..nlp.augmented_lagrangian import Options, Outcome, project, solve
+from ..nlp.features import Features, differences, homing, limits, norms
+from ..nlp.program import Program
+from ..nlp.row_groups import Group, LinearGroup
+from ..nlp.unknowns import ORIGIN, Layout
+from ..settings import MotionSettings
+from .placement_samples import places
+
+VERTICAL = frozenset({"top", "bottom", "inside"})
+"""Functions that know where up is."""
+HOMING = 0.1
+VELOCITY = 0.3
+PLACE = 60.0
+"""How strongly things are drawn to the places that are laid out for them, against homing and velocity …"""
+TURN = 3.0
+"""… and to lie turned as they lay at the start."""
+REFRESHES = 4
+"""How often pairs that came near during a solve are taken in and the solve is resumed."""
+NEIGHBOUR = 0.006
+"""Metres kept between a thing that touches another one and the body that this one lies on."""
+POLISH = Options(mu=1e4, damping=1e-3, iterations=60)
+
+
+class SwitchProgram:
+    """P_seq of phases `first` … `last` of a skeleton, from `start`, the state before `first`, to `end` where that is
+    given: what a phase is the last to move comes to rest as it is there.
+
+    With `free` the state before is unknown too, but for what never moved before: it satisfies the relations of its
+    mode. With `frozen`, robots that a switch does not concern stay where they are.
+    """
+
+    def __init__(
+        self, skeleton: Skeleton, first: int, last: int, start: Configuration, settings: MotionSettings,
+        free: bool = False, frozen: bool = True, end: Configuration | None = None,
+    ) -> None:  # fmt: skip
+        self.skeleton = skeleton
+        self.problem: Problem = skeleton.problem
+        self.phases = range(first, last + 1)
+        self.settings = settings
+        moving = [self._moving(phase, frozen) for phase in self.phases]
+        self.layout = Layout(self.problem.world, start, _settled(moving, end) if end else None)
+        if free:
+            self.layout.free_start(self._moved_before(first))
+        for names in moving:
+            self.layout.add_slice(names)
+        self._features = Features(self.problem, self.layout)
+        if free:
+            self._standing()
+        self._literals()
+        self._groups = self._all_groups()
+        self._free = free
+
+    def _moving(self, phase: int, frozen: bool) -> frozenset[str]:
+        """What has a slot of its own at the switch that ends a phase."""
+        modules = involved(self.skeleton, phase) if frozen else frozenset(self.problem.world.modules)
+        return modules | followers(self.problem, self.skeleton.phases[phase].mode)
+
+    def _moved_before(self, first: int) -> frozenset[str]:
+        moved = set(self.problem.world.modules)
+        for phase in self.skeleton.phases[:first]:
+            moved |= followers(self.problem, phase.mode)
+        return frozenset(moved)
+
+    def _standing(self) -> None:
+        """At a free start the rows that held when a literal of the mode was added still hold where a kept pose has
+        carried them on: in the world where one of the two rests, else those that compare the two alone. What no
+        action can undo is kept since the start."""
+        first = self.phases[0]
+        mode = self.skeleton.phases[first].mode
+        moving = followers(self.problem, mode) | self.problem.world.modules.keys()
+        kept = {frozenset(pair): pair for pair in (keeps_pose(self.problem, f) for f in sorted(mode)) if pair}
+        for literal in sorted(mode):
+            pair = kept.get(frozenset(literal[1:]))
+            if pair is None:
+                continue
+            anchored = carrier(self.problem, pair[0]) not in moving
+            if anchored or not any(_absolute(row) for row in self.problem.motions[literal[0]].rows):
+                self._features.add(literal, "switch", (0,), first)
+        for literal in sorted(permanent(self.problem)):
+            self._features.add(literal, "keep", (ORIGIN, 0), first)
+
+    def _literals(self) -> None:
+        for slice_, phase in enumerate(self.phases, start=1):
+            mode, added = self.skeleton.phases[phase].mode, self.skeleton.phases[phase].added
+            for literal in sorted(added):
+                self._features.add(literal, "switch", (slice_,), phase)
+            for literal in sorted(mode):
+                self._features.add(literal, "keep", (slice_ - 1, slice_), phase)
+            for literal in sorted(mode | next_mode(self.skeleton, phase)):
+                self._features.add(literal, "during", (slice_,), phase)
+
+    def _all_groups(self) -> list[Group]:
+        steps = [(t - 1, t) for t in range(1, len(self.layout.slices))]
+        phase_of = [self.phases[0], *self.phases]
+        return [
+            *self._features.groups(),
+            norms(self.layout),
+            limits(self.problem, self.layout, self.settings.limit_margin, phase_of),
+            homing(self.problem, self.layout, HOMING),
+            differences(self.layout, self.layout.modules, steps, (-1.0, 1.0), VELOCITY),
+            *self._tidy(),
+        ]
+
+    def _tidy(self) -> list[LinearGroup]:
+        """½ PLACE² Σ (xy − place)² + ½ TURN² Σ (q − q at the start)² over the things that are put down where many are
+        laid out, where things must not collide."""
+        planned = places(self.skeleton) if self.settings.collisions else {}
+        spots: list[tuple[int, float]] = []
+        turns: list[tuple[int, float]] = []
+        for (phase, name), place in planned.items():
+            slice_ = phase - self.phases[0] + 1
+            if phase in self.phases and self.layout.is_unknown(slice_, name):
+                slot, pose = self.layout.slot(slice_, name), self.problem.world.bodies[name].pose
+                spots += zip(slot[:2], place, strict=True)
+                turns += zip(slot[3:6], pose[3:6], strict=True)
+        return [self._pull(spots, PLACE), self._pull(turns, TURN)]
+
+    @staticmethod
+    def _pull(targets: Sequence[tuple[int, float]], scale: float) -> LinearGroup:
+        """½ scale² Σ (z − target)² over places in z."""
+        columns = np.array([at for at, _ in targets], dtype=np.int64).reshape(-1, 1)
+        return LinearGroup("cost", columns, np.ones((1, 1)), np.array([t for _, t in targets]), [], scale)
+
+    @cached_property
+    def _clearance(self) -> list[ClearanceGroup]:
+        """The collision rows; made when first asked for, as many spans are refused without them."""
+        if not self.settings.collisions:
+            return []
+        collisions = Collisions(self.problem, self.layout)
+        touching = contacts(self.skeleton)
+        if self._free:
+            contact = touching[self.phases[0]]
+            collisions.add_slice(0, self.phases[0], self._margins(self.phases[0], contact.during, contact.start))
+        for slice_, phase in enumerate(self.phases, start=1):
+            margin = self._margins(phase, touching[phase].during, touching[phase].end)
+            collisions.add_slice(slice_, phase, margin, before=slice_ - 1)
+        return collisions.groups()
+
+    def _margins(self, phase: int, *exempt: frozenset[Pair]) -> Margins:
+        """Contacts are free. What touches a thing may come near to the body that this thing lies on, as on a thin
+        plate, and a module as near to what it stands on as its own foot brings it."""
+        world, usual = self.problem.world, self.settings.switch_margin
+        touching = sorted(frozenset[Pair]().union(*exempt))
+        kept = (keeps_pose(self.problem, literal) for literal in sorted(self.skeleton.phases[phase].mode))
+        lies_on = {upper: lower for lower, upper in (k for k in kept if k) if {lower, upper} <= world.bodies.keys()}
+        special: dict[Pair, float | None] = {}
+        for one, other in (*touching, *(p[::-1] for p in touching)):
+            if other in lies_on:
+                special[pair(one, lies_on[other])] = min(usual, NEIGHBOUR)
+            foot = world.effector(one)
+            if foot:
+                clearance = standing_clearance(foot[0].type, foot[1].name)
+                if clearance < usual:
+                    special[pair(foot[0].name, other)] = clearance
+        return Margins(usual, special | dict.fromkeys(touching))
+
+    def program(self) -> Program:
+        """The program over the pairs that take part at present."""
+        return Program(self.layout.constants, self.layout.unknowns, [*self._groups, *self._clearance])
+
+    @cached_property
+    def loose(self) -> Program:
+        """The program without collisions."""
+        return Program(self.layout.constants, self.layout.unknowns, self._groups)
+
+    def pack(self, configurations: Sequence[Configuration]) -> Array:
+        """Unknowns from the configurations of all slices, the state before included."""
+        return self.layout.pack(dict(enumerate(configurations)))
+
+    def unpack(self, unknowns: Array) -> list[Configuration]:
+        """The configurations of all slices, the state before included."""
+        return [self.layout.unpack(unknowns, t) for t in range(len(self.layout.slices))]
+
+    def _refresh(self, x: Array) -> bool:
+        return refresh(self._clearance, np.concatenate([self.layout.constants, x]))
+
+    def prepare(self, x: Array) -> None:
+        """Take in the pairs that are near at x."""
+        self._refresh(x)
+
+    def solve(self, x: Array, options: Options, budget: Budget) -> tuple[Program, Outcome]:
+        """Solve from x; pairs that came near meanwhile are taken in and the solve resumes. Raises OutOfTime."""
+        self._refresh(x)
+        iterations = 0
+        for attempt in range(REFRESHES):
+            program = self.program()
+            outcome = run(program, x, options if attempt == 0 else POLISH, self.settings, budget)
+            iterations += outcome.iterations
+            x = outcome.x
+            if not self._refresh(x) or outcome.status != "feasible":
+                break
+        return self.program(), Outcome(x, iterations, outcome.status)
+
+    def project(self, x: Array, tolerance: float, budget: Budget) -> tuple[Program, Array]:
+        """Project x onto all rows within `tolerance`."""
+        program = self.program()
+        x = project(program, x, tolerance, budget)
+        if self._refresh(x):
+            program = self.program()
+            x = project(program, x, tolerance, budget)
+        return program, x
+
+
+def _settled(moving: Sequence[frozenset[str]], end: Configuration) -> dict[int, Configuration]:
+    """By slice, 1 for the first of the phases: what its phase is the last to move, where it is in the end."""
+    found = {}
+    later: frozenset[str] = frozenset()
+    for slice_, names in reversed(list(enumerate(moving, start=1))):
+        modules = {name: slot for name, slot in end.modules.items() if name in names - later}
+        found[slice_] = Configuration(modules, {n: pose for n, pose in end.bodies.items() if n in names - later})
+        later |= names
+    return found
+
+
+def run(program: Program, x: Array, options: Options, settings: MotionSettings, budget: Budget) -> Outcome:
+    """The solver that the settings name."""
+    if settings.solver == "ipopt":
+        from ..nlp.ipopt import solve_ipopt
+
+        return solve_ipopt(program, x, options, budget)
+    return solve(program, x, options, budget)
+
+
+def _absolute(row: Row) -> bool:
+    """Whether a switch row refers to the vertical or to the world, not to the two objects alone."""
+    if row.when != "switch":
+        return False
+    variables, functions = _mentions(row)
+    return bool(functions & VERTICAL) or len(variables) < 2
+
+
+def _mentions(row: Row) -> tuple[frozenset[str], frozenset[str]]:
+    """The names of the variables and of the functions in a row."""
+    variables, functions = set[str](), set[str]()
+    waiting: list[Term | None] = [row.left, row.right]
+    while waiting:
+        match waiting.pop():
+            case Var(name=name):
+                variables.add(name)
+            case Function(name=name, args=arguments):
+                functions.add(name)
+                waiting += arguments
+            case Arith(operands=operands):
+                waiting += operands
+            case Vector(items=items):
+                waiting += items
+    return frozenset(variables), frozenset(functions)

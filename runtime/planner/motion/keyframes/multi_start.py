@@ -1,0 +1,187 @@
+"""P_seq of some successive phases, with restarts."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+from .....compiler.motion.collision import keeps_pose
+from ....budget import Budget
+from ....geometry.attachments import carrier, followers, robots
+from ....skeleton import BoundResult, Configuration, Skeleton, Violation
+from ..nlp.augmented_lagrangian import Options
+from ..settings import MotionSettings
+from .initial_guesses import guess
+from .keyframe_program import SwitchProgram, run
+
+SEQUENCE, SINGLE = Options(inner_tolerance=3e-2), Options()
+"""For several phases and for one. Multipliers that are taken up soon save a fifth of the steps of several; one phase
+has them lead astray more often: grasps from unknown postures are then refused in 10 % of draws instead of none."""
+NOISE = 0.3
+TRIES = 8
+MORE = 6
+"""Attempts that a span gets at least that can be done but for collisions."""
+REPAIR = 2
+"""Every so many attempts the best one is repaired; the others start anew."""
+ALIKE = 1.1
+"""A span is refused when three starts end with the same largest row within this factor …"""
+FAR, EQUAL = 0.02, 1.03
+"""… or two without collisions with more than the first, in metres or radians, alike within the second …"""
+HOPELESS = 0.15
+"""… or two without collisions with more than this."""
+ACCURATE = 1e-6
+
+
+def solve_span(
+    skeleton: Skeleton,
+    first: int,
+    last: int,
+    settings: MotionSettings,
+    random: np.random.Generator,
+    budget: Budget,
+    start: Configuration,
+    warm: Sequence[Configuration] | None = None,
+    free: bool = False,
+    tries: int | None = None,
+    end: Configuration | None = None,
+) -> BoundResult:
+    """P_seq of phases `first` … `last`, with restarts. `configurations` begins with the state before `first`: `start`,
+    or with `free` an unknown one, and `start` is then the scene at time 0. With `end` it leads there."""
+    began = time.monotonic()
+    span = Span(skeleton, first, last, settings, random, budget, start, free, end)
+    best = span.search(warm, tries or min(TRIES, 4 + last - first))
+    best.iterations, best.seconds = span.iterations, time.monotonic() - began
+    return best
+
+
+def _worst(result: BoundResult) -> float:
+    return result.violations[0].amount if result.violations else 0.0
+
+
+def _alike(amounts: list[float], factor: float) -> int:
+    """How many starts ended at the least violation, within a factor."""
+    return sum(a <= factor * min(amounts) for a in amounts)
+
+
+def _hopeless(amounts: list[float]) -> bool:
+    """Whether independent starts without collisions ended far from feasible, or at the same least violation."""
+    if len(amounts) < 2:
+        return False
+    least = min(amounts)
+    return least > HOPELESS or (least > FAR and _alike(amounts, EQUAL) >= 2) or _alike(amounts, ALIKE) >= 3
+
+
+class Span:
+    """Attempts at P_seq of some phases."""
+
+    def __init__(
+        self, skeleton: Skeleton, first: int, last: int, settings: MotionSettings, random: np.random.Generator,
+        budget: Budget, start: Configuration, free: bool, end: Configuration | None = None,
+    ) -> None:  # fmt: skip
+        self.skeleton, self.first, self.last = skeleton, first, last
+        self.settings, self.random, self.budget = settings, random, budget
+        self.start, self.free, self.end = start, free, end
+        self.options = SEQUENCE if last > first else SINGLE
+        self.iterations = 0
+        self.reached = False
+        """Whether some attempt succeeded but for collisions."""
+        self._programs: dict[bool, SwitchProgram] = {}
+
+    def _program(self, frozen: bool) -> SwitchProgram:
+        if frozen not in self._programs:
+            self._programs[frozen] = SwitchProgram(
+                self.skeleton, self.first, self.last, self.start, self.settings, self.free, frozen, self.end
+            )  # fmt: skip
+        return self._programs[frozen]
+
+    def _guess(self, wide: bool) -> list[Configuration]:
+        """All slices, the state before included."""
+        if not self.free:
+            phases = range(self.first, self.last + 1)
+            return [self.start, *guess(self.skeleton, phases, self.start, self.random, NOISE, wide)]
+        phases = range(self.last + 1)
+        return guess(self.skeleton, phases, self.start, self.random, NOISE, wide)[self.first - 1 :]
+
+    def search(self, warm: Sequence[Configuration] | None, tries: int) -> BoundResult:
+        """Attempt after attempt, from `warm` first. Until one has succeeded so, a new guess is solved without
+        collisions, which shows whether the span is out of reach, and from there with them. Once one has failed so,
+        guesses take postures from anywhere: what fails from one kind of posture may be in reach from another."""
+        best = nearest = None
+        loose: list[float] = []
+        full: list[float] = []
+        for number in range(max(tries, MORE)):
+            if number >= tries and (warm is not None or not self.reached):
+                break
+            switches = self._program(number % 2 == 0)
+            slices = [self.start, *warm] if warm is not None and number == 0 else self._guess(bool(loose))
+            if best is not None and number % REPAIR == 1:
+                slices = _repair(switches, best.configurations, slices)
+            elif (warm is None or number > 0) and not self.reached:
+                reached = self._solve_loose(switches, slices)
+                if reached.violations:
+                    nearest = reached if nearest is None or _worst(reached) < _worst(nearest) else nearest
+                    loose.append(_worst(reached))
+                    if _hopeless(loose):
+                        return nearest
+                    continue
+                self.reached = True
+                slices = reached.configurations
+            result = self._solve(switches, slices)
+            full.append(_worst(result))
+            if best is None or full[-1] < _worst(best):
+                best = result
+            if result.feasible or _alike(full, ALIKE) >= 3:
+                return best
+        found = best or nearest
+        assert found is not None
+        return found
+
+    def _solve_loose(self, switches: SwitchProgram, slices: Sequence[Configuration]) -> BoundResult:
+        """P_seq without collisions; feasible only if there are none to look at."""
+        program = switches.loose
+        outcome = run(program, switches.pack(slices), self.options, self.settings, self.budget)
+        self.iterations += outcome.iterations
+        tolerance = self.settings.tolerance
+        violations = program.violations(outcome.x, tolerance) if program.largest(outcome.x) > tolerance else []
+        return BoundResult("seq", False, 0.0, 0.0, 0, switches.unpack(outcome.x), [], violations)
+
+    def _solve(self, switches: SwitchProgram, slices: Sequence[Configuration]) -> BoundResult:
+        """P_seq, projected where it is nearly feasible; else with what is violated."""
+        program, outcome = switches.solve(switches.pack(slices), self.options, self.budget)
+        self.iterations += outcome.iterations
+        x = outcome.x
+        feasible = False
+        if program.largest(x) <= self.settings.tolerance:
+            program, x = switches.project(x, ACCURATE, self.budget)
+            feasible = program.largest(x) <= ACCURATE
+        violations: list[Violation] = [] if feasible else program.violations(x, ACCURATE)
+        return BoundResult("seq", feasible, program.cost(x), 0.0, 0, switches.unpack(x), [], violations)
+
+
+def _repair(
+    switches: SwitchProgram, previous: Sequence[Configuration], guesses: Sequence[Configuration]
+) -> list[Configuration]:
+    """All slices of the last attempt, but with new guesses next to the phases that were violated."""
+    x = switches.pack(previous)
+    switches.prepare(x)
+    bad = {v.phase for v in switches.program().violations(x, 1e-3)}
+    near = {phase + step for phase in bad for step in (-1, 0, 1)}
+    phases = [switches.phases[0] - 1, *switches.phases]
+    return [new if phase in near else old for phase, old, new in zip(phases, previous, guesses, strict=True)]
+
+
+def judged_alone(skeleton: Skeleton, phase: int) -> bool:
+    """Whether P_seq can be asked about phases from `phase` on alone, with an unknown state before. Not where a robot
+    is fixed to the world more than once: starts at random seldom close its loops, and what holds looks refused."""
+    if phase == 0:
+        return True
+    problem, mode = skeleton.problem, skeleton.phases[phase].mode
+    world, carried, robot = problem.world, followers(problem, mode), robots(problem, mode)
+    anchors: dict[str, set[str]] = {}
+    for pair in (keeps_pose(problem, literal) for literal in sorted(mode)):
+        for own, other in (pair, pair[::-1]) if pair else ():
+            if carrier(problem, own) in robot and other in world.bodies and other not in carried:
+                anchors.setdefault(robot[carrier(problem, own)], set()).add(own)
+    return all(len(own) < 2 for own in anchors.values())

@@ -1,0 +1,104 @@
+"""Where things go that are put down on one body: a grid over its top, laid out for the whole skeleton at once."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .....compiler.extents import box_sides
+from .....compiler.ir import Body
+from .....compiler.motion.collision import bounding_radius, keeps_pose
+from .....compiler.remembering import remembered
+from ....geometry.attachments import followers
+from ....skeleton import Array, Skeleton
+
+MANY = 7
+"""From how many things on a body on they are laid out; fewer find room from any guess."""
+EDGE, GAP = 0.03, 0.02
+"""Metres kept to the edge of the top, and between things at least, however they are turned."""
+TIGHT_EDGE, TIGHT_GAP = 0.025, 0.03
+"""The same where that leaves too little room: to the middles of things, and between things side by side."""
+WIDE = 2.0
+"""Grids get no wider than this, in widths of the largest thing: far corners may be out of reach."""
+
+Places = dict[tuple[int, str], Array]
+"""Where the middle of a thing goes that is put down in a phase, `(2,)`, x and y in the world, by phase and thing."""
+
+
+def outline(body: Body) -> Array:
+    """Lengths in x and y of the top of a body that lies in its own axes."""
+    return np.array(box_sides(body.shape)[:2])
+
+
+def _put_down(skeleton: Skeleton) -> dict[str, list[tuple[int, str]]]:
+    """By body that rests: the phases that put things down on it, and the things, in the order of the skeleton."""
+    problem = skeleton.problem
+    bodies = problem.world.bodies
+    found: dict[str, list[tuple[int, str]]] = {}
+    for number, phase in enumerate(skeleton.phases):
+        for literal in sorted(phase.added):
+            kept = keeps_pose(problem, literal)
+            if kept and set(kept) <= bodies.keys() and kept[0] not in followers(problem, phase.mode):
+                found.setdefault(kept[0], []).append((number, kept[1]))
+    return found
+
+
+def _resting(skeleton: Skeleton, base: str) -> list[Body]:
+    """What lies on a body at the start."""
+    bodies = skeleton.problem.world.bodies
+    kept = (keeps_pose(skeleton.problem, literal) for literal in sorted(skeleton.problem.init_motion))
+    return [bodies[pair[1]] for pair in kept if pair and pair[0] == base and pair[1] in bodies]
+
+
+def _cells(sides: Array, count: int, least: float, most: float, taken: list[tuple[Array, float]]) -> list[Array]:
+    """At least `count` free places on a grid over a rectangle, as wide as fits; none when it does not fit. The
+    rectangle is of the places' middles; `taken` tells where something lies, and how far to stay off it."""
+    wide = most
+    while True:
+        rows = [int(side / wide + 1e-9) + 1 for side in sides]
+        steps = [min(most, side / (n - 1)) if n > 1 else 0.0 for side, n in zip(sides, rows, strict=True)]
+        x, y = (step * (np.arange(n) - (n - 1) / 2) for step, n in zip(steps, rows, strict=True))
+        cells = [np.array([a, b]) for a in x for b in y]
+        free = [c for c in cells if all(math.dist(c, there) >= off for there, off in taken)]
+        if len(free) >= count:
+            return sorted(free, key=lambda c: float(c @ c))[:count]
+        if wide <= least:
+            return []
+        wide = max(0.95 * wide, least)
+
+
+@remembered(8)
+def places(skeleton: Skeleton) -> Places:
+    """Places of all things that are put down on bodies that get many of them; empty where the tops are too small."""
+    world = skeleton.problem.world
+    result: Places = {}
+    for base, put_down in _put_down(skeleton).items():
+        later = [thing for body, thing in skeleton.coming if body == base]
+        things = list(dict.fromkeys([*(name for _, name in put_down), *later]))
+        if len(things) < MANY:
+            continue
+        middle = np.array(world.bodies[base].pose[:2])
+        resting = [
+            (np.array(body.pose[:2]) - middle, bounding_radius(body.shape))
+            for body in _resting(skeleton, base)
+            if body.name not in things
+        ]
+        found = _lay_out(world.bodies[base], [world.bodies[name] for name in things], resting)
+        order = sorted(found, key=lambda c: (-round(float(np.hypot(*c)), 6), *c))
+        cells = dict(zip(things, order, strict=False))
+        result |= {(number, name): middle + cells[name] for number, name in put_down if name in cells}
+    return result
+
+
+def _lay_out(base: Body, things: list[Body], resting: list[tuple[Array, float]]) -> list[Array]:
+    """As many places on a base as there are things, from its middle: with room to turn them, else side by side."""
+    radius = max(float(np.hypot(*outline(thing))) / 2 for thing in things)
+    side = max(float(outline(thing).max()) for thing in things)
+    for edge, least in ((radius + EDGE, 2 * radius + GAP), (TIGHT_EDGE, side + TIGHT_GAP)):
+        taken = [(place, least / 2 + GAP / 2 + around) for place, around in resting]
+        sides = np.maximum(outline(base) - 2 * edge, 0.0)
+        found = _cells(sides, len(things), least, max(least, WIDE * (2 * radius + GAP)), taken)
+        if found:
+            return found
+    return []

@@ -1,0 +1,142 @@
+"""Joint values from which a hand comes near what it is to meet: the best of many that are drawn within the limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from .....compiler import poses
+from .....compiler.ir import Module, ModuleType, Pose
+from ....geometry.transforms import compose, cross, inverse, joint_frames, multiply, rotate
+from ....skeleton import Array
+
+ANYWHERE = 128
+"""How many postures are drawn from all that the joints can take …"""
+TURNED = 8
+"""… and how many in which one joint alone leaves its value, for each joint."""
+NEAR = 0.1
+"""Metres from the aim that are near enough: what is nearer is not better."""
+BENT, TILTED = 0.03, 0.2
+"""Metres that a posture may be farther off if its joints are a radian nearer, in the mean, or for the sine of a small
+angle by which it is more upright."""
+STEPS, SLOW, DAMPING = 30, 0.99, 1e-4
+"""Gauss-Newton steps with which a posture is led to its aim at most; they end where one leaves more than this share of
+the miss. What is at a limit and pulled beyond it stays. Square metres that are added to the squares of derivatives."""
+CLOSED = 1e-4
+"""Metres from its aim at which a posture is there."""
+SMALL = 1e-6
+"""Radians or metres by which joints are varied to see which way a hand can go."""
+RANK = 1e-4
+"""A direction in which a hand moves by less, as a share of what it can move at all, is none."""
+IDENTITY = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+UP = (0.0, 0.0, 1.0)
+
+Stance = tuple[str, Pose]
+"""The effector on which a module stands, and its pose in the world."""
+
+
+@dataclass(frozen=True, slots=True)
+class Aim:
+    """Where an effector is to come: so far from a point `(3,)` in the world, metres; `upright` is the direction `(3,)`
+    in its own frame that is to point up, if any."""
+
+    effector: str
+    point: Array
+    distance: float
+    upright: Array | None = None
+
+
+def rooms(module: Module, room: float) -> Array:
+    """The joint limits `(2, n)` with `room` kept to them: radians or metres, at most a tenth of the range."""
+    found = [(j.lower, j.upper, min(room, 0.1 * (j.upper - j.lower))) for j in module.type.joints]
+    return np.array([[lower + pull for lower, _, pull in found], [upper - pull for _, upper, pull in found]])
+
+
+def _draw(values: Array, limits: Array, random: np.random.Generator) -> Array:
+    """Postures `(N, n)`: `values` first, then with one joint drawn anew, then with all of them."""
+    count = len(values)
+    turned = np.tile(values, (count * TURNED, 1))
+    which = np.repeat(np.arange(count), TURNED)
+    turned[np.arange(len(turned)), which] = random.uniform(limits[0][which], limits[1][which])
+    anywhere = random.uniform(limits[0], limits[1], (ANYWHERE, count))
+    return np.concatenate([values[None, :], turned, anywhere])
+
+
+def _hands(type_: ModuleType, stance: Stance, effector: str, values: Array) -> Array:
+    """Poses in the world `(N, 7)` of an effector of a module that stands on another one, for joint values `(N, n)`."""
+    foot, hand = type_.effector(stance[0]), type_.effector(effector)
+    own = joint_frames(type_.joints, np.tile(IDENTITY, (len(values), 1)), values)
+    base = compose(np.asarray(stance[1]), inverse(compose(own[foot.joint + 1], np.asarray(foot.placement))))
+    return compose(base, compose(own[hand.joint + 1], np.asarray(hand.placement)))
+
+
+@lru_cache(maxsize=256)
+def freedom(type_: ModuleType, foot: str, hand: str) -> int:
+    """In how many independent directions, of six, one effector of a module can move while another one rests."""
+    random = np.random.default_rng(0)
+    lower, upper = np.array([[j.lower, j.upper] for j in type_.joints]).reshape(-1, 2).T
+    values = random.uniform(np.maximum(lower, -np.pi), np.minimum(upper, np.pi))
+    moved = _hands(type_, (foot, IDENTITY), hand, np.concatenate([values[None], values + SMALL * np.eye(len(values))]))
+    turns = multiply(moved[1:, 3:], inverse(moved[:1])[:, 3:])
+    twists = np.concatenate([moved[1:, :3] - moved[:1, :3], 2.0 * turns[:, :3]], axis=1) / SMALL
+    return int(np.linalg.matrix_rank(twists, tol=RANK * max(1.0, float(np.abs(twists).max(initial=0.0)))))
+
+
+def reaching(
+    module: Module, values: Array, stance: Stance, aim: Aim, room: float, random: np.random.Generator
+) -> Array:
+    """Joint values `(n,)` that bring a module which stands on an effector near to an aim; near `values` where that is
+    as good."""
+    limits = rooms(module, room)
+    drawn = _draw(np.clip(values, limits[0], limits[1]), limits, random)
+    there = _hands(module.type, stance, aim.effector, drawn)
+    miss = np.maximum(np.abs(np.linalg.norm(there[:, :3] - aim.point, axis=1) - aim.distance), NEAR)
+    if aim.upright is not None:
+        miss += TILTED * np.linalg.norm(rotate(there[:, 3:], aim.upright) - UP, axis=1)
+    bend = np.abs(drawn - values).sum(axis=1) / max(1, len(values)) * random.uniform(0.0, 1.0, len(drawn))
+    return np.asarray(drawn[int((miss + BENT * bend).argmin())])
+
+
+def closing(module: Module, values: Array, stance: Stance, aim: Aim, room: float) -> Array:
+    """Joint values `(n,)` near given ones that bring an effector to an aim itself, or as near as damped Gauss-Newton
+    steps within the limits do."""
+    limits = rooms(module, room)
+    best, least = values, np.inf
+    for _ in range(STEPS):
+        there, slopes = _position_and_slopes(module.type, stance, aim.effector, values)
+        miss = there - aim.point
+        length = float(np.linalg.norm(miss))
+        if length > SLOW * least:
+            break
+        best, least = values, length
+        if length < CLOSED:
+            break
+        wish = values - _step(slopes, miss)
+        slopes[((values <= limits[0]) & (wish < values)) | ((values >= limits[1]) & (wish > values))] = 0.0
+        values = np.clip(values - _step(slopes, miss), limits[0], limits[1])
+    return best
+
+
+def _step(slopes: Array, miss: Array) -> Array:
+    return np.asarray(slopes @ np.linalg.solve(slopes.T @ slopes + DAMPING * np.eye(3), miss))
+
+
+def _position_and_slopes(type_: ModuleType, stance: Stance, effector: str, values: Array) -> tuple[Array, Array]:
+    """Where an effector is `(3,)` in the world, of a module that stands on another one, and its derivatives `(n, 3)` by
+    the joints."""
+    foot, hand = type_.effector(stance[0]), type_.effector(effector)
+    frames = poses.joint_frames(type_, IDENTITY, values.tolist())
+    base = poses.compose(stance[1], poses.inverse(poses.compose(frames[foot.joint], foot.placement)))
+    there = np.array(poses.compose(base, poses.compose(frames[hand.joint], hand.placement))[:3])
+    slopes = np.zeros((len(values), 3))
+    for start, sign in ((hand.joint, 1.0), (foot.joint, -1.0)):
+        index = start
+        while index >= 0:
+            joint, frame = type_.joints[index], poses.compose(base, frames[index])
+            axis = np.array(poses.rotate(poses.orientation(frame), joint.axis))
+            turning = joint.kind == "revolute"
+            slopes[index] += sign * (cross(axis, there - np.array(frame[:3])) if turning else axis)
+            index = joint.parent
+    return there, slopes

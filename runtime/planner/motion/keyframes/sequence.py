@@ -1,0 +1,65 @@
+"""P_seq: switch configurations of a skeleton (thesis section 3.2.1; design section 6)."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+from ....budget import Budget
+from ....seeds import Seed
+from ....skeleton import BoundResult, Configuration, Skeleton, start_configuration
+from ..settings import MotionSettings
+from .multi_start import TRIES, Span, solve_span
+from .placement_samples import places
+from .sliding_windows import WINDOW, led_around, solve_windows
+
+LONGEST = 12
+"""Phases up to which one program holds the whole skeleton."""
+FEW = 3
+"""How often windows go back where the whole has failed only by its collisions."""
+
+
+def solve_sequence(
+    skeleton: Skeleton,
+    settings: MotionSettings,
+    seed: Seed,
+    budget: Budget,
+    start: Configuration | None = None,
+    warm: Sequence[Configuration] | None = None,
+    tries: int | None = None,
+) -> BoundResult:
+    """P_seq of the whole skeleton from `start` (default: the scene at time 0). `warm` gives the K switch
+    configurations to start from; `tries` how many starts a span gets at most, and in skeletons that are not long how
+    often windows go back. Raises OutOfTime."""
+    began = time.monotonic()
+    origin = start or start_configuration(skeleton.problem)
+    last = len(skeleton) - 1
+    if last < 0:
+        return BoundResult("seq", True, 0.0, 0.0, 0, [origin], [], [])
+    random = seed.child("sequence").random()
+    span = Span(skeleton, 0, last, settings, random, budget, origin, False)
+    if len(skeleton) > LONGEST and warm is None:
+        result = solve_windows(skeleton, settings, seed, budget, origin, tries, patient=True)
+    else:
+        result = span.search(warm, tries or min(TRIES, 4 + last))
+        if not result.feasible and span.reached and len(skeleton) > WINDOW and warm is None and tries is None:
+            result = solve_windows(skeleton, settings, seed, budget, origin, FEW)
+        elif result.feasible:
+            result, spent = led_around(skeleton, 0, last, settings, random, budget, result)
+            span.iterations += spent
+    if result.feasible and len(skeleton) > LONGEST and warm is None and not places(skeleton):
+        whole = span.search(result.configurations[1:], 1)
+        result = whole if whole.feasible else result
+    result.iterations += span.iterations
+    result.seconds = time.monotonic() - began
+    return result
+
+
+def window_feasible(
+    skeleton: Skeleton, first: int, last: int, settings: MotionSettings, seed: Seed, budget: Budget
+) -> BoundResult:
+    """Whether phases `first` … `last` can follow each other at all: P_seq of these alone. For first > 0 the state
+    before is unknown but for the relations that hold in it. `configurations` begins with that state."""
+    origin = start_configuration(skeleton.problem)
+    random = seed.child("window").random()
+    return solve_span(skeleton, first, last, settings, random, budget, origin, free=first > 0)

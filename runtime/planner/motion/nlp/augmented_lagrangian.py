@@ -1,0 +1,167 @@
+"""Augmented-Lagrangian Gauss-Newton on banded normal equations (thesis section 3.2.3; Toussaint 2014, "A novel
+augmented Lagrangian approach for inequalities and convergent any-time non-central updates")."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....budget import Budget
+from ....skeleton import Array
+from .banded_cholesky import factored, solved
+from .program import Program
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """`mu` is the first penalty weight; the run stops once the scaled violation is below `tolerance` and the step
+    below `step_tolerance`, or after `stall` iterations without progress. Damping is Levenberg-Marquardt."""
+
+    mu: float = 1e2
+    largest_mu: float = 1e7
+    growth: float = 3.0
+    damping: float = 1.0
+    least_damping: float = 1e-7
+    tolerance: float = 1e-4
+    step_tolerance: float = 1e-2
+    largest_step: float = 0.3
+    inner_tolerance: float = 1e-2
+    iterations: int = 150
+    stall: int = 20
+
+
+HOPELESS = 4e-3
+"""A run that stalls above this violation will not become feasible."""
+NO_STEP = 1e20
+"""With this damping and more there is no step worth to be taken."""
+PATH = Options(mu=1e3, tolerance=1e-3)
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """The last iterate `x`, iterations taken, and why it ended: "feasible", "stalled" or "iterations"."""
+
+    x: Array
+    iterations: int
+    status: str
+
+
+def _merit(residuals: tuple[Array, Array, Array], multipliers: tuple[Array, Array], mu: float) -> float:
+    cost, equality, inequality = residuals
+    pulled = equality + multipliers[0] / mu
+    pushed = np.maximum(inequality + multipliers[1] / mu, 0.0)
+    return 0.5 * float(cost @ cost) + 0.5 * mu * float(pulled @ pulled + pushed @ pushed)
+
+
+def _violation(residuals: tuple[Array, Array, Array]) -> float:
+    """The largest violation; infinite where one is no number, which no comparison would tell."""
+    _, equality, inequality = residuals
+    worst = np.maximum(np.abs(equality).max(initial=0.0), inequality.max(initial=0.0))
+    return float("inf") if np.isnan(worst) else float(worst)
+
+
+def banded_step(band: Array, gradient: Array, damping: float) -> tuple[Array, float]:
+    """Solve (band + damping · I) d = −gradient by banded Cholesky; damping grows until it is positive definite. No step
+    where there is none, as the numbers are not finite."""
+    while damping < NO_STEP:
+        damped = band.copy()
+        damped[:, 0] += damping
+        factor = factored(damped)
+        if factor is not None:
+            return solved(factor, -gradient), damping
+        damping = max(10.0 * damping, 1e-6)
+    return np.zeros_like(gradient), damping
+
+
+class _Run:
+    """State of one run: iterate, residuals, multipliers, penalty weight, damping."""
+
+    def __init__(self, program: Program, start: Array, options: Options) -> None:
+        self.program = program
+        self.options = options
+        self.x = start.copy()
+        self.residuals = program.residuals(self.x)
+        self.multipliers = (np.zeros_like(self.residuals[1]), np.zeros_like(self.residuals[2]))
+        self.mu = options.mu
+        self.damping = options.damping
+        self.last = np.inf
+
+    def step(self) -> float:
+        """One accepted Gauss-Newton step; its largest component, or 0 when none was accepted."""
+        merit = _merit(self.residuals, self.multipliers, self.mu)
+        gradient, band = self.program.normal(self.x, self.residuals, self.multipliers, self.mu)
+        for _ in range(8):
+            direction, self.damping = banded_step(band, gradient, self.damping)
+            largest = float(np.abs(direction).max(initial=0.0))
+            length = min(1.0, self.options.largest_step / largest) if largest > 0 else 1.0
+            slope = float(gradient @ direction)
+            predicted = length * slope - 0.5 * length**2 * (slope + self.damping * float(direction @ direction))
+            trial = self.x + length * direction
+            residuals = self.program.residuals(trial)
+            change = _merit(residuals, self.multipliers, self.mu) - merit
+            ratio = change / predicted if predicted < 0 else -1.0
+            if ratio > 0.05 or abs(change) <= 1e-10 * abs(merit) + 1e-14:
+                self.x, self.residuals = trial, residuals
+                self._relax(ratio, length)
+                return length * largest
+            self.damping = max(6.0 * self.damping, 1e-4)
+        return 0.0
+
+    def _relax(self, ratio: float, length: float) -> None:
+        if ratio > 0.7:
+            self.damping = max(0.2 * self.damping, self.options.least_damping)
+        elif ratio < 0.25:
+            self.damping *= 3.0
+        if length < 1.0:
+            self.damping = 1.5 * max(self.damping, 1e-3)
+
+    def update_multipliers(self, violation: float) -> None:
+        _, equality, inequality = self.residuals
+        self.multipliers = (
+            self.multipliers[0] + self.mu * equality,
+            np.maximum(self.multipliers[1] + self.mu * inequality, 0.0),
+        )
+        if violation > 0.25 * self.last:
+            self.mu = min(self.mu * self.options.growth, self.options.largest_mu)
+        self.last = violation
+
+
+def solve(program: Program, start: Array, options: Options, budget: Budget) -> Outcome:
+    """Minimise `program` from `start`. Stops feasible, not at an optimum. Raises OutOfTime."""
+    run = _Run(program, start, options)
+    best, best_at = np.inf, 0
+    for iteration in range(options.iterations):
+        budget.check()
+        step = run.step()
+        violation = _violation(run.residuals)
+        if violation < options.tolerance and step < options.step_tolerance:
+            return Outcome(run.x, iteration + 1, "feasible")
+        if violation < 0.9 * best:
+            best, best_at = violation, iteration
+        if iteration - best_at > options.stall and best > HOPELESS:
+            return Outcome(run.x, iteration + 1, "stalled")
+        if step < options.inner_tolerance:
+            run.update_multipliers(violation)
+    return Outcome(run.x, options.iterations, "iterations")
+
+
+def project(program: Program, start: Array, tolerance: float, budget: Budget, iterations: int = 12) -> Array:
+    """The nearest point, to first order, whose constraints hold within `tolerance`: Gauss-Newton on equalities and
+    violated inequalities alone, with damping that vanishes with the violation."""
+    x = start
+    best, least = x, np.inf
+    for _ in range(iterations):
+        budget.check()
+        residuals = program.residuals(x)
+        violation = _violation(residuals)
+        if violation < least:
+            best, least = x, violation
+        if violation < tolerance:
+            break
+        none = (np.zeros_like(residuals[1]), np.zeros_like(residuals[2]))
+        gradient, band = program.normal(x, residuals, none, 1.0, costs=False)
+        direction, _ = banded_step(band, gradient, max(1e-8, min(1e-2, 1e-2 * violation)))
+        largest = float(np.abs(direction).max(initial=0.0))
+        x = x + direction * min(1.0, 0.1 / largest if largest > 0 else 1.0)
+    return best

@@ -1,0 +1,44 @@
+"""Cholesky factors of banded matrices, by LAPACK.
+
+The routines are SciPy's, taken from its compiled module alone: `scipy.linalg` around it takes longer to import than a
+short task takes to solve.
+"""
+
+from __future__ import annotations
+
+import os
+from importlib.machinery import PathFinder
+from importlib.util import module_from_spec
+from typing import Any
+
+import scipy
+
+from ....skeleton import Array
+
+
+def _routines() -> Any:
+    places = [os.path.join(place, "linalg") for place in scipy.__path__]
+    spec = PathFinder.find_spec("scipy.linalg._flapack", places)
+    if spec is None or spec.loader is None:
+        from scipy.linalg import lapack
+
+        return lapack
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+_LAPACK = _routines()
+
+
+def factored(band: Array) -> Array | None:
+    """The Cholesky factor of a symmetric matrix whose lower band is `band` `(n, width)`, which is overwritten; None
+    where it is not positive definite."""
+    factor, failed = _LAPACK.dpbtrf(band.T, lower=1, overwrite_ab=1)
+    return None if failed else factor
+
+
+def solved(factor: Array, right: Array) -> Array:
+    """The solution `(n,)` of a system whose matrix has this factor."""
+    solution: Array = _LAPACK.dpbtrs(factor, right, lower=1)[0]
+    return solution

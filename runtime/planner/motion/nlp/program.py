@@ -1,0 +1,204 @@
+"""A motion program: unknowns, groups of rows, and their banded Gauss-Newton system, assembled without loops over
+slices (thesis section 3.2; Toussaint 2017, k-order motion optimisation)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from ....skeleton import Array, Breach, Violation
+from .normal_equations import Scatter, Sums, Together
+from .row_groups import ALL, Group, Label, LinearGroup, merged
+from .unknowns import Indices
+
+KINDS = ("cost", "equality", "inequality")
+SMALL = 100_000
+"""Of a group with no more products of rows, all their places are found at once."""
+DIVERGED = 1e9
+"""Stands for a violation that is no number: JSON has none, and no comparison would tell it."""
+
+
+def _linear(group: Group) -> LinearGroup:
+    if not isinstance(group, LinearGroup):
+        raise TypeError("the costs of a motion program are linear rows")
+    return group
+
+
+class Program:
+    """Minimise Σ ½‖cost‖² subject to equalities and inequalities, over x = z[len(constants):].
+
+    Residuals come as three flat vectors: costs, equalities, inequalities (r <= 0), each group after the other. Costs
+    are linear groups, so that their part of the system is made once. The groups must stay as they are while systems are
+    asked for. Raises TypeError for other costs.
+    """
+
+    def __init__(self, constants: Array, unknowns: int, groups: Sequence[Group]) -> None:
+        self.constants = constants
+        self.unknowns = unknowns
+        self.groups: dict[str, list[Group]] = {
+            kind: [g for g in groups if g.kind == kind and g.shape[0]] for kind in KINDS[1:]
+        }
+        self._linear = merged([_linear(group) for group in groups if group.kind == "cost"])
+        self.groups["cost"] = [*self._linear]
+        self.width = 1 + max((self._reach(g) for gs in self.groups.values() for g in gs), default=0)
+        self._shape = (unknowns, self.width)
+        self._scatters: dict[int, Scatter] = {}
+
+    @cached_property
+    def _always(self) -> Together:
+        return Together(self.groups["equality"], len(self.constants), self._shape)
+
+    @cached_property
+    def _costs(self) -> list[tuple[Array, Scatter]]:
+        return [(g.coefficients, Scatter(g.places, len(self.constants), self._shape)) for g in self._linear]
+
+    @cached_property
+    def _cost_band(self) -> Array:
+        sums = Sums(self._shape)
+        for coefficients, scatter in self._costs:
+            square = coefficients[:, :, None] * coefficients[:, None, :]
+            sums.add(scatter.band.ravel(), square.ravel())
+        return sums.band()
+
+    @cached_property
+    def _bounds(self) -> Indices:
+        """Where each group of inequalities begins in their residuals, and where the last one ends."""
+        return np.cumsum([0, *(count * rows for count, rows in (g.shape for g in self.groups["inequality"]))])
+
+    def _reach(self, group: Group) -> int:
+        places = group.span()
+        first = len(self.constants)
+        lowest = np.where(places >= first, places, np.iinfo(np.int64).max).min(1)
+        highest = places.max(1)
+        return int(np.where(highest >= first, highest - lowest, 0).max(initial=0))
+
+    def full(self, x: Array) -> Array:
+        """z: constants, then unknowns."""
+        return np.concatenate([self.constants, x])
+
+    def residuals(self, x: Array) -> tuple[Array, Array, Array]:
+        """Scaled costs, equalities, inequalities."""
+        z = self.full(x)
+        parts = []
+        for kind in KINDS:
+            values = [g.residuals(z).ravel() for g in self.groups[kind]]
+            parts.append(np.concatenate(values) if values else np.zeros(0))
+        return parts[0], parts[1], parts[2]
+
+    def normal(
+        self, x: Array, residuals: tuple[Array, Array, Array], multipliers: tuple[Array, Array], mu: float,
+        costs: bool = True,
+    ) -> tuple[Array, Array]:  # fmt: skip
+        """Gradient (unknowns,) and lower band (unknowns, width) of the Gauss-Newton model of the augmented
+        Lagrangian ½‖c‖² + ½μ‖e + λ/μ‖² + ½μ‖max(i + κ/μ, 0)‖² with `multipliers` (λ, κ)."""
+        z = self.full(x)
+        sums = Sums(self._shape)
+        cost, equality, inequality = residuals
+        if costs:
+            for coefficients, scatter in self._costs:
+                sums.pull(scatter.gradient.ravel(), (cost[:, None] * coefficients).ravel())
+        self._always.add(z, mu * equality + multipliers[0], mu, sums)
+        self._add_pushing(z, np.maximum(mu * inequality + multipliers[1], 0.0), mu, sums)
+        band = sums.band()
+        return sums.gradient(), band + self._cost_band if costs else band
+
+    def _add_pushing(self, z: Array, pull: Array, weight: float, sums: Sums) -> None:
+        """Inequalities: only instances with a row that pushes are differentiated."""
+        pushing = np.flatnonzero(pull)
+        if not len(pushing):
+            return
+        among = np.searchsorted(pushing, self._bounds).tolist()
+        for number, group in enumerate(self.groups["inequality"]):
+            if among[number] == among[number + 1]:
+                continue
+            block = pull[self._bounds[number] : self._bounds[number + 1]].reshape(group.shape)
+            chosen = np.flatnonzero(block.any(1))
+            block = block[chosen]
+            jacobian, places = group.jacobians(z, chosen)
+            slope = np.matmul(block[:, None, :], jacobian)
+            jacobian = jacobian * (block > 0)[:, :, None]
+            square = np.matmul(jacobian.transpose(0, 2, 1), weight * jacobian)
+            band, gradient = self._targets(number, group, chosen, places)
+            sums.add(band, square.ravel())
+            sums.pull(gradient, slope.ravel())
+
+    def _targets(self, number: int, group: Group, chosen: Indices, places: Indices) -> tuple[Indices, Indices]:
+        """Where the products of chosen instances go; those of a small group are all found at once."""
+        if group.shape[0] * places.shape[1] ** 2 > SMALL:
+            scatter = Scatter(places, len(self.constants), self._shape)
+            return scatter.band.ravel(), scatter.gradient.ravel()
+        if number not in self._scatters:
+            self._scatters[number] = Scatter(group.span(), len(self.constants), self._shape)
+        scatter = self._scatters[number]
+        return scatter.band[chosen].ravel(), scatter.gradient[chosen].ravel()
+
+    def hessian(self, x: Array, cost_weight: float, multipliers: tuple[Array, Array]) -> Array:
+        """Lower band (unknowns, width) of the Hessian of cost_weight · ½‖c‖² + λ·e + κ·i; costs are linear rows."""
+        z = self.full(x)
+        sums = Sums(self._shape)
+        for kind, weights in (("equality", multipliers[0]), ("inequality", multipliers[1])):
+            at = 0
+            for group in self.groups[kind]:
+                count, rows = group.shape
+                block = weights[at : at + count * rows].reshape(count, rows)
+                at += count * rows
+                for hessians, places in group.curvature(z, block):
+                    scatter = Scatter(places, len(self.constants), self._shape)
+                    sums.add(scatter.band.ravel(), hessians.ravel())
+        return sums.band() + cost_weight * self._cost_band
+
+    def jacobian(self, x: Array) -> tuple[Array, Indices, Indices]:
+        """Values, rows and columns of the Jacobian of equalities, then inequalities, by the unknowns. The pattern
+        does not depend on x; a place may occur twice and then adds up."""
+        z = self.full(x)
+        values, rows_at, columns = [np.zeros(0)], [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+        at = 0
+        for kind in ("equality", "inequality"):
+            for group in self.groups[kind]:
+                count, rows = group.shape
+                jacobian, places = group.jacobians(z, ALL)
+                unknown = np.broadcast_to((places - len(self.constants))[:, None, :], jacobian.shape)
+                row = np.broadcast_to(np.arange(at, at + count * rows).reshape(count, rows, 1), jacobian.shape)
+                kept = unknown >= 0
+                values.append(jacobian[kept])
+                rows_at.append(row[kept])
+                columns.append(unknown[kept])
+                at += count * rows
+        return np.concatenate(values), np.concatenate(rows_at), np.concatenate(columns)
+
+    def cost(self, x: Array) -> float:
+        costs = self.residuals(x)[0]
+        return 0.5 * float(costs @ costs)
+
+    def rows(self, x: Array) -> list[tuple[Label, Array]]:
+        """Every constraint instance with the violations (m,) of its rows, unscaled."""
+        z = self.full(x)
+        found: list[tuple[Label, Array]] = []
+        for kind in ("equality", "inequality"):
+            for group in self.groups[kind]:
+                raw = group.residuals(z) / group.scale
+                amounts = np.abs(raw) if kind == "equality" else np.maximum(raw, 0.0)
+                found.extend((group.label(int(i)), amounts[i]) for i in np.flatnonzero(amounts.any(1)))
+        return found
+
+    def largest(self, x: Array) -> float:
+        """The largest unscaled violation of a single row; `DIVERGED` where a row is no number."""
+        z = self.full(x)
+        worst = [0.0]
+        worst += [float(np.abs(group.residuals(z)).max()) / group.scale for group in self.groups["equality"]]
+        worst += [float(group.residuals(z).max()) / group.scale for group in self.groups["inequality"]]
+        return DIVERGED if np.isnan(worst).any() else max(worst)
+
+    def violations(self, x: Array, above: float) -> list[Violation]:
+        """Rows violated by more than `above`, largest first; for each phase and literal only its worst row."""
+        worst: dict[tuple[int, Breach, tuple[str, ...]], Violation] = {}
+        for label, amounts in self.rows(x):
+            row = int(amounts.argmax())
+            amount = DIVERGED if np.isnan(amounts[row]) else float(amounts[row])
+            key = (label.phase, label.kind, label.names)
+            if amount > above and (key not in worst or amount > worst[key].amount):
+                unit = label.units[min(row, len(label.units) - 1)]
+                worst[key] = Violation(label.phase, label.kind, label.names, amount, unit, label.span)
+        return sorted(worst.values(), key=lambda v: (-v.amount, v.phase, v.kind, v.names))

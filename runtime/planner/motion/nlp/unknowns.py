@@ -1,0 +1,104 @@
+"""Where the unknowns of a motion program lie: one slot per slice and moving thing, aliased where nothing can move.
+
+The vector z of a program is its constants followed by its unknowns. A slot is a stretch of z: a module's pose and
+joint values `(7 + n,)` or a body's pose `(7,)`. Slice 0 is the state before the first phase.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .....compiler.ir import World
+from ....skeleton import Array, Configuration
+
+Indices = NDArray[np.int64]
+ORIGIN = -1
+"""The slice of the given start, also where slice 0 is unknown."""
+
+
+class Layout:
+    """Offsets of every slot in z. Unknowns are ordered by slice, then in the order of `names`. What `pinned` holds in a
+    slice is given, not unknown."""
+
+    def __init__(self, world: World, start: Configuration, pinned: Mapping[int, Configuration] | None = None) -> None:
+        modules = [(m.name, start.modules[m.name]) for m in world.modules.values()]
+        bodies = [(b.name, start.bodies[b.name]) for b in world.bodies.values() if b.movable]
+        parts = modules + bodies
+        self.names = [name for name, _ in parts]
+        self.sizes = {name: len(value) for name, value in parts}
+        self.modules = [name for name, _ in modules]
+        self.bodies = [name for name, _ in bodies]
+        self.resting = {b.name: start.bodies[b.name] for b in world.bodies.values() if not b.movable}
+        self._pinned: dict[int, dict[str, int]] = {}
+        values: list[Array] = []
+        at = 0
+        for slice_, configuration in [(0, start), *sorted((pinned or {}).items())]:
+            given = configuration.modules | configuration.bodies
+            self._pinned[slice_] = {}
+            for name in (n for n in self.names if n in given):
+                self._pinned[slice_][name] = at
+                values.append(given[name])
+                at += self.sizes[name]
+        self.constants: Array = np.concatenate([np.zeros(0), *values])
+        self.first_unknown = at
+        self.end = at
+        self.slices: list[dict[str, int]] = [dict(self._pinned[0])]
+
+    def _allocate(self, offsets: dict[str, int], free: Iterable[str]) -> None:
+        chosen = frozenset(free)
+        for name in self.names:
+            if name in chosen:
+                offsets[name] = self.end
+                self.end += self.sizes[name]
+
+    def free_start(self, free: Iterable[str]) -> None:
+        """Make these slots of slice 0 unknowns too; before any slice is added."""
+        self._allocate(self.slices[0], free)
+
+    def add_slice(self, free: Iterable[str]) -> int:
+        """Append a slice in which `free` have slots of their own and all else is where it was. Returns its number."""
+        offsets, chosen = dict(self.slices[-1]), frozenset(free)
+        pinned = self._pinned.get(len(self.slices), {})
+        offsets |= {name: at for name, at in pinned.items() if name in chosen}
+        self._allocate(offsets, chosen - pinned.keys())
+        self.slices.append(offsets)
+        return len(self.slices) - 1
+
+    @property
+    def unknowns(self) -> int:
+        return self.end - self.first_unknown
+
+    def slot(self, slice_: int, name: str) -> Indices:
+        """The places in z of one slot."""
+        start = self.offset(slice_, name)
+        return np.arange(start, start + self.sizes[name])
+
+    def offset(self, slice_: int, name: str) -> int:
+        """Where in z one slot begins."""
+        return (self._pinned[0] if slice_ == ORIGIN else self.slices[slice_])[name]
+
+    def is_unknown(self, slice_: int, name: str) -> bool:
+        return self.slices[slice_][name] >= self.first_unknown
+
+    def pack(self, configurations: Mapping[int, Configuration]) -> Array:
+        """The unknowns that put the given slices where `configurations` say; an aliased slot takes
+        the value of the first slice in which it stands."""
+        z = np.zeros(self.end)
+        for slice_ in sorted(configurations, reverse=True):
+            values = configurations[slice_].modules | configurations[slice_].bodies
+            for name in self.names:
+                z[self.slot(slice_, name)] = values[name]
+        return z[self.first_unknown :]
+
+    def unpack(self, unknowns: Array, slice_: int) -> Configuration:
+        """Where everything is in one slice, quaternions normalised."""
+        z = np.concatenate([self.constants, unknowns])
+        values = {name: z[self.slot(slice_, name)] for name in self.names}
+        for value in values.values():
+            value[3:7] /= np.linalg.norm(value[3:7])
+        bodies = {name: pose.copy() for name, pose in self.resting.items()}
+        bodies |= {name: values[name] for name in self.bodies}
+        return Configuration({name: values[name] for name in self.modules}, bodies)

@@ -1,0 +1,5 @@
+"""P_path: the motion of a whole skeleton in one program (thesis, section 3.2.3).
+
+`path_program` builds and solves it from `path_guesses`; with its switches pinned it also serves phases that are no set
+of open chains, which `closed_chains` solves for P_seqPath.
+"""

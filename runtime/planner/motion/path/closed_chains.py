@@ -1,0 +1,153 @@
+"""The motion of one phase that is no set of open chains: closed chains, and `during` rows (design section 6).
+
+The phase is solved on its own between its two switches, as a motion program over the poses of all modules. Closure
+holds at its slices; so that it also holds on the spline between them, the path is sampled more densely and projected
+onto closure anew, until no kept pose drifts by more than SLIP.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .....compiler.motion.collision import contacts
+from ....budget import Budget
+from ....geometry.splines import spline_weights
+from ....skeleton import Array, Breach, Configuration, PhasePath, Skeleton, Violation
+from ..acceptance import clashes, dense, slip, steps
+from ..nlp.augmented_lagrangian import PATH, project
+from ..settings import MotionSettings
+from .path_program import BUMP, PathProgram, attempt
+
+SLIP = 1e-4
+"""The largest drift of a kept pose along the resampled path, metres or radians."""
+FACTORS = (1, 2, 4, 8)
+"""How many times as many slices a path may need for that, and for joints that move far."""
+ONCE, STARTS = 1, 3
+"""How many starts a phase gets, at first and once its switches were drawn anew: a straight one twice, the second time
+with a wider margin, then a bumped one."""
+CLOSURE = 1e-8
+ACCURATE = 1e-4
+PROJECTIONS = 40
+"""Accuracy and iterations with which starts are put onto closure."""
+NEARER = 1.5
+"""By how much the margin grows when slices are clear but what lies between them is not."""
+
+
+@dataclass(slots=True)
+class PhaseResult:
+    """The motion of a phase, what is wrong with it (nothing: it is accepted), its cost and the iterations it took."""
+
+    path: PhasePath
+    violations: list[Violation]
+    cost: float
+    iterations: int
+
+
+def solve_phase(
+    skeleton: Skeleton, phase: int, before: Configuration, after: Configuration, settings: MotionSettings,
+    random: np.random.Generator, budget: Budget, starts: int = STARTS,
+) -> PhaseResult:  # fmt: skip
+    """The motion of one phase between two switches, from a straight start, then from bumped ones. Raises OutOfTime."""
+    best: PhaseResult | None = None
+    iterations = 0
+    for number in range(starts):
+        wider = replace(settings, margin=settings.margin * NEARER) if number % 3 == 1 else settings
+        program = PathProgram(skeleton, wider, [before, after], True, range(phase, phase + 1))
+        bump = {n: random.normal(0.0, BUMP, len(c) - 7) for n, c in before.modules.items()} if number > 1 else {}
+        x = program.pack(_between(before, after, settings.slices, bump))
+        x = project(program.program(), x, ACCURATE, budget, PROJECTIONS)
+        bound, x = attempt(program, x, wider, budget, PATH)
+        iterations += bound.iterations
+        path, violations = program.paths(program.unpack(x))[0], bound.violations
+        if bound.feasible:
+            path, violations = accepted(skeleton, phase, path, before, after, settings, budget)
+        result = PhaseResult(path, violations, bound.cost, iterations)
+        if best is None or _worst(result) < _worst(best):
+            best = result
+        if not violations:
+            break
+    assert best is not None
+    best.iterations = iterations
+    return best
+
+
+def _between(
+    before: Configuration, after: Configuration, slices: int, bump: Mapping[str, Array]
+) -> list[Configuration]:
+    """All slices along a smooth step of every pose and joint, plus `bump` times a half sine on the joints."""
+    result = []
+    for t in range(slices + 1):
+        share = t / slices
+        weight = share * share * (3.0 - 2.0 * share)
+        modules, bodies = {}, {}
+        for name, slot in before.modules.items():
+            modules[name] = _mixed(slot, after.modules[name], weight)
+            if name in bump and np.abs(slot - after.modules[name]).max() > 0.0:
+                modules[name][7:] += np.sin(np.pi * share) * bump[name]
+        for name, pose in before.bodies.items():
+            bodies[name] = _mixed(pose, after.bodies[name], weight)
+        result.append(Configuration(modules, bodies))
+    return result
+
+
+def _mixed(first: Array, second: Array, weight: float) -> Array:
+    """Between two slots; quaternions go the shorter way."""
+    other = second.copy()
+    if first[3:7] @ second[3:7] < 0.0:
+        other[3:7] *= -1.0
+    mixed = first + weight * (other - first)
+    mixed[3:7] /= np.linalg.norm(mixed[3:7])
+    return np.asarray(mixed)
+
+
+def _worst(result: PhaseResult) -> float:
+    return result.violations[0].amount if result.violations else 0.0
+
+
+def accepted(
+    skeleton: Skeleton, phase: int, path: PhasePath, before: Configuration, after: Configuration,
+    settings: MotionSettings, budget: Budget,
+) -> tuple[PhasePath, list[Violation]]:  # fmt: skip
+    """The path, as dense as its closure asks for, and what the swept check finds wrong with it."""
+    problem, mode = skeleton.problem, skeleton.phases[phase].mode
+    finer, drift = path, np.inf
+    for factor in FACTORS:
+        if factor > 1:
+            finer = _denser(skeleton, phase, path, before, after, settings, factor, budget)
+        motion = dense(problem, mode, finer, before)
+        drift = slip(problem, mode, motion, before)
+        found = [*steps(problem, phase, finer)]
+        if drift <= SLIP and not found:
+            break
+    if drift > SLIP:
+        found.append(Violation(phase, Breach.DRIFT, (), drift, "m"))
+    if settings.collisions:
+        found += clashes(problem, phase, contacts(skeleton)[phase], motion, before, settings.slices)
+    return finer, sorted(found, key=lambda v: -v.amount)
+
+
+def _denser(
+    skeleton: Skeleton, phase: int, path: PhasePath, before: Configuration, after: Configuration,
+    settings: MotionSettings, factor: int, budget: Budget,
+) -> PhasePath:  # fmt: skip
+    """The path with `factor` times as many slices, each projected onto the rows of its phase."""
+    fine = replace(settings, slices=settings.slices * factor, collisions=False)
+    program = PathProgram(skeleton, fine, [before, after], True, range(phase, phase + 1))
+    tracks = {name: _spline(rows, factor) for name, rows in (path.modules | path.bodies).items()}
+    slices = [before]
+    for t in range(1, fine.slices):
+        modules = {name: tracks[name][t] for name in path.modules}
+        bodies = {name: tracks[name][t] if name in path.bodies else pose for name, pose in before.bodies.items()}
+        slices.append(Configuration(modules, bodies))
+    slices.append(after)
+    x = project(program.program(), program.pack(slices), CLOSURE, budget)
+    return program.paths(program.unpack(x))[0]
+
+
+def _spline(rows: Array, factor: int) -> Array:
+    count = len(rows) - 1
+    times = np.arange(count * factor + 1) / factor
+    return spline_weights(count, times) @ rows

@@ -1,0 +1,274 @@
+"""P_path: the whole motion of a skeleton in one program, and P_seqPath with its switches pinned (thesis section
+3.2). The general way, for closed chains and `during` rows; open chains go faster phase by phase."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from .....compiler.ir import Problem
+from .....compiler.motion.collision import Pair, PhaseContacts, contacts, taper
+from ....budget import Budget
+from ....geometry.attachments import followers, involved, next_mode
+from ....seeds import Seed
+from ....skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton
+from ..collision.clearance_rows import ClearanceGroup
+from ..collision.pairs_in_phases import Collisions, Margins, refresh
+from ..keyframes.keyframe_program import run
+from ..nlp.augmented_lagrangian import PATH, Options, project
+from ..nlp.features import Features, differences, homing, limits, norms
+from ..nlp.program import Program
+from ..nlp.row_groups import Group
+from ..nlp.unknowns import Layout
+from ..settings import MotionSettings
+from ..time_scaling import shortest_duration
+from .path_guesses import interpolate
+
+ACCELERATION = 0.1
+HOMING = 0.2
+STIFF = 10.0
+"""Scale of kept and switch rows: without it a path slips by up to 2 cm."""
+BUMPS = 6
+BUMP = 0.5
+REFRESHES = 3
+RESUME = replace(PATH, damping=1e-3, iterations=60)
+ACCURATE = 1e-6
+STILL = 1e-9
+
+
+class PathProgram:
+    """Slices 1 … T of every phase after the start; slice (k + 1) T is the switch of the k-th of `phases`, which are
+    all phases unless said otherwise. `switches` begin with the configuration before the first of them."""
+
+    def __init__(
+        self, skeleton: Skeleton, settings: MotionSettings, switches: Sequence[Configuration], pinned: bool,
+        phases: range | None = None,
+    ) -> None:  # fmt: skip
+        self.skeleton = skeleton
+        self.problem: Problem = skeleton.problem
+        self.settings = settings
+        self.pinned = pinned
+        self.phases = range(len(skeleton)) if phases is None else phases
+        self.count = settings.slices
+        given = {k * self.count: c for k, c in enumerate(switches) if k} if pinned else None
+        self.layout = Layout(self.problem.world, switches[0], given)
+        self.moving: list[frozenset[str]] = []
+        for k, phase in enumerate(self.phases):
+            carried = followers(self.problem, skeleton.phases[phase].mode)
+            active = involved(skeleton, phase) | self._displaced(switches[k], switches[k + 1]) | carried
+            self.moving.append(active)
+            for _ in range(self.count):
+                self.layout.add_slice(active)
+        self._features = Features(self.problem, self.layout)
+        self._literals()
+        self._groups = self._all_groups()
+        self._clearance = self._collisions() if settings.collisions else []
+
+    @staticmethod
+    def _displaced(before: Configuration, after: Configuration) -> frozenset[str]:
+        return frozenset(n for n, slot in before.modules.items() if np.abs(slot - after.modules[n]).max() > STILL)
+
+    def _slices(self, k: int) -> range:
+        """The slices of the k-th phase, the switch before included."""
+        return range(k * self.count, (k + 1) * self.count + 1)
+
+    def _literals(self) -> None:
+        for k, number in enumerate(self.phases):
+            slices, phase = self._slices(k), self.skeleton.phases[number]
+            if not self.pinned:
+                for literal in sorted(phase.added):
+                    self._features.add(literal, "switch", (slices[-1],), number, STIFF)
+            for t in slices[1:]:
+                if self.pinned and t == slices[-1]:
+                    continue
+                before = slices[0] if self.pinned else t - 1
+                for literal in sorted(phase.mode):
+                    self._features.add(literal, "keep", (before, t), number, STIFF)
+                    self._features.add(literal, "during", (t,), number)
+            if not self.pinned:
+                for literal in sorted(next_mode(self.skeleton, number)):
+                    self._features.add(literal, "during", (slices[-1],), number)
+
+    def _all_groups(self) -> list[Group]:
+        step = 1.0 / self.count
+        triples: list[tuple[int, ...]] = []
+        phase_of = [self.phases[0]]
+        for k, phase in enumerate(self.phases):
+            slices = self._slices(k)
+            inner = [slices[0], *slices, slices[-1]]
+            triples += zip(inner, inner[1:], inner[2:], strict=False)
+            phase_of += [phase] * self.count
+        return [
+            *self._features.groups(),
+            norms(self.layout),
+            limits(self.problem, self.layout, self.settings.limit_margin / 3, phase_of),
+            homing(self.problem, self.layout, HOMING * step**0.5),
+            differences(self.layout, self.layout.modules, triples, (1.0, -2.0, 1.0), ACCELERATION * step**-1.5),
+        ]
+
+    def _collisions(self) -> list[ClearanceGroup]:
+        collisions = Collisions(self.problem, self.layout)
+        touching = contacts(self.skeleton)
+        for k, phase in enumerate(self.phases):
+            for u, t in enumerate(self._slices(k)):
+                if u and not (self.pinned and u == self.count):
+                    collisions.add_slice(t, phase, self._margins(touching[phase], u), before=t - 1)
+        return collisions.groups()
+
+    def _margins(self, contact: PhaseContacts, u: int) -> Margins:
+        special: dict[Pair, float | None] = dict.fromkeys(sorted(contact.during))
+        for objects in sorted((contact.start | contact.end) - contact.during):
+            share = taper(contact, objects, np.array([float(u)]), self.count)
+            ahead = share is not None and share[0] > 0.0
+            special[objects] = self.settings.margin * float(share[0]) if ahead and share is not None else None
+        return Margins(self.settings.margin, special)
+
+    def program(self) -> Program:
+        """The program over the pairs that take part at present."""
+        return Program(self.layout.constants, self.layout.unknowns, [*self._groups, *self._clearance])
+
+    def refresh(self, x: Array) -> bool:
+        """Take in the pairs that are near at x; whether one that was left out is violated."""
+        return refresh(self._clearance, np.concatenate([self.layout.constants, x]))
+
+    def start(
+        self, switches: Sequence[Configuration], bumps: Sequence[dict[str, Array] | None]
+    ) -> list[Configuration]:
+        """All slices, interpolated between the switch configurations."""
+        slices = [switches[0]]
+        for k, phase in enumerate(self.phases):
+            mode = self.skeleton.phases[phase].mode
+            slices += interpolate(
+                self.problem, mode, self.moving[k], switches[k], switches[k + 1], self.count, bumps[k]
+            )  # fmt: skip
+        return slices
+
+    def pack(self, slices: Sequence[Configuration]) -> Array:
+        return self.layout.pack(dict(enumerate(slices)))
+
+    def unpack(self, x: Array) -> list[Configuration]:
+        return [self.layout.unpack(x, t) for t in range(len(self.layout.slices))]
+
+    def paths(self, slices: Sequence[Configuration]) -> list[PhasePath]:
+        """The motion of each phase."""
+        found = []
+        for k in range(len(self.phases)):
+            part = [slices[t] for t in self._slices(k)]
+            modules = {n: _continuous([c.modules[n] for c in part]) for n in self.layout.modules}
+            bodies = {n: _continuous([c.bodies[n] for c in part]) for n in self.layout.bodies if n in self.moving[k]}
+            found.append(PhasePath(modules, bodies, shortest_duration(self.problem.world, modules)))
+        return found
+
+
+def _continuous(slots: Sequence[Array]) -> Array:
+    """Stacked slots with quaternions of like sign."""
+    track = np.array(slots)
+    for i in range(1, len(track)):
+        if track[i, 3:7] @ track[i - 1, 3:7] < 0:
+            track[i, 3:7] *= -1
+    return track
+
+
+def solve_path(
+    skeleton: Skeleton,
+    settings: MotionSettings,
+    seed: Seed,
+    budget: Budget,
+    sequence: BoundResult,
+    pinned: bool = False,
+    effort: int | None = None,
+) -> BoundResult:
+    """P_path from the switch configurations of P_seq; with `pinned` they stay as they are (P_seqPath). Phases that
+    stall get their joints bumped, at most six times, and no more once `effort` is spent: iterations times unknowns.
+    Raises OutOfTime."""
+    began = time.monotonic()
+    random = seed.child("path").random()
+    switches = sequence.configurations
+    path = PathProgram(skeleton, settings, switches, pinned)
+    slices = path.start(switches, [None] * len(skeleton))
+    start = path.pack(slices)
+    iterations, most = 0, None if effort is None else max(1, effort // max(1, len(start)))
+    best: BoundResult | None = None
+    for number in range(BUMPS + 1):
+        left = None if most is None else most - iterations
+        result, x = attempt(path, path.pack(slices), settings, budget, PATH if number == 0 else RESUME, left)
+        iterations += result.iterations
+        if result.feasible:
+            _check(path, result, settings, budget)
+        if best is None or _worst(result) < _worst(best):
+            best = result
+        if result.feasible or number == BUMPS or (most is not None and iterations >= most):
+            break
+        slices = _bumped(path, switches, path.unpack(x), {v.phase for v in result.violations}, random)
+    assert best is not None
+    best.seconds, best.iterations = time.monotonic() - began, iterations
+    return best
+
+
+def _check(path: PathProgram, result: BoundResult, settings: MotionSettings, budget: Budget) -> None:
+    """The swept check of every phase, as P_seqPath makes it."""
+    from .closed_chains import accepted
+
+    for k, phase in enumerate(path.phases):
+        ends = result.configurations[k], result.configurations[k + 1]
+        result.paths[k], wrong = accepted(path.skeleton, phase, result.paths[k], *ends, settings, budget)
+        result.violations += wrong
+    result.violations.sort(key=lambda v: -v.amount)
+    result.feasible = not result.violations
+
+
+def _worst(result: BoundResult) -> float:
+    return result.violations[0].amount if result.violations else 0.0
+
+
+def attempt(
+    path: PathProgram, x: Array, settings: MotionSettings, budget: Budget, options: Options, most: int | None = None
+) -> tuple[BoundResult, Array]:
+    """One solve from x of `most` iterations, resumed when pairs came near meanwhile, and projected when it is feasible.
+    Raises OutOfTime."""
+    iterations = 0
+    path.refresh(x)
+    for number in range(REFRESHES):
+        chosen = options if number == 0 else RESUME
+        if most is not None:
+            chosen = replace(chosen, iterations=min(chosen.iterations, most - iterations))
+        outcome = run(path.program(), x, chosen, settings, budget)
+        iterations += outcome.iterations
+        x = outcome.x
+        if not path.refresh(x) or outcome.status != "feasible" or iterations == most:
+            break
+    program = path.program()
+    if program.largest(x) <= settings.tolerance:
+        x = project(program, x, ACCURATE, budget)
+    feasible = program.largest(x) <= settings.tolerance
+    violations = [] if feasible else program.violations(x, settings.tolerance)
+    slices = path.unpack(x)
+    configurations = slices[:: path.count]
+    bound = "seq-path" if path.pinned else "path"
+    paths = path.paths(slices) if feasible else []
+    result = BoundResult(bound, feasible, program.cost(x), 0.0, iterations, configurations, paths, violations)
+    return result, x
+
+
+def _bumped(
+    path: PathProgram,
+    switches: Sequence[Configuration],
+    slices: list[Configuration],
+    stalled: set[int],
+    random: np.random.Generator,
+) -> list[Configuration]:
+    """The slices with the stalled phases interpolated anew, their joints bumped."""
+    bumps: list[dict[str, Array] | None] = [None] * len(path.phases)
+    for phase in sorted(stalled):
+        bump = {n: random.normal(0.0, BUMP, len(c) - 7) for n, c in switches[0].modules.items()}
+        bumps[path.phases.index(phase)] = bump
+    fresh = path.start(switches, bumps)
+    result = list(slices)
+    for phase in sorted(stalled):
+        k = path.phases.index(phase)
+        for t in range(k * path.count + 1, (k + 1) * path.count + 1):
+            result[t] = fresh[t]
+    return result

@@ -1,0 +1,203 @@
+"""Attempts at the phases of one structure: straight starts, repair of what was missed, bumped starts, sampled ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....budget import Budget
+from ....seeds import Seed
+from ....skeleton import Array
+from .batch_kinematics import Indices
+from .penalty import most_missed
+from .phase_batch import Batch
+from .rrt_connect import sampled_starts
+from .smoothing import Schedule, path_cost, smooth_paths
+from .swept_check import sweep
+
+LEVELS = ((6, 0.3, 0.5), (8, 0.5, 1.0), (16, 0.8, 0.5))
+"""After a straight start, one attempt after the other: starts per phase, the size of their bumps, radians, and how far
+the first of them goes towards the joints' home instead."""
+QUICK_LEVELS = 1
+QUICK_ROUNDS, ROUNDS = 60, 120
+"""How often trees of samples grow before they count as not to be connected, at first and at last."""
+CUTS = (8, 16)
+"""How often corners of a sampled polyline are cut for each of the starts along it."""
+REPAIRED = 0.06
+"""A path that misses its clearance by less, metres, is pushed away once more."""
+WIDER = Schedule(widening=1.6, iterations=15)
+LOOKS = (2, 4)
+"""How often per slice it is then looked at, one time after the other."""
+NEARER = Schedule(weight=1e5, widening=1.15, iterations=8, tolerance=1e-4)
+TO_THE_END = Schedule(weight=1e5, iterations=100, tolerance=1e-5)
+HOPELESS = 5e-3
+"""A path on which the optimiser's spheres, which lie within the shapes, overlap by more, metres, is not checked."""
+
+
+@dataclass(slots=True)
+class Group:
+    """A batch with the best path of each phase so far; `detour` tells which phases no straight start solved."""
+
+    batch: Batch
+    paths: Array
+    cost: Array
+    solved: NDArray[np.bool_]
+    clearance: Array
+    detour: NDArray[np.bool_]
+
+
+def start_group(batch: Batch) -> Group:
+    """Straight paths, which nobody has checked."""
+    paths, count = batch.with_ends(straight(batch)), len(batch)
+    unknown = np.full(count, -np.inf)
+    return Group(batch, paths, path_cost(batch, paths), np.zeros(count, bool), unknown, np.zeros(count, bool))
+
+
+def straight(batch: Batch) -> Array:
+    share = np.arange(1, batch.slices) / batch.slices
+    share = (share * share * (3.0 - 2.0 * share))[:, None]
+    return batch.start[:, None] * (1.0 - share) + batch.end[:, None] * share
+
+
+def bumped(batch: Batch, random: np.random.Generator, size: float) -> Array:
+    """Straight lines plus half and whole sine waves of random height, within the limits."""
+    inner = straight(batch)
+    share = (np.arange(1, batch.slices) / batch.slices)[:, None]
+    shape = (len(batch), 1, inner.shape[2])
+    inner += np.sin(np.pi * share) * random.normal(0.0, size, shape)
+    inner += np.sin(2.0 * np.pi * share) * random.normal(0.0, size / 2.0, shape)
+    return _within(batch, inner)
+
+
+def homeward(batch: Batch, far: float) -> Array:
+    """Straight lines that are bent towards the joints' home: half-way they are there by the share `far`."""
+    wave = np.sin(np.pi * np.arange(1, batch.slices) / batch.slices)[:, None]
+    middle = batch.joints.home + (1.0 - far) * (0.5 * (batch.start + batch.end) - batch.joints.home)
+    return _within(batch, straight(batch) * (1.0 - wave) + wave * middle[:, None])
+
+
+def _within(batch: Batch, inner: Array) -> Array:
+    joints = batch.joints
+    return np.clip(inner, (joints.lower + joints.inset)[:, None], (joints.upper - joints.inset)[:, None])
+
+
+def _keep_best(group: Group, index: Indices, batch: Batch, paths: Array, budget: Budget) -> None:
+    """Take over the cheapest clean path of each phase when it is cheaper than what there is, or while there is none,
+    what is least in the way. `index` gives the phase of the group behind each path. Cheap paths are checked first, as
+    the swept check is dear, and hopeless ones only where there is nothing else."""
+    cost, missed = path_cost(batch, paths), most_missed(batch, paths[:, 1:-1])
+    hopeless = missed > batch.margin + HOPELESS
+    best = {int(p): int(r) for r, p in reversed(list(zip(np.argsort(missed), index[np.argsort(missed)], strict=True)))}
+    waiting: dict[int, list[int]] = {}
+    for row in np.argsort(cost, kind="stable"):
+        phase = int(index[row])
+        if hopeless[row] and (group.solved[phase] or best[phase] != row):
+            continue
+        if not group.solved[phase] or cost[row] < group.cost[phase]:
+            waiting.setdefault(phase, []).append(int(row))
+    while waiting:
+        budget.check()
+        rows = [candidates.pop(0) for candidates in waiting.values()]
+        checked = sweep(batch.take(np.array(rows)), paths[rows])
+        for k, (phase, row) in enumerate(zip(list(waiting), rows, strict=True)):
+            if checked.clean[k]:
+                group.solved[phase] = True
+                waiting[phase] = []
+            elif group.solved[phase] or checked.clearance[k] <= group.clearance[phase]:
+                continue
+            group.paths[phase], group.cost[phase] = paths[row], cost[row]
+            group.clearance[phase] = checked.clearance[k]
+        waiting = {phase: candidates for phase, candidates in waiting.items() if candidates}
+
+
+def attempt(group: Group, index: Indices, inner: Array, schedule: Schedule, budget: Budget, looks: int = 1) -> int:
+    """Smooth starts of the group's phases `index` (repeats allowed), looked at so often per slice, keep what is clean,
+    and repair what nearly is."""
+    batch = group.batch.take(index)
+    if looks > 1:
+        batch = batch.looking(looks)
+    inner, iterations = smooth_paths(batch, inner, schedule, budget)
+    _keep_best(group, index, batch, batch.with_ends(inner), budget)
+    group.detour |= ~group.solved
+    for looks in LOOKS:
+        near = np.unique(index[~group.solved[index] & (group.clearance[index] > -REPAIRED)])
+        if len(near):
+            iterations += _repair(group, near, looks, budget)
+    return iterations
+
+
+def _repair(group: Group, phases: Indices, looks: int, budget: Budget) -> int:
+    """Push the best paths of some phases away from what they meet, also between the slices."""
+    batch = group.batch.take(phases).looking(looks)
+    inner, iterations = smooth_paths(batch, group.paths[phases, 1:-1], WIDER, budget)
+    _keep_best(group, phases, batch, batch.with_ends(inner), budget)
+    return iterations
+
+
+def solve_groups(groups: Sequence[Group], seed: Seed, budget: Budget, thorough: bool) -> int:
+    """Attempt after attempt, each at all groups, until every phase is solved; returns the iterations of the longest
+    phases. Unless `thorough`, phases are left unsolved after QUICK_LEVELS and one look for a way among samples."""
+    iterations = 0
+    randoms = [seed.child("group", k).random() for k in range(len(groups))]
+    for group in groups:
+        every = np.arange(len(group.batch))
+        iterations += attempt(group, every, straight(group.batch), Schedule(), budget)
+    for levels, rounds in ((LEVELS[:QUICK_LEVELS], QUICK_ROUNDS), (LEVELS[QUICK_LEVELS:], ROUNDS)):
+        for level in levels:
+            for group, random in zip(groups, randoms, strict=True):
+                if not group.solved.all():
+                    iterations += _try_bumped(group, *level, random, budget)
+        for group, random in zip(groups, randoms, strict=True):
+            if not group.solved.all():
+                iterations += _try_sampled(group, rounds, random, budget)
+        if not thorough:
+            break
+    return iterations
+
+
+def _try_bumped(
+    group: Group, count: int, size: float, far: float, random: np.random.Generator, budget: Budget
+) -> int:
+    left = np.flatnonzero(~group.solved)
+    index = np.repeat(left, count)
+    inner = bumped(group.batch.take(index), random, size)
+    inner[::count] = homeward(group.batch.take(left), far)
+    return attempt(group, index, inner, Schedule(), budget)
+
+
+def _try_sampled(group: Group, rounds: int, random: np.random.Generator, budget: Budget) -> int:
+    found = [
+        (phase, start)
+        for phase in np.flatnonzero(~group.solved)
+        for start in sampled_starts(group.batch, int(phase), random, budget, rounds, CUTS)
+    ]
+    if not found:
+        return 0
+    index, starts = (np.array(column) for column in zip(*found, strict=True))
+    return attempt(group, index, starts, Schedule(weight=1e5), budget, LOOKS[0])
+
+
+def polish_groups(groups: Sequence[Group], budget: Budget) -> int:
+    """Optimise the paths that keep clear of something by a detour once more, nearer to what they keep clear of; returns
+    the iterations of the longest phases. Others are as cheap as they can be near where they are."""
+    iterations = 0
+    for group in groups:
+        late = np.flatnonzero(group.detour & group.solved)
+        if len(late):
+            batch = group.batch.take(late).looking(LOOKS[0])
+            inner, more = smooth_paths(batch, group.paths[late, 1:-1], NEARER, budget)
+            _keep_best(group, late, batch, batch.with_ends(inner), budget)
+            iterations += more
+    return iterations
+
+
+def improve(group: Group, random: np.random.Generator, starts: int, budget: Budget) -> int:
+    """Cheaper paths for solved phases: optimised to the end from where they are, and from `starts` bumped starts."""
+    every = np.arange(len(group.batch))
+    iterations = attempt(group, every, group.paths[:, 1:-1], TO_THE_END, budget)
+    again = np.repeat(every, starts)
+    inner = bumped(group.batch.take(again), random, LEVELS[0][1])
+    return iterations + attempt(group, again, inner, Schedule(), budget)

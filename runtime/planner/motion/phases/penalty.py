@@ -1,0 +1,167 @@
+"""The penalty that keeps a path clear of obstacles, of itself and of joint limits, with its Gauss-Newton Hessian."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....skeleton import Array
+from .batch_kinematics import Indices
+from .phase_batch import Batch, Looks
+from .phase_geometry import Geometry
+from .proximity import near_obstacles, near_pairs, near_whole
+
+LIMIT_WEIGHT = 1e3
+"""Weight of the squared excess over a joint limit."""
+NEGLIGIBLE = 0.02
+"""Slices that count less at a time between others get nothing of the Hessian there."""
+
+
+@dataclass(slots=True)
+class Penalty:
+    """Value `(phases,)`, gradient `(phases, times, joints)`, Hessian blocks `(phases, times, joints, joints)`, and how
+    deep the worst pair overlaps `(phases,)`, metres."""
+
+    value: Array
+    gradient: Array
+    hessian: Array
+    overlap: Array
+
+    def take(self, keep: Indices) -> Penalty:
+        return Penalty(self.value[keep], self.gradient[keep], self.hessian[keep], self.overlap[keep])
+
+    def replaced(self, where: NDArray[np.bool_], other: Penalty) -> Penalty:
+        """This one, but `other` in the phases `where`."""
+        return Penalty(
+            np.where(where, other.value, self.value),
+            np.where(where[:, None, None], other.gradient, self.gradient),
+            np.where(where[:, None, None, None], other.hessian, self.hessian),
+            np.where(where, other.overlap, self.overlap),
+        )
+
+
+@dataclass(slots=True)
+class _Rows:
+    """Missed clearances of active pairs: amount, gradient `(rows, joints)`, and the slice they belong to."""
+
+    amount: Array
+    slope: Array
+    place: Indices
+
+
+def penalty(batch: Batch, inner: Array, weight: float, widening: float = 1.0) -> Penalty:
+    """Half the weighted squares of what is missed by the inner slices `(phases, slices - 1, joints)`, at the times that
+    the batch looks at, against `widening` times the margin."""
+    phases, slices, joints = inner.shape
+    rows = _missed(batch, inner, widening * batch.margin)
+    over = np.maximum(inner - (batch.joints.upper - batch.joints.inset)[:, None], 0.0)
+    over += np.minimum(inner - (batch.joints.lower + batch.joints.inset)[:, None], 0.0)
+    value = 0.5 * LIMIT_WEIGHT * (over**2).sum(axis=(1, 2))
+    gradient = LIMIT_WEIGHT * over
+    hessian = np.zeros((phases, slices, joints, joints))
+    diagonal = np.arange(joints)
+    hessian[:, :, diagonal, diagonal] += LIMIT_WEIGHT * (over != 0.0)
+    overlap = np.zeros(phases)
+    if len(rows.amount):
+        times = batch.looks.shares.shape[1]
+        value += 0.5 * weight * np.bincount(rows.place // times, rows.amount**2, phases)
+        np.maximum.at(overlap, rows.place // times, rows.amount - widening * batch.margin)
+        order = np.argsort(rows.place, kind="stable")
+        amount, slope = rows.amount[order], rows.slope[order]
+        found, first = np.unique(rows.place[order], return_index=True)
+        pull = weight * np.add.reduceat(slope * amount[:, None], first)
+        squares = weight * np.add.reduceat(slope[:, :, None] * slope[:, None, :], first)
+        _spread(batch.looks, found, pull, squares, gradient, hessian)
+    return Penalty(value, gradient, hessian, overlap)
+
+
+def _spread(looks: Looks, place: Indices, pull: Array, squares: Array, gradient: Array, hessian: Array) -> None:
+    """Add gradients `(m, joints)` and Hessians at looked-at places to those of the inner slices. The Hessian of a time
+    between slices is spread over the slices around it, without what couples them, so that it is none too small."""
+    joints = gradient.shape[2]
+    if looks.weights is None:
+        gradient.reshape(-1, joints)[place] += pull
+        hessian.reshape(-1, joints, joints)[place] += squares
+        return
+    phase, time = np.divmod(place, len(looks.weights))
+    weights = looks.weights[time, 1:-1]
+    size = np.abs(weights)
+    size = np.where(size > NEGLIGIBLE, size * size.sum(axis=1, keepdims=True), 0.0)
+    row, slice_ = np.nonzero(np.abs(weights) > 0.0)
+    np.add.at(gradient, (phase[row], slice_), weights[row, slice_][:, None] * pull[row])
+    row, slice_ = np.nonzero(size)
+    np.add.at(hessian, (phase[row], slice_), size[row, slice_][:, None, None] * squares[row])
+
+
+def most_missed(batch: Batch, inner: Array) -> Array:
+    """By how much the worst pair of each phase misses the margin, metres; 0: none."""
+    rows = _missed(batch, inner, batch.margin)
+    result = np.zeros(len(batch))
+    np.maximum.at(result, rows.place // batch.looks.shares.shape[1], rows.amount)
+    return result
+
+
+def _missed(batch: Batch, inner: Array, margin: float) -> _Rows:
+    values = inner
+    if batch.looks.weights is not None:
+        values = np.einsum("ts,bsj->btj", batch.looks.weights, batch.with_ends(inner))
+    geometry, shares = batch.coarse, margin * batch.looks.shares
+    frames = geometry.kinematics.frames(values)
+    points = geometry.points.placed(frames)
+    rows = [make(margin, shares, geometry, points, frames) for make in (_obstacle_rows, _pair_rows)]
+    rows += [_whole_rows(margin, shares, geometry, k, points, frames) for k in range(len(geometry.wholes))]
+    if batch.fading is not None:
+        points = batch.fading.points.placed(frames)
+        rows.append(_obstacle_rows(margin, batch.looks.required, batch.fading, points, frames))
+    return _Rows(
+        np.concatenate([r.amount for r in rows]), np.concatenate([r.slope for r in rows]),
+        np.concatenate([r.place for r in rows]),
+    )  # fmt: skip
+
+
+def _obstacle_rows(
+    margin: float, shares: Array, geometry: Geometry, points: Array, frames: Array
+) -> _Rows:
+    times = points.shape[-1]
+    a, o, k, t = near_obstacles(geometry, points, margin)
+    at = points[a, :, k, t]
+    distance, offset, excess = geometry.shapes.distance_at(at[..., None], o, k)
+    missed = geometry.radius[a, 0, 0] + shares[geometry.obstacle_kinds[a, o, k], t] - distance[:, 0]
+    hit = np.flatnonzero(missed > 0.0)
+    a, o, k, t, at = a[hit], o[hit], k[hit], t[hit], at[hit]
+    normals = geometry.shapes.normals(offset[hit, :, 0], excess[hit, :, 0], o, k)
+    slope = geometry.kinematics.slopes(frames, at, normals, k, t) * geometry.moved_by[a]
+    return _Rows(missed[hit], -slope, k * times + t)
+
+
+def _pair_rows(margin: float, shares: Array, geometry: Geometry, points: Array, frames: Array) -> _Rows:
+    times = points.shape[-1]
+    first, second = geometry.pairs[:, 0], geometry.pairs[:, 1]
+    p, k, t, normals = near_pairs(geometry, points, margin)
+    distance = np.sqrt((normals * normals).sum(axis=1))
+    missed = geometry.touching[p, 0, 0] + shares[geometry.pair_kinds[p, k], t] - distance
+    hit = np.flatnonzero(missed > 0.0)
+    p, k, t, missed = p[hit], k[hit], t[hit], missed[hit]
+    normals = normals[hit] / np.maximum(distance[hit], 1e-9)[:, None]
+    moved_by = geometry.moved_by[first[p]].astype(float) - geometry.moved_by[second[p]]
+    slope = geometry.kinematics.slopes(frames, points[first[p], :, k, t], normals, k, t) * moved_by
+    return _Rows(missed, -slope, k * times + t)
+
+
+def _whole_rows(
+    margin: float, shares: Array, geometry: Geometry, number: int, points: Array, frames: Array
+) -> _Rows:
+    """Of one whole shape."""
+    whole, kinds, times = geometry.wholes[number], geometry.whole_kinds[number], points.shape[-1]
+    n, k, t = near_whole(geometry, frames, points, margin, number)
+    a = whole.meets[n]
+    own = frames[whole.node][:, :, k, t].transpose(2, 0, 1)
+    distance, normals = whole.distance_and_normal(own, points[a, :, k, t], k)
+    missed = geometry.radius[a, 0, 0] + shares[kinds[n, k], t] - distance
+    hit = np.flatnonzero(missed > 0.0)
+    k, t, a, missed = k[hit], t[hit], a[hit], missed[hit]
+    moved_by = geometry.moved_by[a].astype(float) - geometry.wholes_moved_by[number]
+    slope = geometry.kinematics.slopes(frames, points[a, :, k, t], normals[hit], k, t) * moved_by
+    return _Rows(missed, -slope, k * times + t)

@@ -1,0 +1,162 @@
+"""The moving spheres of phases of one structure, and what they can meet: obstacles, each other, whole shapes."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .....compiler.ir import World
+from .....compiler.motion.collision import CHECK_MARGIN, PATH_MARGIN, PhaseContacts
+from ....geometry.signed_distances import Shapes
+from .batch_kinematics import Indices, Kinematics, Points
+from .collision_spheres import Ball, Lineage, Meetings, moving_balls, obstacles_near
+from .contact_margins import NEVER, START, Kinds, cross_kinds
+from .exact_shapes import MovingShape, Whole, carried_shapes, module_shapes
+from .joint_forest import Obstacle, PhaseTree
+
+
+@dataclass(slots=True)
+class Part:
+    """The geometry of one phase before phases are stacked: moving spheres, pairs of them `(pairs, 2)`, obstacles, and
+    moving shapes that spheres meet as they are."""
+
+    tree: PhaseTree
+    balls: tuple[Ball, ...]
+    pairs: Indices
+    obstacles: list[Obstacle]
+    wholes: tuple[MovingShape, ...]
+
+    @property
+    def structure(self) -> tuple[object, ...]:
+        """Phases with equal structures can be stacked."""
+        tree = self.tree
+        joints = tuple(zip(tree.parents, tree.kinds, tree.signs, strict=True))
+        balls = tuple((b.node, round(b.radius, 9), b.exact) for b in self.balls), tuple(_owners(self.balls))
+        wholes = tuple((s.node, s.meets) for s in self.wholes)
+        return joints, balls, self.pairs.tobytes(), wholes
+
+
+def _owners(balls: Sequence[Ball]) -> list[int]:
+    """The modules and bodies of spheres, numbered in the order in which they come first."""
+    numbers: dict[str, int] = {}
+    return [numbers.setdefault(b.owner, len(numbers)) for b in balls]
+
+
+def make_part(lineage: Lineage, world: World, balls: tuple[Ball, ...], near: list[Obstacle], exact: bool) -> Part:
+    """The geometry of a phase. Spheres meet large shapes of modules as they are; with `exact` carried bodies too, and
+    not their spheres."""
+    tree = lineage.tree
+    meetings = Meetings(lineage, balls, bodies=not exact)
+    found = module_shapes(tree, world, balls)
+    pairs, meets = meetings.pairs([np.array(s.members) for s in found])
+    shapes = [replace(s, meets=m) for s, m in zip(found, meets, strict=True)]
+    if exact:
+        shapes += carried_shapes(tree, world, balls, lineage.above)
+    return Part(tree, balls, pairs, near, tuple(shapes))
+
+
+def make_parts(tree: PhaseTree, world: World) -> tuple[Part, Part]:
+    """What the optimiser sees of a phase, and what accepts its path; both of the same obstacles."""
+    lineage = Lineage(tree)
+    coarse, fine = moving_balls(tree, world, PATH_MARGIN), moving_balls(tree, world, CHECK_MARGIN)
+    near = obstacles_near(tree, lineage, coarse, 2 * PATH_MARGIN)
+    return make_part(lineage, world, coarse, near, False), make_part(lineage, world, fine, near, True)
+
+
+class Geometry:
+    """Phases of one structure. `owner` numbers the modules and bodies of the spheres `(spheres,)`; `obstacle_kinds`
+    `(spheres, obstacles, phases)`, `pair_kinds` `(pairs, phases)` and one of `whole_kinds` per whole shape
+    `(spheres, phases)` tell how much of the margin holds, as in `shares`."""
+
+    def __init__(self, parts: Sequence[Part], contacts: Sequence[PhaseContacts], world: World) -> None:
+        self.parts = list(parts)
+        self.kinematics = Kinematics([p.tree for p in parts])
+        self.points = Points([p.balls for p in parts])
+        balls = parts[0].balls
+        self.radius = np.array([b.radius for b in balls])[:, None, None]
+        self.exact = np.array([b.exact for b in balls], dtype=np.intp)
+        self.owner = np.array(_owners(balls), dtype=np.intp)
+        above = Lineage(parts[0].tree).above
+        self.moved_by = above[[b.node + 1 for b in balls]]
+        self.wholes_moved_by = above[[s.node + 1 for s in parts[0].wholes]]
+        self.pairs = parts[0].pairs
+        self.touching = (self.radius[self.pairs[:, 0]] + self.radius[self.pairs[:, 1]]) if balls else self.radius
+        count = max(len(p.obstacles) for p in parts)
+        self.shapes = Shapes([
+            [(o.shape, o.pose) for o in p.obstacles] + [None] * (count - len(p.obstacles)) for p in parts
+        ])
+        self._set_kinds(contacts, count)
+        self._set_wholes(contacts)
+
+    def _set_kinds(self, contacts: Sequence[PhaseContacts], count: int) -> None:
+        spheres, phases = len(self.radius), len(self.parts)
+        self.obstacle_kinds: Kinds = np.full((spheres, count, phases), NEVER, np.int8)
+        self.pair_kinds: Kinds = np.empty((len(self.pairs), phases), np.int8)
+        first, second = self.pairs.T
+        for k, part in enumerate(self.parts):
+            tags = [b.tag for b in part.balls]
+            contact = contacts[part.tree.phase]
+            self.obstacle_kinds[:, : len(part.obstacles), k] = cross_kinds(
+                contact, tags, [o.tag for o in part.obstacles]
+            )
+            self.obstacle_kinds[[i for i, b in enumerate(part.balls) if b.node < 0], :, k] = NEVER
+            self.pair_kinds[:, k] = cross_kinds(contact, tags, tags)[first, second]
+
+    def _set_wholes(self, contacts: Sequence[PhaseContacts]) -> None:
+        self.wholes: list[Whole] = []
+        self.whole_kinds: list[Kinds] = []
+        for shapes in zip(*(part.wholes for part in self.parts), strict=True):
+            self.wholes.append(Whole.stacked(shapes))
+            kinds = np.empty((len(shapes[0].meets), len(self.parts)), np.int8)
+            for k, (part, shape) in enumerate(zip(self.parts, shapes, strict=True)):
+                tags = [part.balls[m].tag for m in shape.meets]
+                kinds[:, k] = cross_kinds(contacts[part.tree.phase], tags, [shape.tag])[:, 0]
+            self.whole_kinds.append(kinds)
+
+    def ignore_collisions(self) -> None:
+        """Let everything pass through everything."""
+        for kinds in (self.obstacle_kinds, self.pair_kinds, *self.whole_kinds):
+            kinds[...] = NEVER
+
+    def take(self, index: Indices) -> Geometry:
+        """The geometry of some of the phases, possibly repeated."""
+        result = object.__new__(Geometry)
+        result.parts = [self.parts[i] for i in index]
+        result.kinematics, result.points = self.kinematics.take(index), self.points.take(index)
+        result.radius, result.moved_by, result.pairs = self.radius, self.moved_by, self.pairs
+        result.wholes_moved_by = self.wholes_moved_by
+        result.exact, result.owner = self.exact, self.owner
+        result.touching, result.shapes = self.touching, self.shapes.take(index)
+        result.obstacle_kinds = self.obstacle_kinds[:, :, index]
+        result.pair_kinds = self.pair_kinds[:, index]
+        result.wholes = [w.take(index) for w in self.wholes]
+        result.whole_kinds = [kinds[:, index] for kinds in self.whole_kinds]
+        return result
+
+    def fading(self) -> Geometry:
+        """Only the spheres that begin or end to touch an obstacle, and only against those."""
+        result = copy.copy(self)
+        kinds = np.where(self.obstacle_kinds >= START, self.obstacle_kinds, np.int8(NEVER))
+        kept = np.flatnonzero((kinds != NEVER).any(axis=(1, 2)))
+        result.obstacle_kinds, result.radius, result.exact = kinds[kept], self.radius[kept], self.exact[kept]
+        result.moved_by, result.points = self.moved_by[kept], self.points.some(kept)
+        result.pairs, result.touching = np.zeros((0, 2), int), np.zeros((0, 1, 1))
+        result.pair_kinds, result.wholes, result.whole_kinds = self.pair_kinds[:0], [], []
+        return result
+
+    def name_pair(self, phase: int, block: int, row: int, column: int) -> tuple[str, str]:
+        """The objects behind an entry of one of the phases: of spheres and obstacles (block 0), of pairs (1), or of one
+        of the whole shapes (2 and above)."""
+        part = self.parts[phase]
+        if block == 1:
+            a, b = (part.balls[i] for i in self.pairs[row])
+            return a.tag or a.owner, b.tag or b.owner
+        if block == 0:
+            ball, other = part.balls[row], part.obstacles[column]
+            return ball.tag or ball.owner, other.tag or other.owner
+        shape = part.wholes[block - 2]
+        ball = part.balls[shape.meets[row]]
+        return ball.tag or ball.owner, shape.tag or shape.owner

@@ -1,0 +1,191 @@
+"""Rapidly exploring random trees from both ends (RRT-Connect, Kuffner and LaValle 2000) in the joints of one phase.
+
+Several edges grow at a time, as a look at many poses costs little more than a look at one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .....compiler.motion.collision import CHECK_MARGIN
+from ....budget import Budget
+from ....skeleton import Array
+from .batch_kinematics import Indices
+from .contact_margins import CONTACT_TOLERANCE, share_table
+from .phase_batch import Batch
+from .proximity import close
+
+RESOLUTION = 0.05
+"""Largest change of a joint between checked poses on an edge, radians or metres."""
+STRIDE = 0.6
+"""Largest change of a joint along one edge."""
+EDGES = 8
+"""Edges that grow at a time."""
+SHORTEST = 0.1
+"""Edges that get less far are dropped, radians or metres."""
+NEAR = 0.3
+"""Share of the samples drawn around poses that were reached already."""
+SPREAD = 0.6
+CUTS = 6
+"""Cuts that are tried on a polyline at a time."""
+
+
+class _Checker:
+    """Whether poses of one phase are free, on the optimiser's spheres with the contacts of the phase exempt."""
+
+    def __init__(self, batch: Batch, phase: int) -> None:
+        self.geometry = batch.coarse.take(np.array([phase]))
+        least = share_table(np.arange(batch.slices + 1.0), batch.slices).min(axis=1)
+        self.needed = np.where(least < 1.0, np.minimum(least, 0.0) - CONTACT_TOLERANCE, CHECK_MARGIN)
+        joints = batch.joints
+        self.lower, self.upper = joints.lower[phase] + 1e-3, joints.upper[phase] - 1e-3
+
+    def free(self, poses: Array) -> Array:
+        """`(poses,)` whether joint values `(poses, joints)` are free."""
+        result = np.asarray(((poses >= self.lower) & (poses <= self.upper)).all(axis=1))
+        for found in close(self.geometry, poses[None], CHECK_MARGIN):
+            result[found.time[found.clearance < self.needed[found.kind]]] = False
+        return result
+
+    def advance(self, starts: Array, goals: Array) -> tuple[Array, Array]:
+        """How far straight edges `(m, joints)` are free: their last free poses `(m, joints)`, and whether those are
+        the goals `(m,)`."""
+        way = goals - starts
+        count = np.maximum(2, np.ceil(np.abs(way).max(axis=1) / RESOLUTION)).astype(np.intp)
+        first = np.cumsum(count) - count
+        edge = np.repeat(np.arange(len(count)), count)
+        number = np.arange(len(edge)) - first[edge] + 1
+        poses = starts[edge] + (number / count[edge])[:, None] * way[edge]
+        blocked = np.where(self.free(poses), len(edge), number)
+        until = np.minimum(np.minimum.reduceat(blocked, first) - 1, count)
+        return starts + (until / count)[:, None] * way, until == count
+
+
+class _Tree:
+    """Poses that can be reached from a root."""
+
+    def __init__(self, root: Array) -> None:
+        self.poses = root[None]
+        self.parents = [-1]
+
+    def nearest(self, poses: Array) -> Indices:
+        """Of each pose `(m, joints)` the nearest node `(m,)`."""
+        return np.asarray(((self.poses - poses[:, None]) ** 2).sum(axis=2).argmin(axis=1))
+
+    def add(self, poses: Array, parents: Indices) -> Indices:
+        """The numbers `(m,)` of new nodes."""
+        self.poses = np.concatenate([self.poses, poses])
+        self.parents += parents.tolist()
+        return np.arange(len(self.poses) - len(poses), len(self.poses))
+
+    def branch(self, index: int) -> Array:
+        """The poses from a node to the root."""
+        found = []
+        while index >= 0:
+            found.append(self.poses[index])
+            index = self.parents[index]
+        return np.array(found)
+
+
+def _samples(checker: _Checker, tree: _Tree, random: np.random.Generator) -> Array:
+    """Poses `(EDGES, joints)` anywhere or around those of the tree."""
+    around = tree.poses[random.integers(len(tree.poses), size=EDGES)]
+    around = np.clip(around + random.normal(0.0, SPREAD, around.shape), checker.lower, checker.upper)
+    near = random.random((EDGES, 1)) < NEAR
+    return np.where(near, around, random.uniform(checker.lower, checker.upper, around.shape))
+
+
+def connect(
+    checker: _Checker, start: Array, end: Array, random: np.random.Generator, budget: Budget, rounds: int
+) -> Array | None:
+    """A free polyline `(poses, joints)` from start to end, or None after so many rounds."""
+    trees = (_Tree(start), _Tree(end))
+    for number in range(rounds):
+        budget.check()
+        own, other = trees[number % 2], trees[1 - number % 2]
+        goals = _samples(checker, own, random)
+        parents = own.nearest(goals)
+        way = goals - own.poses[parents]
+        way *= np.minimum(1.0, STRIDE / np.maximum(np.abs(way).max(axis=1), 1e-9))[:, None]
+        reached, _ = checker.advance(own.poses[parents], own.poses[parents] + way)
+        far = np.abs(reached - own.poses[parents]).max(axis=1) >= SHORTEST
+        if not far.any():
+            continue
+        nodes = own.add(reached[far], parents[far])
+        partners = other.nearest(own.poses[nodes])
+        back, met = checker.advance(other.poses[partners], own.poses[nodes])
+        if met.any():
+            lines = [
+                np.concatenate([own.branch(node)[::-1], other.branch(partner)])
+                for node, partner in zip(nodes[met].tolist(), partners[met].tolist(), strict=True)
+            ]
+            line = min(lines, key=_length)
+            return line if number % 2 == 0 else line[::-1]
+        far = np.abs(back - other.poses[partners]).max(axis=1) >= SHORTEST
+        other.add(back[far], partners[far])
+    return None
+
+
+def _length(line: Array) -> float:
+    return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
+
+
+def _lengths(line: Array) -> Array:
+    """How long a polyline is up to each of its poses."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+
+
+def _along(line: Array, at: Array) -> Array:
+    """Poses `(m, joints)` at shares `(m,)` of the length of a polyline."""
+    lengths = _lengths(line)
+    return np.stack([np.interp(at * lengths[-1], lengths, line[:, j]) for j in range(line.shape[1])], axis=1)
+
+
+def shorten(checker: _Checker, lines: list[Array], random: np.random.Generator) -> list[Array]:
+    """Polylines with a corner cut where a straight edge is free: of some random ones that which saves most."""
+    shares = np.sort(random.uniform(0.0, 1.0, (len(lines), CUTS, 2)), axis=2)
+    ends = np.array([_along(line, s.reshape(-1)) for line, s in zip(lines, shares, strict=True)])
+    first, second = ends[:, 0::2], ends[:, 1::2]
+    width = first.shape[2]
+    free = checker.advance(first.reshape(-1, width), second.reshape(-1, width))[1].reshape(first.shape[:2])
+    result = []
+    for k, line in enumerate(lines):
+        cut = [_cut(line, shares[k, c], first[k, c], second[k, c]) for c in np.flatnonzero(free[k])]
+        result.append(min([line, *cut], key=_length))
+    return result
+
+
+def _cut(line: Array, shares: Array, first: Array, second: Array) -> Array:
+    """The polyline with a straight edge between two of its poses, at shares `(2,)` of its length."""
+    lengths = _lengths(line)
+    before, after = lengths < shares[0] * lengths[-1], lengths > shares[1] * lengths[-1]
+    return np.concatenate([line[before], [first, second], line[after]])
+
+
+def resample(line: Array, slices: int) -> Array:
+    """Inner slices `(slices - 1, joints)` along a polyline, slow at both ends."""
+    share = np.arange(1, slices) / slices
+    return _along(line, share * share * (3.0 - 2.0 * share))
+
+
+def sampled_starts(
+    batch: Batch, phase: int, random: np.random.Generator, budget: Budget, rounds: int, cuts: Sequence[int]
+) -> list[Array]:
+    """Starts `(slices - 1, joints)` for one phase along a sampled free polyline, each after so many rounds of cuts;
+    none when an end is not free or nothing was found in so many rounds."""
+    checker = _Checker(batch, phase)
+    start, end = batch.start[phase], batch.end[phase]
+    if not checker.free(np.stack([start, end])).all():
+        return []
+    line = connect(checker, start, end, random, budget, rounds)
+    if line is None:
+        return []
+    lines = [line] * len(cuts)
+    for number in range(max(cuts)):
+        budget.check()
+        left = [k for k, most in enumerate(cuts) if number < most]
+        for k, shorter in zip(left, shorten(checker, [lines[k] for k in left], random), strict=True):
+            lines[k] = shorter
+    return [resample(line, batch.slices) for line in lines]

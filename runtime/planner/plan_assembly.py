@@ -1,0 +1,264 @@
+"""From actions, skeleton and phase motions to a self-contained plan file."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from typing import Protocol
+
+import numpy as np
+
+from ... import __version__
+from ...compiler import ir
+from ...compiler.printing_terms import format_formula
+from ...langs.source import Span
+from .. import plan as record
+from ..geometry.resampling import Resampled, resample
+from ..native import MissingLibrary, load_native
+from ..skeleton import Array, Phase, PhasePath, Skeleton, start_configuration
+from ..verify.formulas import ReplayError
+from ..verify.replay import Interpreter
+
+FACTOR = 3
+"""Samples of the plan file per sample of the planner."""
+DIGITS = 10
+"""Decimals of metres, radians and seconds in the file."""
+ROUNDING = 1e-9
+"""A body whose pose changes by less than this rests."""
+Places = Mapping[ir.Fact, Span | None]
+"""Where literals are written."""
+LIBRARIES = {"numpy": "numpy", "casadi": "casadi", "pinocchio": "pin", "coal": "coal", "scipy": "scipy"}
+"""Compiled libraries, and the Python packages that bring them."""
+
+
+class Motion(Protocol):
+    """One phase as it moves: `times` `(T,)` since the start, per module poses `(T, 7)` and joints `(T, n)`, per moving
+    body poses `(T, 7)`."""
+
+    @property
+    def times(self) -> Array: ...
+    @property
+    def poses(self) -> dict[str, Array]: ...
+    @property
+    def joints(self) -> dict[str, Array]: ...
+    @property
+    def bodies(self) -> dict[str, Array]: ...
+
+
+def assemble(
+    problem: ir.Problem,
+    actions: Sequence[ir.Action],
+    skeleton: Skeleton,
+    paths: Sequence[PhasePath],
+    statistics: record.StatisticsRecord,
+) -> record.Plan:
+    """The plan file of a solved skeleton: one path per action. Raises MissingLibrary."""
+    motions = _resampled(problem, skeleton, paths)
+    phases = _phases(problem, actions, skeleton, motions)
+    final_mode = literal_records(problem, skeleton.final_mode, {})
+    return plan_of(problem, motions, paths, phases, final_mode, statistics)
+
+
+def plan_of(
+    problem: ir.Problem, motions: Sequence[Motion], paths: Sequence[PhasePath],
+    phases: list[record.PhaseRecord], final_mode: list[record.LiteralRecord], statistics: record.StatisticsRecord,
+) -> record.Plan:  # fmt: skip
+    """The plan file of phases with their motions, one after the other; `paths` hold the knots of the splines."""
+    world = problem.world
+    return record.Plan(
+        format=record.FORMAT,
+        versions=_versions(),
+        task=_task_record(problem),
+        modules=[module_record(m) for m in world.modules.values()],
+        bodies=[_body_record(b) for b in world.bodies.values()],
+        phases=phases,
+        final_mode=final_mode,
+        times=_rounded_row(np.concatenate([m.times for m in motions])) if motions else [0.0],
+        tracks=[_track(m, motions) for m in world.modules.values()],
+        body_tracks=[piece for b in world.bodies.values() for piece in _body_tracks(b, motions)],
+        splines=_splines(world, motions, paths),
+        statistics=statistics,
+    )
+
+
+def _versions() -> dict[str, str]:
+    """What made the plan: tamplang, Python and the libraries that can be loaded."""
+    found = {"tamplang": __version__, "python": platform.python_version()}
+    for name, package in LIBRARIES.items():
+        with suppress(MissingLibrary):
+            found[name] = load_native(name, package).__version__
+    return found
+
+
+# --- the motion --------------------------------------------------------------------------------------------------
+
+
+def _resampled(problem: ir.Problem, skeleton: Skeleton, paths: Sequence[PhasePath]) -> list[Resampled]:
+    now, begin = start_configuration(problem), 0.0
+    result = []
+    for phase, path in zip(skeleton.phases, paths, strict=True):
+        result.append(resample(problem, phase.mode, path, now, begin, FACTOR))
+        now, begin = result[-1].end(now), float(result[-1].times[-1])
+    return result
+
+
+def _rounded_row(values: np.typing.NDArray[np.float64]) -> list[float]:
+    rounded: list[float] = np.round(values, DIGITS).tolist()
+    return rounded
+
+
+def _rounded_rows(values: np.typing.NDArray[np.float64]) -> list[list[float]]:
+    rounded: list[list[float]] = np.round(values, DIGITS).tolist()
+    return rounded
+
+
+def _track(module: ir.Module, motions: Sequence[Motion]) -> record.TrackRecord:
+    poses = [m.poses[module.name] for m in motions] or [np.array([module.pose])]
+    joints = [m.joints[module.name] for m in motions] or [np.array([module.joints])]
+    return record.TrackRecord(module.name, _rounded_rows(np.vstack(poses)), _rounded_rows(np.vstack(joints)))
+
+
+def _body_tracks(body: ir.Body, motions: Sequence[Motion]) -> list[record.BodyTrackRecord]:
+    """One piece for every row of phases in which the body moves."""
+    pieces: list[record.BodyTrackRecord] = []
+    sample, last = 0, list(body.pose)
+    for motion in motions:
+        rows = _rounded_rows(motion.bodies[body.name]) if body.name in motion.bodies else []
+        if any(not np.allclose(row, last, rtol=0.0, atol=ROUNDING) for row in rows):
+            if pieces and pieces[-1].first + len(pieces[-1].poses) == sample:
+                pieces[-1].poses.extend(rows)
+            else:
+                pieces.append(record.BodyTrackRecord(body.name, sample, rows))
+            last = rows[-1]
+        sample += len(motion.times)
+    return pieces
+
+
+def _splines(world: ir.World, motions: Sequence[Motion], paths: Sequence[PhasePath]) -> list[record.SplineRecord]:
+    """A spline for every phase in which joints of a module move."""
+    result = []
+    for index, (motion, path) in enumerate(zip(motions, paths, strict=True)):
+        for name in world.modules:
+            values = _rounded_rows(path.modules[name][:, 7:])
+            if any(row != values[0] for row in values):
+                knots = np.linspace(motion.times[0], motion.times[-1], len(values))
+                result.append(record.SplineRecord(name, index, index, _rounded_row(knots), values))
+    return result
+
+
+# --- the task ----------------------------------------------------------------------------------------------------
+
+
+def _task_record(problem: ir.Problem) -> record.TaskRecord:
+    sources = [
+        record.SourceRecord(problem.called(s.path), s.text, hashlib.sha256(s.text.encode()).hexdigest())
+        for s in problem.sources
+    ]
+    files = [
+        record.FileRecord(path, data, hashlib.sha256(data).hexdigest())
+        for path, data in sorted((problem.called(path), data) for path, data in problem.files.items())
+    ]
+    return record.TaskRecord(
+        problem.task, problem.called(problem.file), dict(problem.parameters), problem.seed, sources,
+        format_formula(problem.goal), files,
+    )  # fmt: skip
+
+
+def _shape(shape: ir.Shape) -> record.ShapeRecord:
+    return record.ShapeRecord(shape.kind, list(shape.size))
+
+
+def _bounded(value: float) -> float:
+    return min(max(value, -record.NO_LIMIT), record.NO_LIMIT)
+
+
+def module_record(module: ir.Module) -> record.ModuleRecord:
+    """A module as the plan file holds it."""
+    joints = [
+        record.JointRecord(
+            j.name, j.kind, j.parent, list(j.placement), list(j.axis),
+            _bounded(j.lower), _bounded(j.upper), _bounded(j.speed), _bounded(j.acceleration),
+        )
+        for j in module.type.joints
+    ]  # fmt: skip
+    effectors = [
+        record.EffectorRecord(e.name, e.joint, list(e.placement), None if e.shape is None else _shape(e.shape))
+        for e in module.type.effectors
+    ]
+    links = [record.LinkRecord(k.joint, list(k.placement), _shape(k.shape)) for k in module.type.links]
+    return record.ModuleRecord(
+        module.name, module.type.name, joints, effectors, links, list(module.pose), list(module.joints)
+    )
+
+
+def _body_record(body: ir.Body) -> record.BodyRecord:
+    return record.BodyRecord(body.name, body.type, _shape(body.shape), list(body.pose), body.movable)
+
+
+def placed(problem: ir.Problem, span: Span | None) -> record.PlaceRecord | None:
+    """The record of a place in a source of the problem."""
+    return None if span is None else record.PlaceRecord(problem.called(span.file), span.line, span.column)
+
+
+# --- the phases --------------------------------------------------------------------------------------------------
+
+
+def _phases(
+    problem: ir.Problem, actions: Sequence[ir.Action], skeleton: Skeleton, motions: Sequence[Resampled]
+) -> list[record.PhaseRecord]:
+    interpreter = Interpreter(problem)
+    facts, mode = problem.init, interpreter.canonical(problem.init_motion)
+    places: dict[ir.Fact, Span | None] = {}
+    previous: ir.Action | None = None
+    result = []
+    for action, phase, motion in zip(actions, skeleton.phases, motions, strict=True):
+        shown = interpreter.fluents(facts)
+        before = dict(places)
+        try:
+            outcome = interpreter.apply(facts, mode, action, previous)
+        except (ReplayError, KeyError):
+            after = facts
+        else:
+            after, mode = outcome.facts, outcome.motion
+            places.update(outcome.places)
+        result.append(phase_record(problem, phase, motion, shown, before, places))
+        facts, previous = after, action
+    return result
+
+
+def phase_record(
+    problem: ir.Problem, phase: Phase, motion: Motion, facts: frozenset[ir.Fact], before: Places, after: Places,
+    completed: bool = True,
+) -> record.PhaseRecord:  # fmt: skip
+    """A phase as the plan file holds it. `before` and `after` tell where the literals that hold during it and those
+    that it adds are written."""
+    action = phase.action
+    rule = problem.rules.get(action.rule)
+    return record.PhaseRecord(
+        action=str(action),
+        rule=action.rule,
+        args=[str(a) for a in action.args],
+        place=placed(problem, rule.span) if rule else None,
+        start=round(float(motion.times[0]), DIGITS),
+        end=round(float(motion.times[-1]), DIGITS),
+        literals=literal_records(problem, facts, before),
+        mode=literal_records(problem, phase.mode, before),
+        added=literal_records(problem, phase.added, after),
+        completed=completed,
+    )
+
+
+def literal_records(
+    problem: ir.Problem, facts: frozenset[ir.Fact], places: Places
+) -> list[record.LiteralRecord]:
+    """Literals in alphabetical order, each with the effect that added it, or else its declaration, as its place."""
+    result = []
+    for fact in sorted(facts):
+        span = places.get(fact)
+        if span is None:
+            declared = problem.motions.get(fact[0]) or problem.predicates.get(fact[0])
+            span = declared.span if declared is not None else None
+        result.append(record.LiteralRecord(fact[0], list(fact[1:]), placed(problem, span)))
+    return result

@@ -1,0 +1,83 @@
+"""Among plans as cheap as a candidate, one whose numeric conditions hold with more room.
+
+A* is blind to how close a condition such as `stride(X, Y) <= reach(c)` is to its limit, and goes through plans at the
+limit first, which motion mostly refuses. The plan with the least sum of high powers of its strains is found layer by
+layer.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from ....compiler.symbolic.strain import Strain
+from ..conflicts.forbidden_sequences import EMPTY, LEAF
+from .learned_penalties import POWER
+
+if TYPE_CHECKING:
+    from .best_first import Candidate, SkeletonSearch
+
+WIDTH = 400
+"""States per layer that are kept, least strained first."""
+EQUAL = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class _Node:
+    """A way to a state: its strain and cost so far, what no-goods remember, and the way before."""
+
+    strain: float
+    cost: float
+    state: int
+    history: int
+    place: int
+    number: int
+    before: _Node | None
+
+
+def roomier(search: SkeletonSearch, strain: Strain, candidate: Candidate) -> Candidate:
+    """A candidate of the same cost and with the same kinds of actions, with the least strain that a search of bounded
+    width finds; the candidate itself where there is none. No-goods are respected. Raises OutOfTime."""
+    successors, no_goods = search.successors, search.no_goods
+    flags = successors.layout.flag_mask
+    state = successors.initial
+    layer = [_Node(0.0, 0.0, state, EMPTY, no_goods.root, -1, None)]
+    for number in candidate.numbers:
+        search.budget.check()
+        wanted = successors.action(number).rule
+        state = successors.after(state, number)
+        best: dict[tuple[int, int, int], _Node] = {}
+        for node in layer:
+            for following, action in successors.expand(node.state):
+                if following & flags != state & flags or successors.action(action).rule != wanted:
+                    continue
+                cost = node.cost + successors.cost(action)
+                if cost + search.value(following) > candidate.cost + EQUAL:
+                    continue
+                if no_goods.active and not no_goods.allows(node.state, action):
+                    continue
+                history = no_goods.follow(node.history, node.state, action) if no_goods.watches else EMPTY
+                place = no_goods.descend(node.place, action)
+                if history is None or place == LEAF:
+                    continue
+                total = node.strain + strain.of(node.state, action) ** POWER
+                key = (following, history, place)
+                known = best.get(key)
+                if known is None or total < known.strain:
+                    best[key] = _Node(total, cost, following, history, place, action, node)
+        layer = sorted(best.values(), key=lambda n: n.strain)[:WIDTH]
+    ends = [node for node in layer if successors.is_goal(node.state)]
+    if not ends:
+        return candidate
+    numbers = _numbers(ends[0])
+    actions = tuple(successors.action(n) for n in numbers)
+    return replace(candidate, numbers=numbers, actions=actions)
+
+
+def _numbers(node: _Node) -> tuple[int, ...]:
+    numbers = []
+    current: _Node | None = node
+    while current is not None and current.before is not None:
+        numbers.append(current.number)
+        current = current.before
+    return tuple(reversed(numbers))

@@ -1,0 +1,50 @@
+"""Carries a task or a plan out: run, verify, and follow it with simulated drives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import msgspec
+
+from ...compiler import ir
+from ...langs.diagnostics import Diagnostic
+from ..budget import SECONDS_OF_RUN, Budget, unless_spent
+from ..plan import Plan
+from ..planner.conflicts.infeasibility import distrust, unverified
+from ..planner.lgp import options_of
+from ..verify import verify
+from .actuators import Noise
+from .plan_import import window_of
+from .results import HORIZON, LATENCY, RunOptions, RunProgress
+from .run import Run
+from .tracking import Deviations, deviations, follow
+
+NOTHING_FOLLOWED = Deviations((), 0.0, "", None, ())
+
+
+def execute(
+    problem: ir.Problem, plan: Plan | None, horizon: int | str | None, noise: Noise | None, seconds: float | None,
+    seed: int, latency: float | None, tell: Callable[[RunProgress], None] | None,
+) -> tuple[str, Plan, tuple[Diagnostic, ...], Deviations]:  # fmt: skip
+    """Status, record, explanation and deviations. A plan that tells of the world as it moves, or whose scene rests, is
+    followed as it is; else it is the first window of a run."""
+    noise = noise or Noise()
+    moves = problem.world.courses or problem.world.breakdowns
+    if plan is not None and (plan.courses or plan.breakdowns or not moves):
+        given = plan
+        verdict = unless_spent(lambda: verify(given, Budget(seconds)))
+        plan = msgspec.structs.replace(plan, verdict=verdict)
+        if plan.verdict is None:
+            return "budget", plan, (unverified(),), NOTHING_FOLLOWED
+        if not plan.verdict.verified:
+            return "refused", plan, tuple(distrust(plan.verdict)), NOTHING_FOLLOWED
+        status = "solved" if plan.verdict.goal_reached else "stuck"
+        return status, plan, (), follow(plan, problem, noise, seed)
+    bound = "path" if problem.options.bound == "seq" else None
+    options = options_of(problem, {"bound": bound, "time": seconds}, SECONDS_OF_RUN)
+    delay = LATENCY if latency is None else latency
+    chosen = HORIZON if horizon is None else None if horizon == "auto" else int(horizon)
+    first = None if plan is None else window_of(problem, plan)
+    outcome = Run(problem, RunOptions(options, chosen, noise, seed, delay), tell, first).run()
+    off = unless_spent(lambda: deviations(outcome.plan, problem, outcome.commanded, outcome.driven))
+    return outcome.status, outcome.plan, tuple(outcome.explanation), off or NOTHING_FOLLOWED

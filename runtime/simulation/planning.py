@@ -1,0 +1,160 @@
+"""One window of a run: the way to the goal, and motion for its first actions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+from ...compiler import ir
+from ..budget import Budget
+from ..geometry.attachments import carrier
+from ..planner.bounds.requests import sequence_path
+from ..planner.conflicts.infeasibility import Refusals
+from ..planner.lgp import SolveOptions, motion_settings
+from ..planner.motion.end_conditions import eased
+from ..planner.motion.keyframes.sequence import solve_sequence
+from ..planner.motion.settings import MotionSettings
+from ..planner.receding.mid_run_state import start
+from ..planner.receding.window import CANDIDATES, LOOKAHEAD, PLANNED, plan_window, remember
+from ..seeds import Seed
+from ..skeleton import BoundResult, Breach, Phase, PhasePath, Skeleton, beginning
+from ..verify.formulas import ReplayError
+from ..verify.replay import Interpreter
+from .scene_prediction import concerned
+
+SHORTER = ((2, -0.005), (2, -0.01))
+"""After a first try while things move: so many actions, as what comes later may be in reach by then, and so
+many metres added to margins, as a robot that stands a little off may be nearer to things than it should."""
+FEW_CANDIDATES = 6
+"""Ways that a search in mid-run judges: as a rule the first one is taken (benchmarks/horizon.py)."""
+FARTHER = 3
+"""Actions that are looked at beyond others for every time that the run has been in the same state before: it goes in
+circles when what is refused lies behind what it looks at."""
+
+Item = TypeVar("Item")
+
+
+@dataclass(frozen=True, slots=True)
+class Window:
+    """`actions` lead to the goal as it is seen now; `skeleton` holds the first of them, `paths` the motions of the
+    first of these. `problem` is the scene that it was planned in, begun from the state reached; `moving` are the bodies
+    that its phases come near and that move: then only the first phase has a motion."""
+
+    problem: ir.Problem
+    actions: tuple[ir.Action, ...]
+    skeleton: Skeleton
+    paths: list[PhasePath]
+    moving: frozenset[str]
+
+
+class Planner:
+    """Plans windows for one run. `status` says, after no way was found, why: "stuck" or "infeasible"; `refusals`
+    explain it. `failures` counts windows that were not found, one after the other: the next tries are others.
+    `hasty` searches, in mid-run, judge few ways. `returns` says how often the run has been in the present state
+    before: the more often, the farther P_seq looks. `blamed` maps bodies that were in the way of the first phase of
+    the last one to the modules that they stopped."""
+
+    def __init__(self, options: SolveOptions) -> None:
+        self.options = options
+        self.status = "running"
+        self.failures = 0
+        self.returns = 0
+        self.hasty = False
+        self.blamed: dict[str, str] = {}
+        self.refusals: Refusals | None = None
+
+    def known_way(
+        self, problem: ir.Problem, actions: Sequence[ir.Action], horizon: int, moving: frozenset[str], wider: float,
+        budget: Budget,
+    ) -> Window | None:  # fmt: skip
+        """A window on a way that is known, without a search; None when it is not possible so. Raises OutOfTime."""
+        skeleton = self.skeleton(problem, actions[: horizon + LOOKAHEAD + self.returns * FARTHER])
+        if skeleton is None:
+            return None
+        moving = concerned(beginning(skeleton, horizon), moving)
+        motions = 1 if moving else horizon
+        far = horizon + self.returns * FARTHER
+        shorter = [(far if self.returns else min(horizon, count), margin) for count, margin in SHORTER]
+        shorter += [(1, SHORTER[-1][1])] if self.failures and not self.returns else []
+        seen = far if moving else horizon + LOOKAHEAD
+        tries = [(seen, 0.0), *(shorter if moving else [(horizon, SHORTER[0][1])])]
+        for attempt, (count, margin) in enumerate(tries):
+            settings = motion_settings(problem, self.options).wider(wider + margin)
+            seed = Seed(self.options.seed).child("failures", self.failures, attempt)
+            found = _motions(beginning(skeleton, count), motions, settings, seed, budget)
+            if found.feasible:
+                return Window(problem, tuple(actions), skeleton, eased(problem.world, found.paths), moving)
+            self.blamed = _in_the_way(problem, found)
+        return None
+
+    def skeleton(self, problem: ir.Problem, actions: Sequence[ir.Action]) -> Skeleton | None:
+        """The skeleton of actions; None when one of them cannot be done."""
+        try:
+            return replayed(problem, actions, lambda interpreter, facts, action: action)
+        except ReplayError:
+            return None
+
+    def new_way(
+        self, problem: ir.Problem, previous: ir.Action | None, horizon: int, moving: frozenset[str], wider: float,
+        budget: Budget,
+    ) -> Window | None:  # fmt: skip
+        """Search a way to the goal of which the first `horizon` actions have motions. Raises OutOfTime."""
+        begin = replace(start(problem), previous=previous)
+        short = bool(self.failures) and not self.returns
+        seen = LOOKAHEAD if not moving else FARTHER * self.returns + (0 if short else 1)
+        memory = remember(problem, self.options, budget)
+        memory.bounds.settings = memory.bounds.settings.wider(wider + (SHORTER[-1][1] if moving else 0.0))
+        count = SHORTER[0][0] if moving else horizon
+        candidates = FEW_CANDIDATES if self.hasty else CANDIDATES
+        found = plan_window(
+            problem, begin, self.options, count, budget, memory, lookahead=seen, candidates=candidates
+        )
+        if found.status != PLANNED:
+            self.status, self.refusals = found.status, memory.refusals
+            return None
+        moving = concerned(found.skeleton, moving)
+        paths = list(found.paths[: 1 if moving else horizon])
+        return Window(problem, found.actions, found.skeleton, paths, moving)
+
+
+def replayed(
+    problem: ir.Problem, items: Iterable[Item], action_of: Callable[[Interpreter, frozenset[ir.Fact], Item], ir.Action]
+) -> Skeleton:
+    """The skeleton of actions, by a plain replay; `action_of` tells the action that an item is in a state. Raises
+    ReplayError when one of them cannot be done."""
+    interpreter = Interpreter(problem)
+    facts, mode = problem.init, interpreter.canonical(problem.init_motion)
+    previous: ir.Action | None = None
+    phases = []
+    for item in items:
+        action = action_of(interpreter, facts, item)
+        outcome = interpreter.apply(facts, mode, action, previous)
+        phases.append(Phase(action, mode, outcome.added_motion))
+        facts, mode, previous = outcome.facts, outcome.motion, action
+    return Skeleton(problem, tuple(phases), mode)
+
+
+def _motions(
+    skeleton: Skeleton, motions: int, settings: MotionSettings, seed: Seed, budget: Budget
+) -> BoundResult:
+    """Switches of the whole skeleton, then motions of its first phases."""
+    sequence = solve_sequence(skeleton, settings, seed, budget)
+    if not sequence.feasible:
+        return sequence
+    first = beginning(skeleton, motions)
+    cut = replace(sequence, configurations=sequence.configurations[: len(first) + 1])
+    return sequence_path(first, cut, settings, seed, budget)
+
+
+def _in_the_way(problem: ir.Problem, refused: BoundResult) -> dict[str, str]:
+    """Bodies that the first phase collides with, and the module that does."""
+    found = {}
+    for violation in refused.violations:
+        if violation.kind == Breach.COLLISION and violation.phase == 0:
+            pair = violation.names
+            for body, other in (pair, pair[::-1]):
+                module = carrier(problem, other)
+                if body in problem.world.bodies and module in problem.world.modules:
+                    found[body] = module
+    return found

@@ -1,0 +1,53 @@
+"""What a run in a simulated world is asked for, and what it tells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ...langs.diagnostics import Diagnostic
+from ..plan import Plan
+from ..planner.lgp import SolveOptions
+from ..skeleton import Array
+from .actuators import EXACT, Noise
+
+HORIZON = 4
+"""Actions that get their motion in one window, where nothing else is said."""
+LATENCY = 0.25
+"""Simulated seconds that planning a window takes, where nothing else is said."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunOptions:
+    """`horizon` actions get their motion in one window (None: as many as seem wise), whose planning takes `latency`
+    simulated seconds."""
+
+    solve: SolveOptions
+    horizon: int | None = HORIZON
+    noise: Noise = EXACT
+    seed: int = 0
+    latency: float = LATENCY
+
+
+@dataclass(frozen=True, slots=True)
+class RunProgress:
+    """Where a run stands: simulated seconds, actions done, actions left on the way that is known."""
+
+    message: str
+    time: float
+    done: int
+    left: int
+    elapsed: float
+
+
+@dataclass(slots=True)
+class RunOutcome:
+    """`status` is "solved"; "stuck": from the state reached no way leads on; "lost": a breakdown took what carries a
+    robot or holds a thing; "refused": by the verifier; "budget" or "interrupted". `plan` holds what was carried out,
+    verified where there was time for it; it is not `complete` unless the goal is reached. `commanded` and `driven`
+    joint values `(T, n)` are those at its time stamps."""
+
+    status: str
+    plan: Plan
+    explanation: list[Diagnostic] = field(default_factory=list)
+    commanded: dict[str, Array] = field(default_factory=dict)
+    driven: dict[str, Array] = field(default_factory=dict)

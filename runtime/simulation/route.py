@@ -1,0 +1,285 @@
+"""Plans the windows of a run: in the scene as it will be when their first phase ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ...compiler import ir
+from ..budget import Budget
+from ..geometry.resampling import kept_pairs
+from ..planner.lgp import SolveOptions, motion_settings
+from ..seeds import Seed
+from ..skeleton import Array, Phase, PhasePath
+from .braking import at_times, braked, waiting
+from .evasion import way_aside
+from .failures import Failures
+from .monitor import Lookout
+from .planning import Planner, Window
+from .predicted_clearance import LOOKS, clearances, deepest, nearest
+from .scene_prediction import displaced, foreseen_problem
+from .sensing import PERIOD, SAME_TIME
+from .steering import FARTHEST, LEAST, Steering
+from .world import World
+
+FIRST_GUESS = 2.0
+"""Seconds that a phase is assumed to take before any was seen."""
+ROOM = 1.1
+"""What is added to the seconds that a phase takes."""
+ATTEMPTS = 5
+"""How often a window is planned anew because its first phase takes longer than assumed, or meets what it lets go."""
+SHORT = 0.3
+"""What is left of a phase that was broken off may take so many seconds more."""
+WIDER = 0.01
+"""Metres by which margins grow for a phase that would get into what moves."""
+DEEP = 8e-4
+"""Metres that a phase may be in something, as when it leaves what rises."""
+PRESSED = 2e-4
+"""The same for a robot at rest, which what changes its way may press further before it is noticed."""
+THREAT = 3e-3
+"""Metres from a motion within which what has changed its way breaks it off: it takes time to brake."""
+MORE = 5e-5
+"""Metres that are no more."""
+LATER = 6
+"""Looks by which a motion may be broken off later than it could be."""
+NEARLY = 1e-3
+"""Metres that a motion may end off what it meets, where it is too late for anything else."""
+AROUND = 0.05
+"""Metres from a robot within which bodies are looked out for."""
+
+
+@dataclass(slots=True)
+class Route:
+    """The way to the goal as it is known, and how windows on it are planned."""
+
+    problem: ir.Problem
+    options: SolveOptions
+    horizon: int
+    failures: Failures
+    lookout: Lookout
+    budget: Budget
+    way: tuple[ir.Action, ...] = ()
+    planner: Planner = field(init=False)
+    _seconds: dict[str, float] = field(default_factory=dict)
+    _visits: dict[tuple[frozenset[ir.Fact], frozenset[ir.Fact], int], int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.planner = Planner(self.options)
+
+    def on_the_way(self, world: World, left: float | None) -> Window | None:
+        """A window on the known way; `left` is how long a phase that was broken off would have taken still."""
+        if not self.way:
+            return None
+        usual = self._seconds.get(self.way[0].rule, FIRST_GUESS)
+        guesses = [usual, 0.5 * usual] if left is None else [min(usual, left + SHORT), usual]
+        for seconds in guesses:
+            window = self._timed(world, seconds, search=False)
+            if window is not None:
+                return window
+        return None
+
+    def another_way(self, world: World) -> Window | None:
+        """A window on a way that is searched anew."""
+        self.planner.hasty = bool(self.way) or world.time > 0.0
+        window = self._timed(world, FIRST_GUESS, search=True)
+        self.way = window.actions if window is not None else self.way
+        return window
+
+    def take(self, world: World, window: Window) -> None:
+        """Follow a window that was planned elsewhere, for the scene as it is now."""
+        self.way = window.actions
+        self.lookout.expect(world.time, self.lookout.look(world))
+
+    def done(self, world: World) -> None:
+        """The first action of the way took place."""
+        self.way = self.way[1:]
+        here = world.reached.facts, world.reached.mode, len(self.failures.locked | self.failures.gone)
+        self.planner.returns = self._visits.get(here, 0)
+        self._visits[here] = self.planner.returns + 1
+
+    def _timed(self, world: World, seconds: float, *, search: bool) -> Window | None:
+        """A window whose first phase ends when its scene is the foreseen one."""
+        poses = self.lookout.look(world)
+        self.lookout.expect(world.time, poses)
+        met, passed, wider = frozenset[str](), dict[str, str](), 0.0
+        for _ in range(ATTEMPTS):
+            expected = self._at(poses, world.time + seconds)
+            base = self.failures.base(self.problem)
+            problem = self.failures.stuck(foreseen_problem(base, world.reached, expected, met, passed))
+            window = self._search(world, problem) if search else self._known(problem, wider)
+            if window is None and not search:
+                more = self._in_the_way(world, passed)
+                if more:
+                    passed |= more
+                    continue
+            if window is None or not window.moving or not window.paths:
+                return window
+            self.way, search = window.actions, False
+            first = window.skeleton.phases[0]
+            named = frozenset(a for literal in first.added for a in literal[1:])
+            elsewhere = named & displaced(problem, base, world.reached, expected)
+            if elsewhere:
+                met |= elsewhere
+                passed = {body: module for body, module in passed.items() if body not in elsewhere}
+            elif window.paths[0].duration > seconds:
+                seconds = ROOM * window.paths[0].duration
+            elif self._deepest(world, first, in_time(window.paths[0], seconds), poses) > DEEP:
+                wider += WIDER
+            else:
+                self._seconds[first.action.rule] = ROOM * window.paths[0].duration
+                return replace(window, paths=[in_time(window.paths[0], seconds)])
+        return None
+
+    def _in_the_way(self, world: World, passed: Mapping[str, str]) -> dict[str, str]:
+        """Bodies that only come in the way later, and that the robot passes meanwhile."""
+        kept = {name for pair in kept_pairs(self.problem, world.reached.mode) for name in pair}
+        bodies = self.problem.world.bodies
+        blamed = self.planner.blamed.items()
+        return {b: m for b, m in blamed if b not in passed and b not in kept and not bodies[b].movable}
+
+    def is_clear(self, world: World, phase: Phase, path: PhasePath) -> bool:
+        """Whether nothing presses upon a robot on a way that no window is for, such as rest, or no more than now."""
+        poses, now = self.lookout.look(world), waiting(world.reached.configuration, SAME_TIME)
+        pressed = self._deepest(world, phase, now, poses, everyone=True)
+        return self._deepest(world, phase, path, poses, everyone=True) <= max(PRESSED, min(pressed + MORE, DEEP))
+
+    def is_time_to_stop(
+        self, world: World, phase: Phase, path: PhasePath, since: float, until: float, steering: Steering | None
+    ) -> bool:  # fmt: skip
+        """Whether a motion that is to be broken off had better be so now, `since` seconds after its begin, than a
+        little later or not at all: it comes to rest, and stays there `until` so many seconds after its begin while
+        things move on as they seem to. One that all but meets what it is to meet soon goes on to its end."""
+        soon = steering if path.duration - since < LATER * PERIOD else None
+        if soon and self._off(world, path, since, soon) < NEARLY and (
+            self._pressed(world, phase, path, since, path.duration) <= DEEP
+        ):
+            return False
+        depths: list[float] = []
+        for stop in since + PERIOD * np.arange(LATER + 1):
+            slowed = path if stop >= path.duration else self.brought_to_rest(world, path, float(stop))
+            if slowed is path and not (steering and self._off(world, path, since, steering) < NEARLY):
+                break
+            depths.append(self._pressed(world, phase, slowed, since, until))
+            if depths[-1] <= self._bearable(world, phase, path, since):
+                break
+        return int(np.argmin(depths)) == 0 if depths else True
+
+    def brought_to_rest(self, world: World, path: PhasePath, since: float) -> PhasePath:
+        """Rest where the robot is, before a motion begins; else the motion that slows down."""
+        return braked(self.problem.world, path, since) if since > 0.0 else waiting(world.reached.configuration, PERIOD)
+
+    def _bearable(self, world: World, phase: Phase, path: PhasePath, since: float) -> float:
+        """How deep, metres, a robot may be pressed upon: little more than now."""
+        now = self._pressed(world, phase, path, since, since + SAME_TIME, instant=True)
+        return max(PRESSED, min(now + MORE, DEEP))
+
+    def _pressed(
+        self, world: World, phase: Phase, path: PhasePath, since: float, until: float, instant: bool = False
+    ) -> float:  # fmt: skip
+        """How deep, metres, robots get into something from `since` on, on a motion and at rest at its end `until`."""
+        last = since + SAME_TIME if instant else max(path.duration, until)
+        rest = at_times(path, np.minimum(np.linspace(since, last, LOOKS), path.duration), last - since)
+        whole = self.failures.whole(rest, world.reached.configuration)
+        own = self._own(world.at(world.time + since), world.time + np.linspace(since, last, LOOKS), newest=True)
+        return deepest(self.problem, world.reached.configuration, phase, whole, own, everyone=True)
+
+    def aside(self, world: World) -> PhasePath | None:
+        """A motion, standing where it stands, of the robot that the next action moves, to where it has room."""
+        expected = self._at(self.lookout.look(world), world.time + FIRST_GUESS)
+        base = self.failures.base(self.problem)
+        problem = self.failures.stuck(foreseen_problem(base, world.reached, expected, frozenset(), {}))
+        skeleton = self.planner.skeleton(problem, self.way[:1])
+        if skeleton is None:
+            return None
+        seed = Seed(self.options.seed).child("aside", self.planner.failures)
+        return way_aside(skeleton, motion_settings(problem, self.options), seed, self.budget)
+
+    def passed(self, world: World, phase: Phase, path: PhasePath) -> frozenset[str]:
+        """The bodies on courses that a motion comes near, as they seem to move."""
+        times = world.time + np.linspace(0.0, path.duration, LOOKS)
+        poses = self.lookout.look(world)
+        own = self._own(poses, times)
+        found = nearest(self.problem, world.reached.configuration, phase, path, own)
+        return frozenset(body for (_, body), distance in found.items() if distance < AROUND and body in own)
+
+    def threatens(self, world: World, phase: Phase, path: PhasePath, since: float, bodies: Iterable[str]) -> bool:
+        """Whether one of `bodies`, as they seem to move now, comes near what is left of a motion after `since` seconds;
+        the motion began in the state that the world is in."""
+        rest, own = self._what_is_left(world, path, since)
+        found = nearest(self.problem, world.reached.configuration, phase, rest, own)
+        return any(distance < THREAT for (_, body), distance in found.items() if body in bodies)
+
+    def steering(self, world: World, phase: Phase, path: PhasePath) -> Steering:
+        """What steers a phase that begins now to where what it meets will be."""
+        expected = self.lookout.expected(world.time + path.duration, world.at(world.time))
+        return Steering(self.problem, phase, path, world.reached.configuration, expected)
+
+    def steered(
+        self, world: World, phase: Phase, path: PhasePath, since: float, steering: Steering
+    ) -> tuple[PhasePath, float]:
+        """The motion, after `since` seconds of it, led to where what it meets seems to be at its end, and by how many
+        metres its end is moved; the same motion where that makes no difference, is too far, or would get into
+        something."""
+        foreseen = self._at_the_end(world, path, since)
+        off = steering.off(path, foreseen)
+        found = steering.steered(path, since, foreseen) if LEAST + self.lookout.sensing.sigma < off < FARTHEST else None
+        if found is None:
+            return path, off
+        rest, own = self._what_is_left(world, found, since)
+        clear = deepest(self.problem, world.reached.configuration, phase, rest, own) <= DEEP
+        return (found if clear else path), off
+
+    def _off(self, world: World, path: PhasePath, since: float, steering: Steering) -> float:
+        return steering.off(path, self._at_the_end(world, path, since))
+
+    def _at_the_end(self, world: World, path: PhasePath, since: float) -> dict[str, Array]:
+        """The poses `(7,)` of bodies at the end of a motion, as they seem to move after `since` seconds of it."""
+        return self._at(world.at(world.time + since), world.time + path.duration, newest=True)
+
+    def near(self, world: World) -> frozenset[str]:
+        """The bodies on courses that a robot at rest has to look out for."""
+        found = clearances(self.problem.world, world.reached.configuration, AROUND)
+        return frozenset(body for _, body in found if body in world.on_course)
+
+    def _deepest(
+        self, world: World, phase: Phase, path: PhasePath, poses: Mapping[str, Array], everyone: bool = False
+    ) -> float:
+        """How deep a phase gets into something, metres, while bodies move on as they seem to."""
+        times = world.time + np.linspace(0.0, path.duration, LOOKS)
+        own = self._own(poses, times, newest=everyone)
+        whole = self.failures.whole(path, world.reached.configuration)
+        return deepest(self.problem, world.reached.configuration, phase, whole, own, everyone)
+
+    def _own(self, poses: Mapping[str, Array], times: Array, *, newest: bool = False) -> dict[str, Array]:
+        """The poses `(T, 7)` of bodies at some times, as they seem to move; `poses` tell how they are turned."""
+        foreseen = self.lookout.sensing.foreseen
+        return {body: foreseen(body, pose, times, newest=newest) for body, pose in poses.items()}
+
+    def _at(self, poses: Mapping[str, Array], time: float, *, newest: bool = False) -> dict[str, Array]:
+        """As `_own`, the poses `(7,)` at one time."""
+        return {body: rows[0] for body, rows in self._own(poses, np.array([time]), newest=newest).items()}
+
+    def _what_is_left(self, world: World, path: PhasePath, since: float) -> tuple[PhasePath, dict[str, Array]]:
+        """What is left of a motion after `since` seconds, and the poses of bodies meanwhile, as they seem to move."""
+        rest = at_times(path, np.linspace(since, path.duration, LOOKS), path.duration - since)
+        times = world.time + since + np.linspace(0.0, rest.duration, LOOKS)
+        return rest, self._own(world.at(world.time + since), times, newest=True)
+
+    def _known(self, problem: ir.Problem, wider: float) -> Window | None:
+        return self.planner.known_way(problem, self.way, self.horizon, self._moving(), wider, self.budget)
+
+    def _search(self, world: World, problem: ir.Problem) -> Window | None:
+        previous = world.reached.previous
+        return self.planner.new_way(problem, previous, self.horizon, self._moving(), 0.0, self.budget)
+
+    def _moving(self) -> frozenset[str]:
+        expectation = self.lookout.expectation
+        velocities: dict[str, Array] = {} if expectation is None else expectation.velocities
+        return frozenset(body for body, velocity in velocities.items() if velocity.any())
+
+
+def in_time(path: PhasePath, seconds: float) -> PhasePath:
+    """The same motion in more time."""
+    return PhasePath(path.modules, path.bodies, seconds)
