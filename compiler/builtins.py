@@ -1,6 +1,7 @@
 """The built-in functions of the language, with what they take and give. One table for checker, back ends and docs.
 
-Kinds: "number" (plain), "length", "angle", "vector", "pose", "rows" (several lengths), "object", "chain", "letter".
+Kinds: "number" (plain), "length", "angle", "vector", "pose", "rows" (several lengths), "object", "chain", "letter";
+"same" is the kind of the arguments, "rows" where one of two is.
 A "length" and a "number" mix freely only when one of them is a plain literal number.
 """
 
@@ -42,6 +43,8 @@ FUNCTIONS: dict[str, Builtin] = {
                  "a random number between two bounds, by the seed"),
     "sqrt": _f("number", "number", 1, "scene rule motion", "square root"),
     "abs": _f("number|length|angle", "same", 1, "scene rule motion", "absolute value"),
+    "least": _f("number number|length length|angle angle|rows rows|rows length|length rows", "same", 1, "scene motion",
+                "the smaller of two values; of several lengths, of each"),
     "sin": _f("angle", "number", 1, "scene rule motion", "sine"),
     "cos": _f("angle", "number", 1, "scene rule motion", "cosine"),
     "floor": _f("number", "number", 1, "scene rule", "largest integer that is not above the argument"),

@@ -12,6 +12,7 @@ from .. import ir
 FUNCTIONS: dict[str, Callable[..., float]] = {
     "sqrt": math.sqrt,
     "abs": abs,
+    "least": min,
     "sin": math.sin,
     "cos": math.cos,
     "floor": math.floor,

@@ -138,7 +138,8 @@ def _apply(context: Context, scope: Scope, term: syntax.Call, name_span: Span) -
             context.findings.report(code, arg.span, expected, note=describe(term.function))
             return BROKEN
         overloads = fitting
-    kind = Kind(overloads[0][0] if builtin.result == "same" else builtin.result)
+    same = "rows" if "rows" in overloads[0] else overloads[0][0]
+    kind = Kind(same if builtin.result == "same" else builtin.result)
     literal = all(a.literal for a in arguments)
     values = [a.value for a in arguments]
     if all(v is not None for v in values):

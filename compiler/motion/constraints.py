@@ -175,7 +175,7 @@ def _function(name: str, args: tuple[ir.Term, ...], scope: Mapping[str, Solid]) 
         return axis(_object(args[0], scope).frame.quaternion, args[1].letter)
     plain: dict[str, Callable[..., Expression]] = {
         "dot": ca.dot, "cross": ca.cross, "norm": lambda v: ca.sqrt(ca.dot(v, v) + distances.SMOOTH),
-        "sqrt": ca.sqrt, "abs": ca.fabs, "sin": ca.sin, "cos": ca.cos,
+        "sqrt": ca.sqrt, "abs": ca.fabs, "least": ca.fmin, "sin": ca.sin, "cos": ca.cos,
     }  # fmt: skip
     if name not in plain:
         raise ValueError(f"`{name}` has no meaning in a motion predicate")

@@ -158,6 +158,8 @@ def _numeric(name: str, arguments: list[Quantity]) -> Quantity:
             return Quantity(np.cross(a.values, b.values), _shared([a.unit, b.unit]))
         case "norm", [a]:
             return Quantity(np.linalg.norm(a.values, axis=1, keepdims=True), a.unit)
+        case "least", [a, b]:
+            return Quantity(np.minimum(a.values, b.values), _shared([a.unit, b.unit]))
         case "abs", [a]:
             return Quantity(np.abs(a.values), a.unit)
         case "sqrt", [a]:

@@ -103,6 +103,8 @@ class Strays:
                 return np.repeat(stray[:, None], 3, axis=1)
             case "norm", [one]:
                 return np.asarray(np.linalg.norm(one, axis=1, keepdims=True))
+            case "least", [one, other]:
+                return np.maximum(one, other)
             case "sqrt", [one]:
                 least = np.maximum(self._least(node.args[0]), np.finfo(float).tiny)
                 return np.minimum(np.sqrt(one), one / np.sqrt(least))

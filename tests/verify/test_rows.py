@@ -63,6 +63,8 @@ def evaluate(pair: Plan) -> Callable[[ir.Term], list[float]]:
         (call("sqrt", ir.Number(4.0)), [2.0], ""),
         (call("cos", ir.Number(0.0)), [1.0], ""),
         (call("abs", ir.Number(-3.0)), [3.0], ""),
+        (call("least", call("top", Y), ir.Number(1.0)), [0.025], "m"),
+        (call("least", call("inside", X, Y), call("top", Y)), [0.025] * 4, "m"),
     ],
 )
 def test_terms(evaluate: Callable[..., object], node: ir.Term, values: list[float], unit: str) -> None:

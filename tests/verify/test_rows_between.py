@@ -89,6 +89,7 @@ TERMS = {
     "product": "dot(position(X), position(X)) * dot(axis(X, z), (0, 0, 1)) <= AT",
     "quotient": "dot(position(X), (1, 0, 0)) / (1 + dot(position(X), position(X))) <= AT",
     "root": "sqrt(dot(position(X), position(X))) >= AT",
+    "least": "least(top(X) + 1 m, gap(X, Y)) >= AT m",
     "cross": "dot(cross(position(X), (0, 1, 0)), (0, 0, 1)) <= AT",
     "axis": "dot(axis(X, z), (0, 0, 1)) >= AT",
     "centre": "dot(centre(X), (1, 0, 0)) <= AT",

@@ -117,6 +117,8 @@ def _function(term: ir.Function, binding: dict[str, Any], view: View) -> Any:
             return np.cross(*np.broadcast_arrays(*args))
         case "norm":
             return np.linalg.norm(args[0], axis=1, keepdims=True)
+        case "least":
+            return np.minimum(args[0], args[1])
         case "abs" | "sqrt" | "sin" | "cos":
             return getattr(np, term.name)(args[0])
         case "pose":
