@@ -54,8 +54,10 @@ from .lifted_ir import (
     Var,
     Variable,
     Vector,
+    conjuncts,
     effects_of,
     effects_with_loops,
+    span_of,
 )  # fmt: skip
 
 __all__ = [
@@ -65,7 +67,7 @@ __all__ = [
     "Joint", "Letter", "Link", "Literal", "Module", "ModuleType", "MotionPredicate", "Not", "Number", "Object",
     "ObjectType", "Options", "Or", "Pose", "Predicate", "Previous", "Problem", "Prune", "RangeType", "Row",
     "Rule", "Shape", "Term", "Type", "Value", "ValueType", "Var", "Variable", "Vec3", "Vector", "World",
-    "effects_of", "effects_with_loops",
+    "conjuncts", "effects_of", "effects_with_loops", "span_of",
 ]  # fmt: skip
 
 Vec3 = tuple[float, float, float]

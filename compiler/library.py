@@ -52,7 +52,6 @@ class Library:
     foreign: Mapping[str, bytes]
     names: Mapping[str, str]
     types: Mapping[str, str | None]
-    type_spans: Mapping[str, Span]
     predicates: Mapping[str, syntax.PredicateDecl]
     derived: Mapping[str, syntax.DerivedDecl]
     functions: Mapping[str, syntax.FunctionDecl]
@@ -140,7 +139,6 @@ def build_library(
         foreign,
         names,
         types,
-        spans,
         predicates,
         derived,
         tables.of(syntax.FunctionDecl),

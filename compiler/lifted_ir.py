@@ -229,6 +229,22 @@ class Previous:
 
 Formula = Literal | Not | And | Or | Exists | Forall | Compare | Previous
 
+
+def conjuncts(formula: Formula) -> Iterator[Formula]:
+    """The parts of a formula that all have to hold."""
+    if isinstance(formula, And):
+        for part in formula.operands:
+            yield from conjuncts(part)
+    else:
+        yield formula
+
+
+def span_of(formula: Formula) -> Span | None:
+    """Where the first literal or comparison of a formula stands."""
+    spans = (part.span for part in parts(formula) if isinstance(part, Literal | Compare))
+    return next((span for span in spans if span is not None), None)
+
+
 # --- declarations ------------------------------------------------------------------------------------------------
 
 

@@ -16,7 +16,7 @@ from .effects import check_effects
 from .formulas import TRUE, check_formula
 from .kinds import NUMBER
 from .names import Scope
-from .relaxation import conjuncts
+from .relaxation import needed_literals
 from .scalars import check_scalar
 
 
@@ -121,7 +121,7 @@ def _check_values(context: Context, rule: ir.Rule) -> None:
     """Report a rule that gives a functional predicate a value beside one that it needs, or gives it two."""
     own = [e for e in rule.effects if isinstance(e, ir.Effect) and not e.negated and not e.literal.motion]
     deleted = {e.literal.predicate for e in ir.effects_of(rule.effects) if e.negated and not e.literal.motion}
-    needed = [x for x in conjuncts(rule.condition)[0] if x.predicate not in deleted]
+    needed = [x for x in needed_literals(rule.condition)[0] if x.predicate not in deleted]
     for number, effect in enumerate(own):
         literal = effect.literal
         declared = context.library.predicates[literal.predicate]

@@ -12,7 +12,7 @@ from ..library import Library
 from .check_logic import Placement, predicates_in
 from .context import Context
 from .names import names_in
-from .relaxation import conjuncts
+from .relaxation import needed_literals
 
 
 def check_usage(
@@ -114,7 +114,7 @@ def _check_fires(
 ) -> None:
     own = rule.span is not None and rule.span.file == context.library.path
     given = {x.predicate for x in added if not x.motion} | {s.predicate for s in stated if not s.motion}
-    positive = conjuncts(rule.condition)[0]
+    positive = needed_literals(rule.condition)[0]
     negative = set(_negated(rule.condition))
     for literal in positive:
         if literal in negative:

@@ -60,7 +60,7 @@ class Relaxation:
         readable: list[ir.Derived | ir.Rule] = [*self.world.derived.values(), *self.world.rules.values()]
         for reader in readable:
             condition = reader.condition if isinstance(reader, ir.Rule) else reader.body
-            for predicate in {literal.predicate for literal in conjuncts(condition)[0]}:
+            for predicate in {literal.predicate for literal in needed_literals(condition)[0]}:
                 readers.setdefault(predicate, []).append(reader)
         waiting = {id(reader): reader for reader in reversed(readable)}
         while waiting:
@@ -113,7 +113,7 @@ class Relaxation:
     def solve(self, variables: Sequence[ir.Variable], condition: ir.Formula) -> Domains | None:
         """The objects that each variable can be, or None when the condition can never hold."""
         domains = {v.name: set(self.of(v)) for v in variables if isinstance(v.type, ir.ObjectType)}
-        literals, bound = conjuncts(condition)
+        literals, bound = needed_literals(condition)
         domains.update({v.name: set(self.of(v)) for v in bound if isinstance(v.type, ir.ObjectType)})
         if not all(domains.values()) and variables:
             return None
@@ -144,15 +144,15 @@ class Relaxation:
         return self.world.of_type("effector")
 
 
-def conjuncts(formula: ir.Formula) -> tuple[list[ir.Literal], list[ir.Variable]]:
+def needed_literals(formula: ir.Formula) -> tuple[list[ir.Literal], list[ir.Variable]]:
     """The positive literals that must hold, and the variables of the `exists` around them."""
     if isinstance(formula, ir.Literal):
         return [formula], []
     if isinstance(formula, ir.And):
-        parts = [conjuncts(f) for f in formula.operands]
+        parts = [needed_literals(f) for f in formula.operands]
         return [x for p in parts for x in p[0]], [v for p in parts for v in p[1]]
     if isinstance(formula, ir.Exists):
-        literals, bound = conjuncts(formula.body)
+        literals, bound = needed_literals(formula.body)
         return literals, [*formula.variables, *bound]
     return [], []
 

@@ -17,9 +17,9 @@ from ..ir import (
     Rule,
     Term,
     Var,
+    conjuncts,
     effects_of,
 )
-from ..symbolic.normal_form import conjuncts
 
 Bound = dict[Term, str]
 """What terms of a rule stand for."""

@@ -230,11 +230,6 @@ def _step(context: Context, scope: Scope, term: syntax.Term) -> ir.Vec3 | None:
     return None if value is None else (0.0, 0.0, value)
 
 
-def home_values(module: ir.ModuleType) -> tuple[float, ...]:
-    """The joint values in which a module starts."""
-    return tuple(j.home for j in module.joints)
-
-
 def entries_key(entries: Mapping[str, Entry]) -> tuple[float | None, ...]:
     """The values of parameters, to build each module type once."""
     return tuple(e.typed.value for e in entries.values())

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 
 from .. import ir
 from ..checks.findings import Findings
-from ..checks.relaxation import Relaxation, conjuncts
+from ..checks.relaxation import Relaxation, needed_literals
 
 Binding = Mapping[str, str]
 
@@ -33,7 +33,7 @@ def check_goal(findings: Findings, relaxation: Relaxation, goal: ir.Formula) -> 
 def _check_values(findings: Findings, relaxation: Relaxation, goal: ir.Formula) -> None:
     """Report a second value that the goal wants for a functional predicate."""
     wanted: dict[tuple[str, str], ir.Literal] = {}
-    for literal in conjuncts(goal)[0]:
+    for literal in needed_literals(goal)[0]:
         predicate = relaxation.world.predicates.get(literal.predicate)
         key_at = None if predicate is None else predicate.functional_in
         if predicate is None or key_at is None or not all(isinstance(a, ir.Object) for a in literal.args):
@@ -206,7 +206,7 @@ def _obstacle(
             if kind is not None and value not in relaxation.world.of_type(kind):
                 yield f"`{rule.name}` takes only things of type `{kind}` for {name}", None
                 return
-        for condition in conjuncts(rule.condition)[0]:
+        for condition in needed_literals(rule.condition)[0]:
             if not possible(relaxation, condition, binding):
                 yield _unmet(relaxation, rule, condition, binding)
                 return

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cached_property
 
 from ..ir import Chain, ChainType, Fact, Literal, Object, Problem, Var
 
@@ -13,14 +14,23 @@ class Word:
     def __init__(self, problem: Problem, facts: Iterable[Fact]) -> None:
         self.problem = problem
         self.facts = frozenset(facts)
-        self._by_predicate: dict[str, list[Fact]] = {}
-        self._by_argument: dict[tuple[str, int, str], list[Fact]] = {}
-        for fact in sorted(self.facts):
-            self._by_predicate.setdefault(fact[0], []).append(fact)
-            for k, name in enumerate(fact[1:]):
-                self._by_argument.setdefault((fact[0], k, name), []).append(fact)
         self._chains: dict[ChainType, tuple[Chain, ...]] = {}
         self._matches: dict[tuple[Literal, str], frozenset[str]] = {}
+
+    @cached_property
+    def _by_predicate(self) -> dict[str, list[Fact]]:
+        found: dict[str, list[Fact]] = {}
+        for fact in sorted(self.facts):
+            found.setdefault(fact[0], []).append(fact)
+        return found
+
+    @cached_property
+    def _by_argument(self) -> dict[tuple[str, int, str], list[Fact]]:
+        found: dict[tuple[str, int, str], list[Fact]] = {}
+        for fact in sorted(self.facts):
+            for k, name in enumerate(fact[1:]):
+                found.setdefault((fact[0], k, name), []).append(fact)
+        return found
 
     def matching(self, literal: Literal, variable: str) -> frozenset[str]:
         """The objects that `variable` may denote in a literal whose other arguments are known or free."""

@@ -24,6 +24,7 @@ from ..ir import (
     Compare,
     Conditional,
     Exists,
+    Fact,
     Forall,
     Formula,
     Function,
@@ -57,11 +58,15 @@ class Undefined(Exception):
 
 
 class Guards:
-    def __init__(self, problem: Problem, layout: Layout, geometry: Geometry) -> None:
+    """`known` facts are static ones, where they are not those of the layout."""
+
+    def __init__(
+        self, problem: Problem, layout: Layout, geometry: Geometry, known: frozenset[Fact] | None = None
+    ) -> None:
         self.problem = problem
         self.layout = layout
         self.geometry = geometry
-        self.static = Word(problem, layout.static)
+        self.static = Word(problem, layout.static if known is None else known)
         self._types: dict[str, tuple[str, ...]] = {}
         self._order = geometry.index
         self._ordered: dict[frozenset[str], tuple[Value, ...]] = {}

@@ -3,7 +3,7 @@ variables pulled out. All functions are pure and keep meaning."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import count
 from typing import Any, TypeVar
@@ -183,12 +183,3 @@ def _names(item: object) -> set[str]:
         case Exists() | Forall() | Aggregate():
             found -= {v.name for v in item.variables}
     return found
-
-
-def conjuncts(formula: Formula) -> Iterator[Formula]:
-    """The parts of a formula that all have to hold."""
-    if isinstance(formula, And):
-        for part in formula.operands:
-            yield from conjuncts(part)
-    else:
-        yield formula

@@ -18,8 +18,7 @@ from .. import plan as record
 from ..geometry.resampling import Resampled, resample
 from ..native import MissingLibrary, load_native
 from ..skeleton import Array, Phase, PhasePath, Skeleton, start_configuration
-from ..verify.formulas import ReplayError
-from ..verify.replay import Interpreter
+from .search.stepper import Stepper
 
 FACTOR = 3
 """Samples of the plan file per sample of the planner."""
@@ -208,23 +207,15 @@ def placed(problem: ir.Problem, span: Span | None) -> record.PlaceRecord | None:
 def _phases(
     problem: ir.Problem, actions: Sequence[ir.Action], skeleton: Skeleton, motions: Sequence[Resampled]
 ) -> list[record.PhaseRecord]:
-    interpreter = Interpreter(problem)
-    facts, mode = problem.init, interpreter.canonical(problem.init_motion)
+    stepper = Stepper(problem)
+    facts, mode = problem.init, problem.init_motion
     places: dict[ir.Fact, Span | None] = {}
-    previous: ir.Action | None = None
     result = []
     for action, phase, motion in zip(actions, skeleton.phases, motions, strict=True):
-        shown = interpreter.fluents(facts)
-        before = dict(places)
-        try:
-            outcome = interpreter.apply(facts, mode, action, previous)
-        except (ReplayError, KeyError):
-            after = facts
-        else:
-            after, mode = outcome.facts, outcome.motion
-            places.update(outcome.places)
-        result.append(phase_record(problem, phase, motion, shown, before, places))
-        facts, previous = after, action
+        step = stepper.effects(facts, mode, action)
+        after = {**places, **step.places}
+        result.append(phase_record(problem, phase, motion, stepper.fluents(facts), places, after))
+        facts, mode, places = step.facts, step.motion, after
     return result
 
 

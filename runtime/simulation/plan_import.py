@@ -18,8 +18,8 @@ REST = 10
 
 
 def window_of(problem: ir.Problem, plan: Plan) -> Window:
-    """All phases of a plan of `problem`. Raises ReplayError when the plan does not follow the rules."""
-    skeleton = replayed(problem, plan.phases, lambda interpreter, facts, p: interpreter.action(facts, p.rule, p.args))
+    """All phases of a plan of `problem`. Raises Inapplicable when the plan does not follow the rules."""
+    skeleton = replayed(problem, plan.phases, lambda stepper, facts, p: stepper.action(facts, p.rule, p.args))
     paths = [_path(plan, index) for index in range(len(plan.phases))]
     return Window(problem, tuple(p.action for p in skeleton.phases), skeleton, paths, frozenset())
 

@@ -17,10 +17,9 @@ from ..planner.motion.keyframes.sequence import solve_sequence
 from ..planner.motion.settings import MotionSettings
 from ..planner.receding.mid_run_state import start
 from ..planner.receding.window import CANDIDATES, LOOKAHEAD, PLANNED, plan_window, remember
+from ..planner.search.stepper import Inapplicable, Stepper
 from ..seeds import Seed
 from ..skeleton import BoundResult, Breach, Phase, PhasePath, Skeleton, beginning
-from ..verify.formulas import ReplayError
-from ..verify.replay import Interpreter
 from .scene_prediction import concerned
 
 SHORTER = ((2, -0.005), (2, -0.01))
@@ -91,16 +90,14 @@ class Planner:
     def skeleton(self, problem: ir.Problem, actions: Sequence[ir.Action]) -> Skeleton | None:
         """The skeleton of actions; None when one of them cannot be done."""
         try:
-            return replayed(problem, actions, lambda interpreter, facts, action: action)
-        except ReplayError:
+            return replayed(problem, actions, lambda stepper, facts, action: action)
+        except Inapplicable:
             return None
 
     def new_way(
-        self, problem: ir.Problem, previous: ir.Action | None, horizon: int, moving: frozenset[str], wider: float,
-        budget: Budget,
-    ) -> Window | None:  # fmt: skip
+        self, problem: ir.Problem, horizon: int, moving: frozenset[str], wider: float, budget: Budget
+    ) -> Window | None:
         """Search a way to the goal of which the first `horizon` actions have motions. Raises OutOfTime."""
-        begin = replace(start(problem), previous=previous)
         short = bool(self.failures) and not self.returns
         seen = LOOKAHEAD if not moving else FARTHER * self.returns + (0 if short else 1)
         memory = remember(problem, self.options, budget)
@@ -108,7 +105,7 @@ class Planner:
         count = SHORTER[0][0] if moving else horizon
         candidates = FEW_CANDIDATES if self.hasty else CANDIDATES
         found = plan_window(
-            problem, begin, self.options, count, budget, memory, lookahead=seen, candidates=candidates
+            problem, start(problem), self.options, count, budget, memory, lookahead=seen, candidates=candidates
         )
         if found.status != PLANNED:
             self.status, self.refusals = found.status, memory.refusals
@@ -119,19 +116,18 @@ class Planner:
 
 
 def replayed(
-    problem: ir.Problem, items: Iterable[Item], action_of: Callable[[Interpreter, frozenset[ir.Fact], Item], ir.Action]
+    problem: ir.Problem, items: Iterable[Item], action_of: Callable[[Stepper, frozenset[ir.Fact], Item], ir.Action]
 ) -> Skeleton:
-    """The skeleton of actions, by a plain replay; `action_of` tells the action that an item is in a state. Raises
-    ReplayError when one of them cannot be done."""
-    interpreter = Interpreter(problem)
-    facts, mode = problem.init, interpreter.canonical(problem.init_motion)
-    previous: ir.Action | None = None
+    """The skeleton of actions; `action_of` tells the action that an item is in a state. Raises Inapplicable when one of
+    them cannot be done."""
+    stepper = Stepper(problem)
+    facts, mode = problem.init, stepper.canonical(problem.init_motion)
     phases = []
     for item in items:
-        action = action_of(interpreter, facts, item)
-        outcome = interpreter.apply(facts, mode, action, previous)
-        phases.append(Phase(action, mode, outcome.added_motion))
-        facts, mode, previous = outcome.facts, outcome.motion, action
+        action = action_of(stepper, facts, item)
+        step = stepper.step(facts, mode, action)
+        phases.append(Phase(action, mode, step.added))
+        facts, mode = step.facts, step.motion
     return Skeleton(problem, tuple(phases), mode)
 
 

@@ -108,7 +108,7 @@ class Route:
             expected = self._at(poses, world.time + seconds)
             base = self.failures.base(self.problem)
             problem = self.failures.stuck(foreseen_problem(base, world.reached, expected, met, passed))
-            window = self._search(world, problem) if search else self._known(problem, wider)
+            window = self._search(problem) if search else self._known(problem, wider)
             if window is None and not search:
                 more = self._in_the_way(world, passed)
                 if more:
@@ -270,9 +270,8 @@ class Route:
     def _known(self, problem: ir.Problem, wider: float) -> Window | None:
         return self.planner.known_way(problem, self.way, self.horizon, self._moving(), wider, self.budget)
 
-    def _search(self, world: World, problem: ir.Problem) -> Window | None:
-        previous = world.reached.previous
-        return self.planner.new_way(problem, previous, self.horizon, self._moving(), 0.0, self.budget)
+    def _search(self, problem: ir.Problem) -> Window | None:
+        return self.planner.new_way(problem, self.horizon, self._moving(), 0.0, self.budget)
 
     def _moving(self) -> frozenset[str]:
         expectation = self.lookout.expectation

@@ -25,10 +25,10 @@ from ..planner.conflicts.infeasibility import distrust, unverified
 from ..planner.plan_assembly import FACTOR
 from ..planner.receding.horizon_length import horizon_of
 from ..planner.receding.window import INFEASIBLE
+from ..planner.search.stepper import Stepper
 from ..seeds import Seed
 from ..skeleton import Phase, PhasePath
 from ..verify import verify
-from ..verify.replay import Interpreter
 from .braking import braked, first_part, reversed_path, stopped, waiting
 from .dynamic_collisions import Struck, before_hit, first_hit
 from .failures import Failures
@@ -147,8 +147,8 @@ class Run:
         base = self._failures.base(self.problem)
         goal = base.goal
         parts = goal.operands if isinstance(goal, ir.And) else (goal,)
-        interpreter = Interpreter(base)
-        return [format_formula(p) for p in parts if not interpreter.holds(self.world.reached.facts, p)]
+        stepper = Stepper(base)
+        return [format_formula(p) for p in parts if not stepper.holds(self.world.reached.facts, p)]
 
     def _plan(self, reason: str) -> Window | None:
         """The next window: on the known way, or else on another one; while the run goes back, on the known way only."""
@@ -347,12 +347,12 @@ class Run:
     def _apply(self, action: ir.Action) -> None:
         """What the action does to the facts. Its condition was true of the scene in which it was planned."""
         reached = self.world.reached
-        interpreter = Interpreter(self._failures.base(self.problem))
-        self._cost += interpreter.cost(reached.facts, action, reached.previous)
-        outcome = interpreter.effects(reached.facts, interpreter.canonical(reached.mode), action, reached.previous)
-        self._places.update(outcome.places)
-        self.world.reached = replace(reached, facts=outcome.facts, mode=outcome.motion, previous=action)
-        self.world.begin(outcome.motion)
+        stepper = Stepper(self._failures.base(self.problem))
+        self._cost += stepper.cost(reached.facts, action)
+        step = stepper.effects(reached.facts, reached.mode, action)
+        self._places.update(step.places)
+        self.world.reached = replace(reached, facts=step.facts, mode=step.motion)
+        self.world.begin(step.motion)
         self._route.done(self.world)
 
     # --- the outcome ---------------------------------------------------------------------------------------------

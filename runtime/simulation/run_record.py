@@ -10,8 +10,8 @@ import msgspec
 from ...compiler import ir
 from .. import plan as record
 from ..planner.plan_assembly import Places, literal_records, phase_record, plan_of
+from ..planner.search.stepper import Stepper
 from ..skeleton import Phase
-from ..verify.replay import Interpreter
 from .world import Executed
 
 
@@ -44,12 +44,12 @@ def plan_of_run(
 
 
 def _phases(problem: ir.Problem, steps: Sequence[Step]) -> list[record.PhaseRecord]:
-    interpreter = Interpreter(problem)
+    stepper = Stepper(problem)
     result = []
     for step in steps:
         interval = step.executed.interval
         phase = Phase(interval.action, interval.mode, interval.added)
-        facts = interpreter.fluents(step.executed.before.facts)
+        facts = stepper.fluents(step.executed.before.facts)
         result.append(
             phase_record(problem, phase, step.executed, facts, step.before, step.after, interval.completed)
         )

@@ -23,12 +23,11 @@ class ReplayError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """The logic facts, symmetric ones in both orders, and the action before; `guards` measures the scene."""
+    """The logic facts, symmetric ones in both orders; `guards` measures the scene."""
 
     problem: ir.Problem
     facts: frozenset[ir.Fact]
     guards: Guards
-    previous: ir.Action | None = None
     chains: dict[tuple[str, str], tuple[ir.Chain, ...]] = field(default_factory=dict)
 
 
@@ -228,7 +227,7 @@ def holds(state: State, formula: ir.Formula, environment: Environment) -> bool:
         case ir.Compare():
             return _compare(state, formula, environment)
         case ir.Previous():
-            return _previous(state, formula, environment)
+            raise ReplayError("`previous is` stands only in heuristics")
 
 
 def pattern(state: State, terms: Sequence[ir.Term], environment: Environment) -> tuple[str | None, ...]:
@@ -273,13 +272,6 @@ def _compare(state: State, formula: ir.Compare, environment: Environment) -> boo
         ">": difference > TOLERANCE,
         ">=": difference >= -TOLERANCE,
     }[formula.operator]
-
-
-def _previous(state: State, formula: ir.Previous, environment: Environment) -> bool:
-    action = state.previous
-    if action is None or action.rule != formula.rule:
-        return False
-    return formula.args is None or matches(pattern(state, formula.args, environment), [str(a) for a in action.args])
 
 
 # --- what is measured --------------------------------------------------------------------------------------------

@@ -63,9 +63,9 @@ class Interpreter:
         self.problem = problem
         self._guards = Guards(problem)
 
-    def state(self, facts: Facts, previous: ir.Action | None = None) -> State:
+    def state(self, facts: Facts) -> State:
         """The facts as something that formulas can be asked of."""
-        return State(self.problem, facts, self._guards, previous)
+        return State(self.problem, facts, self._guards)
 
     def holds(self, facts: Facts, formula: ir.Formula) -> bool:
         """Whether a formula without free variables is true of the facts."""
@@ -98,38 +98,38 @@ class Interpreter:
         return ir.Action(rule, tuple(_argument(v) for v in environment.values()))
 
     def apply(
-        self, facts: Facts, motion: Facts, action: ir.Action, previous: ir.Action | None = None
+        self, facts: Facts, motion: Facts, action: ir.Action
     ) -> Outcome:
         """The state after the action; deletions before additions. Raises Inapplicable, ReplayError."""
         rule = self.problem.rules[action.rule]
         environment = {v.name: a for v, a in zip(rule.variables, action.args, strict=True)}
-        self._require(self.state(facts, previous), rule.condition, environment, action)
-        return self.effects(facts, motion, action, previous)
+        self._require(self.state(facts), rule.condition, environment, action)
+        return self.effects(facts, motion, action)
 
-    def require_unmeasured(self, facts: Facts, action: ir.Action, previous: ir.Action | None) -> None:
+    def require_unmeasured(self, facts: Facts, action: ir.Action) -> None:
         """As much of the action's condition as does not measure a scene that may have moved. Raises Inapplicable,
         ReplayError."""
         rule = self.problem.rules[action.rule]
         environment = {v.name: a for v, a in zip(rule.variables, action.args, strict=True)}
-        self._require(self.state(facts, previous), unmeasured(self.problem, rule.condition), environment, action)
+        self._require(self.state(facts), unmeasured(self.problem, rule.condition), environment, action)
 
     def effects(
-        self, facts: Facts, motion: Facts, action: ir.Action, previous: ir.Action | None = None
+        self, facts: Facts, motion: Facts, action: ir.Action
     ) -> Outcome:
         """The state after the action, whose condition is not asked. Raises Inapplicable where a functional predicate
         would have two values, ReplayError."""
         rule = self.problem.rules[action.rule]
-        state = self.state(facts, previous)
+        state = self.state(facts)
         environment = {v.name: a for v, a in zip(rule.variables, action.args, strict=True)}
         changes = _Changes()
         self._collect(state, rule.effects, environment, changes)
         return self._outcome(facts, motion, changes)
 
-    def cost(self, facts: Facts, action: ir.Action, previous: ir.Action | None = None) -> float:
+    def cost(self, facts: Facts, action: ir.Action) -> float:
         """What an action costs in the state given by `facts`. Raises ReplayError."""
         rule = self.problem.rules[action.rule]
         environment = {v.name: a for v, a in zip(rule.variables, action.args, strict=True)}
-        return number(self.state(facts, previous), rule.cost, environment)
+        return number(self.state(facts), rule.cost, environment)
 
     def _require(
         self, state: State, condition: ir.Formula, environment: Environment, action: ir.Action
@@ -139,7 +139,7 @@ class Interpreter:
             if isinstance(part, ir.And):
                 self._require(state, part, environment, action)
             elif not holds(state, part, environment):
-                raise Inapplicable(f"a condition of {action} does not hold", span_of(part))
+                raise Inapplicable(f"a condition of {action} does not hold", ir.span_of(part))
 
     def _collect(
         self, state: State, effects: Sequence[ir.EffectItem], environment: Environment, changes: _Changes
@@ -225,21 +225,6 @@ def _argument(value: Value) -> ir.Value:
     return value
 
 
-def span_of(formula: ir.Formula) -> Span | None:
-    """Where the first literal or comparison of a formula stands."""
-    match formula:
-        case ir.Literal() | ir.Compare():
-            return formula.span
-        case ir.Not():
-            return span_of(formula.operand)
-        case ir.Exists() | ir.Forall():
-            return span_of(formula.body)
-        case ir.And() | ir.Or():
-            return next((s for f in formula.operands if (s := span_of(f)) is not None), None)
-        case _:
-            return None
-
-
 # --- the plan ----------------------------------------------------------------------------------------------------
 
 
@@ -260,7 +245,6 @@ def replay(problem: ir.Problem, plan: Plan, findings: Findings, measured: Motion
     """
     interpreter, left = Interpreter(problem), frozenset[str]()
     facts, motion = problem.init, interpreter.canonical(problem.init_motion)
-    previous: ir.Action | None = None
     modes: list[Facts] = []
     added: list[Facts] = []
     for index, phase in enumerate(plan.phases):
@@ -277,10 +261,10 @@ def replay(problem: ir.Problem, plan: Plan, findings: Findings, measured: Motion
             if not phase.completed:
                 added.append(frozenset())
                 _broken_off(index, phase, findings)
-                interpreter.require_unmeasured(facts, action, previous)
+                interpreter.require_unmeasured(facts, action)
                 continue
             scenes = _scenes(interpreter, plan, measured, index)
-            outcome = _applied(scenes, facts, motion, action, previous)
+            outcome = _applied(scenes, facts, motion, action)
         except ReplayError as error:
             place = place_of(error.place) if isinstance(error, Inapplicable) else phase.place
             findings.fail("action", f"phase {index + 1}, {phase.action}: {error}", time=phase.end, place=place)
@@ -289,7 +273,7 @@ def replay(problem: ir.Problem, plan: Plan, findings: Findings, measured: Motion
         stored = interpreter.canonical(_facts(phase.added))
         if not (outcome.added_motion - motion <= stored <= outcome.added_motion):
             _compare(f"phase {index + 1}: added", stored, outcome.added_motion, phase, findings)
-        facts, motion, previous = outcome.facts, outcome.motion, action
+        facts, motion = outcome.facts, outcome.motion
     last = plan.phases[-1] if plan.phases else None
     at_end = left if last is None else left_at(problem, plan, last.end)
     if at_end != left:
@@ -351,15 +335,15 @@ def _scenes(
 
 
 def _applied(
-    scenes: Iterator[Interpreter], facts: Facts, motion: Facts, action: ir.Action, previous: ir.Action | None
+    scenes: Iterator[Interpreter], facts: Facts, motion: Facts, action: ir.Action
 ) -> Outcome:
     """The outcome of an action whose condition holds in one of some scenes. Raises Inapplicable, ReplayError."""
     try:
-        return next(scenes).apply(facts, motion, action, previous)
+        return next(scenes).apply(facts, motion, action)
     except Inapplicable:
         for scene in scenes:
             with suppress(Inapplicable):
-                return scene.apply(facts, motion, action, previous)
+                return scene.apply(facts, motion, action)
         raise
 
 

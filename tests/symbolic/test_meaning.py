@@ -6,9 +6,10 @@ import random
 
 import pytest
 
-from tamplang.compiler.ir import Fact, Problem
+from tamplang.compiler.ir import Action, Fact, Problem
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.planner.search.skeleton_replay import build_skeleton
+from tamplang.runtime.planner.search.stepper import Inapplicable, Stepper
 from tamplang.runtime.verify.replay import Interpreter
 
 from .random_tasks import compiled, task_text
@@ -44,6 +45,36 @@ def test_planner_and_verifier_agree_on_random_tasks(seed: int) -> None:
         new = [t for t, _ in fast.expand(state) if t not in seen]
         waiting += new
         seen.update(new)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_single_steps_leave_what_the_search_and_the_verifier_say(seed: int) -> None:
+    problem = compiled(seed)
+    fast, plain, stepper, chance = Successors(problem), Interpreter(problem), Stepper(problem), random.Random(seed)
+    state, motion = fast.initial, plain.canonical(problem.init_motion)
+    before: list[Action] = []
+    for _ in range(6):
+        facts = fast.facts(state)
+        assert stepper.holds(facts, problem.goal) == fast.is_goal(state), task_text(seed)
+        assert stepper.fluents(facts) == plain.fluents(facts)
+        options = {fast.action(number): (following, fast.cost(number)) for following, number in fast.expand(state)}
+        for action, (following, cost) in options.items():
+            assert stepper.action(facts, action.rule, [str(a) for a in action.args]) == action
+            step, outcome = stepper.step(facts, motion, action), plain.apply(facts, motion, action)
+            assert step.facts == fast.facts(following) == outcome.facts, task_text(seed)
+            assert (step.motion, step.added) == (outcome.motion, outcome.added_motion), task_text(seed)
+            told = outcome.places.keys()
+            assert {f: step.places[f] for f in told} == {f: outcome.places[f] for f in told}
+            assert stepper.cost(facts, action) == cost
+        for action in before:
+            if action not in options:
+                with pytest.raises(Inapplicable):
+                    stepper.step(facts, motion, action)
+        if not options:
+            return
+        before += options
+        chosen = chance.choice([*options])
+        state, motion = options[chosen][0], stepper.step(facts, motion, chosen).motion
 
 
 @pytest.mark.parametrize("seed", range(60))

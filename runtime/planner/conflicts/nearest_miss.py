@@ -1,20 +1,19 @@
 """How near a task that is proved infeasible comes to an action that its goal needs: a look at every state that can be
-reached, with the verifier's plain interpreter of formulas."""
+reached."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ....compiler.ir import Action, Forall, Formula, Problem, Rule
+from ....compiler.ir import Action, Fact, Forall, Formula, Problem, Rule, conjuncts, span_of
 from ....compiler.printing_terms import format_formula
-from ....compiler.symbolic.normal_form import conjuncts
+from ....compiler.symbolic.guards import Environment
 from ....compiler.symbolic.renaming import renaming
 from ....compiler.symbolic.successors import Successors
 from ....langs.source import Span
 from ...native import MissingLibrary
-from ...verify.formulas import Environment, ReplayError, State, bindings, holds
-from ...verify.replay import Interpreter, ground, span_of
+from ..search.stepper import Stepper
 
 MOST_STATES = 200
 """Where more states can be reached than that, one state tells little of all."""
@@ -48,26 +47,26 @@ def nearest(problem: Problem, rules: Sequence[Rule]) -> Nearest | None:
     found: tuple[tuple[int, int], Nearest] | None = None
     looks = 0
     try:
-        interpreter = Interpreter(problem)
+        stepper = Stepper(problem)
         for facts, before in _reached(problem):
-            state = interpreter.state(facts)
             for rule in rules:
                 parts = [*conjuncts(rule.condition)]
-                for environment in bindings(state, rule.variables, {}):
+                for values in stepper.environments(facts, rule.variables):
                     looks += 1
                     if looks > MOST_LOOKS:
                         return None
-                    missing = tuple(part for part in parts if not holds(state, part, environment))
-                    failing = [_failing(state, part, environment) for part in missing]
+                    missing = tuple(part for part in parts if not stepper.holds(facts, part, values))
+                    failing = [_failing(stepper, facts, part, values) for part in missing]
                     rank = len(missing), sum(map(len, failing))
                     if missing and (found is None or rank < found[0]):
-                        found = rank, Nearest(ground(rule, environment), before, missing, _told(failing))
-    except (MissingLibrary, ReplayError):
+                        action = Action(rule.name, tuple(values[v.name] for v in rule.variables))
+                        found = rank, Nearest(action, before, missing, _told(failing))
+    except MissingLibrary:
         return None
     return found[1] if found else None
 
 
-def _reached(problem: Problem) -> list[tuple[frozenset[tuple[str, ...]], tuple[Action, ...]]]:
+def _reached(problem: Problem) -> list[tuple[frozenset[Fact], tuple[Action, ...]]]:
     """Every state that can be reached, one of those that are alike up to names, each with the shortest way there; none
     where they are too many."""
     successors = Successors(problem)
@@ -85,15 +84,15 @@ def _reached(problem: Problem) -> list[tuple[frozenset[tuple[str, ...]], tuple[A
     return [(successors.facts(state), tuple(map(successors.action, way))) for state, way in queue]
 
 
-def _failing(state: State, part: Formula, environment: Environment) -> list[str]:
+def _failing(stepper: Stepper, facts: frozenset[Fact], part: Formula, values: Environment) -> list[str]:
     """The values for which a `forall` fails; one entry for any other formula."""
     if not isinstance(part, Forall):
         return [""]
     names = [variable.name for variable in part.variables]
     return [
         ", ".join(f"{name} = {inner[name]}" for name in names)
-        for inner in bindings(state, part.variables, environment)
-        if not holds(state, part.body, inner)
+        for inner in stepper.environments(facts, part.variables, values)
+        if not stepper.holds(facts, part.body, inner)
     ]
 
 

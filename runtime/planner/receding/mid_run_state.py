@@ -17,18 +17,17 @@ from ....compiler import ir
 from ...geometry.resampling import resample
 from ...geometry.start_contacts import touching
 from ...skeleton import Configuration, PhasePath, Skeleton, start_configuration
-from ...verify.replay import Interpreter
+from ..search.stepper import Stepper
 
 
 @dataclass(frozen=True, slots=True)
 class Reached:
     """A state of a run: logic facts (static ones too, symmetric ones in both orders), motion literals, poses and joint
-    values, and the action before, which `previous` in rules asks for."""
+    values."""
 
     facts: frozenset[ir.Fact]
     mode: frozenset[ir.Fact]
     configuration: Configuration
-    previous: ir.Action | None = None
 
 
 def start(problem: ir.Problem) -> Reached:
@@ -46,16 +45,16 @@ def after(
     """The state after the first `count` phases (default: as many as there are paths) of a skeleton that starts at
     `begin` (default: the start of `problem`). Poses follow the joints' splines, as a plan file tells them.
 
-    Raises ReplayError when an action cannot be done, and MissingLibrary.
+    Raises Inapplicable when an action cannot be done, and MissingLibrary.
     """
     begin = start(problem) if begin is None else begin
     count = len(paths) if count is None else count
-    interpreter = Interpreter(problem)
-    facts, mode, previous = begin.facts, begin.mode, begin.previous
+    stepper = Stepper(problem)
+    facts, mode = begin.facts, begin.mode
     for phase in skeleton.phases[:count]:
-        outcome = interpreter.apply(facts, interpreter.canonical(mode), phase.action, previous)
-        facts, mode, previous = outcome.facts, outcome.motion, phase.action
-    return Reached(facts, mode, moved(problem, skeleton, paths[:count], begin.configuration), previous)
+        step = stepper.step(facts, mode, phase.action)
+        facts, mode = step.facts, step.motion
+    return Reached(facts, mode, moved(problem, skeleton, paths[:count], begin.configuration))
 
 
 def moved(

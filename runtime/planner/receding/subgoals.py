@@ -15,7 +15,7 @@ from ....compiler.printing_terms import format_formula
 from ....compiler.symbolic.achievers import Achiever, Achievers
 from ....compiler.symbolic.normal_form import NormalForm
 from ....compiler.symbolic.successors import Successors
-from ...verify.replay import Interpreter
+from ..search.stepper import Stepper
 
 MANY_ORDERED = 64
 """With more parts than this the order is that of the goal's text."""
@@ -42,9 +42,9 @@ def _parts(problem: ir.Problem, normal: NormalForm, formula: ir.Formula) -> list
 
 
 def unmet(problem: ir.Problem, facts: frozenset[ir.Fact], parts: Sequence[ir.Formula]) -> list[ir.Formula]:
-    """The parts that do not hold. Raises ReplayError, MissingLibrary."""
-    interpreter = Interpreter(problem)
-    return [part for part in parts if not interpreter.holds(facts, part)]
+    """The parts that do not hold. Raises MissingLibrary."""
+    stepper = Stepper(problem)
+    return [part for part in parts if not stepper.holds(facts, part)]
 
 
 def told(parts: Sequence[ir.Formula]) -> list[str]:

@@ -124,7 +124,7 @@ def plan_window(
     """Plan from `reached` on: actions that do not begin with one of `forbidden`, motion for the first `horizon` of
     them. `problem` is the task; its own start does not matter. Another `seed` gives other motions. `before` is
     the window that led here, if things went as it said: its way on is tried first. At most so many `candidates` are
-    judged for one goal. Raises OutOfTime, ReplayError, MissingLibrary."""
+    judged for one goal. Raises OutOfTime, Inapplicable, MissingLibrary."""
     here = reached_problem(problem, reached)
     memory.bounds.restart(here, Seed(options.seed) if seed is None else seed, budget)
     planner = _Planner(

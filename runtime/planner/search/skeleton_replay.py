@@ -10,8 +10,7 @@ from ....compiler.symbolic.guards import Environment, Guards, Undefined
 from ....compiler.symbolic.normal_form import TRUE
 from ....compiler.symbolic.successors import Successors
 from ...skeleton import Phase, Skeleton
-
-WILDCARD = "ANY"
+from .stepper import WILDCARD, left
 
 
 def build_skeleton(
@@ -26,8 +25,7 @@ def build_skeleton(
     for action in actions:
         deleted, added = _motion_changes(problem, successors, state, action)
         phases.append(Phase(action, mode, frozenset(added)))
-        kept = (f for f in mode if not any(matches(problem, pattern, f) for pattern in deleted))
-        mode = frozenset(kept) | frozenset(added)
+        mode = left(problem.motions, mode, deleted) | frozenset(added)
         state = _after(successors, state, action)
     return Skeleton(problem, tuple(phases), mode)
 
@@ -79,16 +77,4 @@ def _ground(guards: Guards, effect: Effect, env: Mapping[str, object]) -> Fact:
     args = [guards.resolve(a, env) for a in effect.literal.args]
     names = [WILDCARD if isinstance(a, Any_) else a.name for a in args if isinstance(a, Any_ | Object)]
     return (effect.literal.predicate, *names)
-
-
-def matches(problem: Problem, pattern: Fact, fact: Fact) -> bool:
-    """Whether a motion literal agrees with a pattern in which ANY stands for every object."""
-    if pattern[0] != fact[0]:
-        return False
-    motion = problem.motions.get(fact[0])
-    orders = [pattern[1:]]
-    if motion is not None and motion.symmetric:
-        orders.append(pattern[:0:-1])
-    return any(all(a in (WILDCARD, b) for a, b in zip(order, fact[1:], strict=True)) for order in orders)
-
 

@@ -1,0 +1,78 @@
+"""What a room may know of the others (docs/architecture.md), read from every import."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+ROOMS = ("langs", "compiler", "runtime")
+DOORS = {"runtime.verify", "runtime.verify.verify"}
+"""What a planner asks about a plan: whether it is verified."""
+MEASURING = {"runtime.simulation.tracking", "runtime.simulation.executed_clearance"}
+"""They measure an executed motion as the verifier measures a plan."""
+
+FORBIDDEN = {
+    "langs": ["compiler", "runtime", "stdlib", "cli", "api", "lsp"],
+    "compiler": ["runtime", "cli", "api", "lsp"],
+    "compiler.checks": ["compiler.scenes", "compiler.symbolic", "compiler.motion"],
+    "compiler.symbolic": ["compiler.scenes", "compiler.motion"],
+    "compiler.motion": ["compiler.scenes", "compiler.symbolic"],
+    "runtime": ["cli", "api", "lsp"],
+    "runtime.geometry": ["runtime.planner", "runtime.simulation", "runtime.verify", "runtime.report"],
+    "runtime.planner": ["runtime.verify", "runtime.simulation", "runtime.report"],
+    "runtime.planner.motion": ["runtime.planner.search", "runtime.planner.receding", "runtime.planner.lgp"],
+    "runtime.planner.search": ["runtime.planner.motion", "runtime.planner.receding", "runtime.planner.lgp"],
+    "runtime.simulation": ["runtime.verify", "runtime.report"],
+    "runtime.verify": ["runtime.planner", "runtime.geometry", "runtime.simulation", "runtime.skeleton",
+                       "compiler.motion", "compiler.symbolic"],
+    "runtime.report": ["runtime.planner", "runtime.simulation", "runtime.verify"],
+}  # fmt: skip
+
+
+def imported(path: Path, text: str) -> set[str]:
+    """The modules of the package, or names in them, that the module at `path` below the root imports."""
+    package = list(path.parent.parts)
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom):
+            home = [] if node.level == 0 else package[: len(package) - node.level + 1]
+            base = ".".join([*home, *([node.module] if node.module else [])])
+            found |= {f"{base}.{alias.name}".removeprefix("tamplang.").lstrip(".") for alias in node.names}
+        elif isinstance(node, ast.Import):
+            found |= {alias.name.removeprefix("tamplang.") for alias in node.names}
+    return found
+
+
+def within(name: str, room: str) -> bool:
+    return name == room or name.startswith(room + ".")
+
+
+def modules() -> dict[str, set[str]]:
+    found = {}
+    for room in ROOMS:
+        for path in sorted((ROOT / room).rglob("*.py")):
+            inside = path.relative_to(ROOT)
+            name = ".".join(inside.with_suffix("").parts).removesuffix(".__init__")
+            found[name] = imported(inside, path.read_text(encoding="utf-8"))
+    return found
+
+
+def test_imports_are_read() -> None:
+    text = "from ..langs.source import Span\nfrom . import ir\nimport tamplang.runtime.plan\nfrom ..runtime import plan"
+    assert imported(Path("compiler/printing.py"), text) == {
+        "langs.source.Span", "compiler.ir", "runtime.plan",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("room", FORBIDDEN)
+def test_a_room_knows_only_what_it_may(room: str) -> None:
+    known = {name: imports for name, imports in modules().items() if within(name, room) and name not in MEASURING}
+    assert known
+    wrong = {
+        (name, other) for name, imports in known.items() for other in imports - DOORS
+        if any(within(other, forbidden) for forbidden in FORBIDDEN[room])
+    }  # fmt: skip
+    assert not wrong
