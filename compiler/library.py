@@ -131,7 +131,7 @@ def build_library(
     for name in predicates.keys() & derived.keys():
         tables.duplicate(name, derived[name].span, predicates[name].span)
     modules = tables.of(syntax.ModuleDecl)
-    types, spans = _types(tables.of(syntax.TypeDecl), modules, tables)
+    types = _types(tables.of(syntax.TypeDecl), modules, tables)
     return Library(
         sources,
         models,
@@ -154,7 +154,7 @@ def build_library(
 
 def _types(
     declared: Mapping[str, syntax.TypeDecl], modules: Mapping[str, syntax.ModuleDecl], tables: _Tables
-) -> tuple[dict[str, str | None], dict[str, Span]]:
+) -> dict[str, str | None]:
     findings = tables.findings
     types: dict[str, str | None] = dict(BUILT_IN_TYPES)
     spans: dict[str, Span] = {}
@@ -174,7 +174,7 @@ def _types(
             findings.unknown("E0102", "type", parent, findings.word(declaration.span, parent), types)
             types[name] = "object"
     _break_cycles(types, spans, findings)
-    return types, spans
+    return types
 
 
 def _break_cycles(types: dict[str, str | None], spans: Mapping[str, Span], findings: Findings) -> None:
