@@ -248,11 +248,28 @@ def unexpected(
     if previous is not None and previous.type == "_DOTS" and foreign is None:
         help = "write both ends, such as `1 .. length(c)` for the modules of a chain c"
         return Diagnostic("E0017", "this range has no end", span_of(source.path, previous), help=help)
+    ended = "RBRACE" in accepted or "$END" in accepted
+    if previous is not None and foreign is None and not ended and _begins_statement(found, previous, keywords):
+        return unfinished(source, previous, accepted, keywords, _advice(found, previous, accepted))
     words = expectations(accepted, previous, keywords)
     name = "the file ends here" if found.type == "$END" else f"unexpected `{found}`"
     behind = f": expected {words}" if words else ""
     advice = foreign or _advice(found, previous, accepted)
     return Diagnostic("E0001", name + behind, span_of(source.path, found), help=advice)
+
+
+def unfinished(
+    source: Source, last: Token, accepted: Sequence[str], keywords: Mapping[str, str], advice: str | None = None
+) -> Diagnostic:
+    """A statement ends with the token `last` before it is whole: said where it is being typed."""
+    words = expectations(accepted, last, keywords)
+    return Diagnostic("E0001", f"expected {words} after `{last}`", _gap(source, [last], last), help=advice)
+
+
+def _begins_statement(found: Token, previous: Token, keywords: Mapping[str, str]) -> bool:
+    """Whether a line starts with a word or brace that shows that the line above was left unfinished."""
+    word = found.type in keywords or str(found) in keywords.values()
+    return found.line != previous.end_line and (found.type == "RBRACE" or word)
 
 
 def _foreign_sign(source: Source, found: Token) -> str | None:

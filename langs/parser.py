@@ -6,8 +6,9 @@ import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
-from lark import Tree, UnexpectedInput
+from lark import Token, Tree, UnexpectedInput
 
 from . import syntax
 from .build import TreeBuilder
@@ -15,6 +16,9 @@ from .build_terms import Branch, NestingError
 from .diagnostics import Diagnostic
 from .grammar_loader import parser
 from .source import Source, Span
+
+if TYPE_CHECKING:
+    from .recovery import Recovery
 
 
 @lru_cache(maxsize=32)
@@ -57,7 +61,26 @@ def _parse_tree(source: Source) -> tuple[Branch, list[Diagnostic]]:
         return _repaired_tree(source)
 
 
+@lru_cache(maxsize=64)
+def parse_tokens(source: Source) -> tuple[Branch, tuple[Token, ...]]:
+    """The grammar's own tree of `source` with the place of every word, and all its tokens; of a faulty text, those of
+    the repaired one."""
+    interactive = parser().parse_interactive(source.text)
+    try:
+        tokens = list(interactive.iter_parse())
+        end = Token.new_borrow_pos("$END", "", tokens[-1]) if tokens else Token("$END", "")
+        return interactive.feed_token(end), tuple(tokens)
+    except UnexpectedInput:
+        tree, recovery = _recovered(source)
+        return tree, tuple(r.token for r in recovery.reads)
+
+
 def _repaired_tree(source: Source) -> tuple[Branch, list[Diagnostic]]:
+    tree, recovery = _recovered(source)
+    return tree, recovery.diagnostics
+
+
+def _recovered(source: Source) -> tuple[Branch, Recovery]:
     from .recovery import Recovery
 
     lark = parser()
@@ -66,7 +89,7 @@ def _repaired_tree(source: Source) -> tuple[Branch, list[Diagnostic]]:
     for token in recovery.tokens():
         feeder.feed_token(token)
     tree: Branch = feeder.feed_token(recovery.automaton.token("$END", "", len(source.text)))
-    return tree, recovery.diagnostics
+    return tree, recovery
 
 
 def _declaration(builder: TreeBuilder, branch: Branch) -> list[syntax.Declaration]:

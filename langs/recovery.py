@@ -81,10 +81,26 @@ class Recovery:
             token = self.automaton.read(self.stack, self.position)
             if token is None and self.automaton.step(self.stack, "$END") is not None:
                 return [r.token for r in self.reads]
-            if not isinstance(token, Token) or not self._feed(token):
+            if isinstance(token, Token) and self._left_over(token):
+                self.position = token.end_pos or 0
+            elif not isinstance(token, Token) or not self._feed(token):
                 self._repair(token)
         self._forget(self._declaration_start())
         return [r.token for r in self.reads]
+
+    def _left_over(self, token: Token) -> bool:
+        """Whether this is the indented closing brace of a block whose head was left out as unfinished: it would end the
+        declaration."""
+        if token.type != "RBRACE" or not self.diagnostics or not self.reads:
+            return False
+        after = self.automaton.step(self.stack, "RBRACE")
+        if after is not None and self.automaton.step(after, "$END") is None:
+            return False
+        started = self.reads[self._declaration_start()].token
+        told = self.diagnostics[-1].span
+        within = told is not None and told.start >= (started.start_pos or 0)
+        first = self.reads[-1].token.line != token.line
+        return within and first and (token.column or 0) > (started.column or 0)
 
     def _feed(self, token: Token) -> bool:
         after = self.automaton.step(self.stack, token.type)
@@ -137,7 +153,12 @@ class Recovery:
         else:
             yield from self._keywords(found)
             yield from self._bare_literal(found)
-            yield from self._insertions(found)
+            insertions = list(self._insertions(found))
+            here = [r for r in insertions if r.keep == len(self.reads)]
+            yield from here
+            yield from self._corrections(found)
+            yield from self._half_typed(found)
+            yield from (r for r in insertions if r.keep < len(self.reads))
             yield from self._omissions(found)
         yield from self._skipped_lines(found)
 
@@ -154,6 +175,7 @@ class Recovery:
                 continue
             if str(token) in self.automaton.keywords.values():
                 yield from self._shadowed(index, token, before)
+                continue
             fitting = {
                 self.automaton.keywords[k]: k for k in self.automaton.accepts(before) if k in self.automaton.keywords
             }
@@ -217,20 +239,67 @@ class Recovery:
     def _at_end(self) -> Iterator[tuple[int, Token, Stack]]:
         yield len(self.reads), self.automaton.token("$END", "", len(self.source.text)), self.stack
 
-    def _omissions(self, found: Token | None) -> Iterator[Repair]:
+    def _corrections(self, found: Token | None) -> Iterator[Repair]:
+        """A word that is no unit, or a comma that nothing follows."""
+        before = self.reads[-1].token if self.reads else None
         if found is None:
             return
-        before = self.reads[-1].token if self.reads else None
         unit = None if before is None else complaints.unknown_unit(self.source, before, found)
         if unit is not None:
             yield Repair(0, len(self.reads), (), found.end_pos or 0, unit)
         if before is not None and before == ",":
             yield Repair(1, len(self.reads) - 1, (), found.start_pos or 0, complaints.dangling(self.source, before), 3)
+
+    def _omissions(self, found: Token | None) -> Iterator[Repair]:
+        if found is None:
+            return
         in_literal = found == "," and "_ANY" in self.automaton.accepts(self.stack)
         unexpected = self._unexpected(found)
         yield Repair(0 if in_literal else 1, len(self.reads), (), found.end_pos or 0, unexpected, 3)
         name = self.automaton.token("NAME", PLACEHOLDER, found.start_pos or 0)
         yield Repair(1, len(self.reads), (name,), found.start_pos or 0, unexpected, 3)
+
+    def _half_typed(self, found: Token | None) -> Iterator[Repair]:
+        """Leave out the unfinished statement above the line of the mistake, and read that line in its place; where the
+        head of a declaration is unfinished, go on with the next declaration."""
+        if found is None or not self.reads:
+            return
+        first = len(self.reads)
+        while first > 0 and self.reads[first - 1].token.line == found.line:
+            first -= 1
+        start = self._declaration_start()
+        if first <= start or self._whole_before(first):
+            return
+        position = found.start_pos or 0 if first == len(self.reads) else self.reads[first].token.start_pos or 0
+        told = self._unfinished(first, position)
+        as_name = first < len(self.reads) and str(self.reads[first].token) in self.automaton.keywords.values()
+        kind = 0 if as_name and self.reads[first].token.type == "NAME" else 1
+        for keep in range(first - 1, start - 1, -1):
+            before = self.reads[keep].before
+            if keep > start and self.reads[keep - 1].token.line == self.reads[keep].token.line:
+                continue
+            if self.automaton.run(before, position, 1) == 1:
+                yield Repair(kind, keep, (), position, told, 3)
+                return
+        if self.reads[first - 1].token.line == self.reads[start].token.line:
+            yield Repair(1, start, (), self._next_declaration(position), told, 3)
+
+    def _whole_before(self, index: int) -> bool:
+        """Whether the text before that token could end there, at a brace or the end of the file."""
+        before = self.stack if index == len(self.reads) else self.reads[index].before
+        ends = self.automaton.step(before, "RBRACE") or self.automaton.step(before, "$END")
+        return ends is not None or self.reads[index - 1].token == "{"
+
+    def _unfinished(self, index: int, position: int) -> Diagnostic:
+        """What lacks behind the last token before `index`, where another line starts at `position`."""
+        before = self.stack if index == len(self.reads) else self.reads[index].before
+        return complaints.unfinished(
+            self.source, self.reads[index - 1].token, self.automaton.accepts(before), self.automaton.keywords
+        )
+
+    def _next_declaration(self, position: int) -> int:
+        following = _DECLARATION.search(self.source.text, position)
+        return following.start() if following is not None else len(self.source.text)
 
     def _unreadable(self, found: Unreadable) -> Iterator[Repair]:
         strange = complaints.unreadable(self.source, found.position, self.automaton)
@@ -255,10 +324,10 @@ class Recovery:
         self.diagnostics.append(self._complaint(found))
         start = self.position if found is None else _start(found)
         self._forget(self._declaration_start())
-        following = _DECLARATION.search(self.source.text, start)
-        if following is not None and following.start() == start and not self._reads_anything(start):
-            following = _DECLARATION.search(self.source.text, start + 1)
-        self.position = following.start() if following is not None else len(self.source.text)
+        following = self._next_declaration(start)
+        if following == start and not self._reads_anything(start):
+            following = self._next_declaration(start + 1)
+        self.position = following
 
     def _reads_anything(self, position: int) -> bool:
         return self.automaton.run(self.stack, position, 1) > 0
