@@ -17,10 +17,14 @@ SECONDS_OF_RUN = 120.0
 """So much a run in the simulated world."""
 
 
-ASIDE = 0.1
-"""The share of the time that stays for the verifier, where a loop ends with a plan that is still to be verified."""
 OVERRUN, LEAST_OVERRUN = 0.1, 0.3
 """A command ends within its time and this share of it, or so many seconds where that is more."""
+CLOSING = 0.5
+"""The share of what a command may overrun in which it may verify, measure and draw; the rest is for its last file and
+the end of the process."""
+ASIDE = 0.1
+"""The share of the time that stays for the verifier, where a loop ends with a plan that is still to be verified. Long
+plans of the examples take an eighth of what was needed to find them: so much comes together with the closing time."""
 
 
 class OutOfTime(Exception):
@@ -31,17 +35,26 @@ class OutOfMemory(OutOfTime):
     """So is the memory."""
 
 
+def closing_time(seconds: float) -> float:
+    """Seconds from the end of a command's time in which it may still verify, measure and draw."""
+    return CLOSING * max(OVERRUN * seconds, LEAST_OVERRUN)
+
+
 class Budget:
     """Wall-clock seconds from now but for the share set `aside`, and nodes of all search trees together; `None` never
-    ends."""
+    ends. They may count from `started` instead, as `time.monotonic` tells it."""
 
-    def __init__(self, seconds: float | None, nodes: int | None = None, aside: float = 0.0) -> None:
-        self._whole = Budget(seconds) if aside else None
+    def __init__(
+        self, seconds: float | None, nodes: int | None = None, aside: float = 0.0, started: float | None = None
+    ) -> None:
+        self._whole = self
+        if aside and seconds is not None:
+            self._whole = Budget(seconds + closing_time(seconds), started=started)
         self.seconds = None if seconds is None else (1.0 - aside) * seconds
         self.nodes = nodes
         self.grown = 0
         """Nodes that were made so far."""
-        self.started = time.monotonic()
+        self.started = time.monotonic() if started is None else started
 
     @property
     def elapsed(self) -> float:
@@ -54,8 +67,8 @@ class Budget:
 
     @property
     def whole(self) -> Budget:
-        """The same time, before something of it was set aside."""
-        return self if self._whole is None else self._whole
+        """With what was set aside, and the closing time: for the verifier."""
+        return self._whole
 
     @property
     def full(self) -> bool:
@@ -70,32 +83,28 @@ class Budget:
 
 def ending(loop: Callable[[], str]) -> str:
     """The status that `loop` ends with; "budget" when it runs out of time, "memory" when it runs out of memory,
-    "interrupted" after Ctrl-C."""
+    "interrupted" after Ctrl-C. What follows is not interrupted by the guard, but in `unless_spent`."""
     from .guard import answered
 
     try:
         return loop()
-    except OutOfMemory:
-        answered()
-        return "memory"
-    except OutOfTime:
-        answered()
-        return "budget"
-    except (MemoryError, RuntimeError) as error:
-        if not is_out_of_memory(error):
+    except (OutOfTime, MemoryError, RuntimeError) as error:
+        if not (isinstance(error, OutOfTime) or is_out_of_memory(error)):
             raise
-        answered()
-        return "memory"
+        return "memory" if is_out_of_memory(error) else "budget"
     except KeyboardInterrupt:
         return "interrupted"
+    finally:
+        answered()
 
 
 def unless_spent(work: Callable[[], Result]) -> Result | None:
     """What `work` gives; None when time or memory are spent before."""
-    from .guard import answered
+    from .guard import answered, interruptible
 
     try:
-        return work()
+        with interruptible():
+            return work()
     except (OutOfTime, MemoryError, RuntimeError) as error:
         if not (isinstance(error, OutOfTime) or is_out_of_memory(error)):
             raise

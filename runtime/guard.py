@@ -17,6 +17,7 @@ import math
 import os
 import resource
 import signal
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -25,7 +26,7 @@ from pathlib import Path
 from types import FrameType
 
 from . import budget
-from .budget import LEAST_OVERRUN, OVERRUN, OutOfMemory, OutOfTime
+from .budget import Budget, OutOfMemory, OutOfTime, closing_time
 
 LOOK = 0.05
 """Seconds between two looks."""
@@ -33,9 +34,6 @@ GRACE = 0.1
 """Seconds that the loops have to notice by themselves that the time is spent: they know best how to end."""
 AGAIN = 1.0
 """Seconds until what was raised and not answered is raised again: to unwind what was under way takes its time."""
-CLOSING = 0.5
-"""The share of what a command may overrun in which it may verify, measure and draw; the rest is for its last file and
-the end of the process."""
 _ENDING = (__file__, contextlib.__file__, budget.__file__)
 """Where an ending is under way: what is raised between the steps of these would escape it, so it waits for the next
 look."""
@@ -46,25 +44,20 @@ SLACK = 1.25
 """How far above its limit a process may go, with what it has mapped already, before the system refuses more."""
 
 
-class Guard:
-    """What may still be spent: `seconds` since `started` (None: no limit), and `memory` in bytes of this process."""
+class Guard(Budget):
+    """A budget that raises by itself, of seconds and of `memory` in bytes of this process."""
 
     def __init__(self, seconds: float | None, memory: int | None, started: float | None = None) -> None:
-        self.seconds = seconds
+        super().__init__(seconds, started=started)
         self.memory = memory
-        self.started = time.monotonic() if started is None else started
+        self.doing = ""
+        """What is under way, for who tells that it was too much."""
         self._quiet_until = 0.0
         self._closes = False
         self._rests = False
-
-    @property
-    def elapsed(self) -> float:
-        return time.monotonic() - self.started
-
-    @property
-    def remaining(self) -> float:
-        """Seconds left, never below 0; infinite without a limit."""
-        return float("inf") if self.seconds is None else max(0.0, self.seconds - self.elapsed)
+        self._interrupted = False
+        self.optional = 0
+        """How many pieces of work are under way that may be left out."""
 
     @property
     def seconds_of_work(self) -> float:
@@ -76,10 +69,11 @@ class Guard:
         """Whether even the time for what follows the work is spent."""
         if self.seconds is None:
             return False
-        return self.elapsed > self.seconds + CLOSING * max(OVERRUN * self.seconds, LEAST_OVERRUN)
+        return self.elapsed > self.seconds + closing_time(self.seconds)
 
     def close(self) -> None:
-        """The work is done, or what was raised arrived: what follows has its own time, and is interrupted once."""
+        """The work is done, or what was raised arrived. What puts together what was found goes on to its end; what may
+        be left out, such as its verification, has a time of its own, and is interrupted once."""
         self._rests = self._closes and self.closed
         self._closes = True
 
@@ -87,14 +81,29 @@ class Guard:
         """Raise nothing any more."""
         self._rests = True
 
+    def lost(self, unraisable: sys.UnraisableHookArgs) -> bool:
+        """Whether what a signal raised got lost in a callback; then it is raised again at the next look."""
+        if isinstance(unraisable.exc_value, KeyboardInterrupt):
+            self._interrupted = True
+        elif isinstance(unraisable.exc_value, OutOfTime):
+            self._quiet_until = 0.0
+        else:
+            return False
+        return True
+
     def look(self, number: int, frame: FrameType | None) -> None:
-        """Raise OutOfTime or OutOfMemory when it is so (a signal handler)."""
+        """Raise OutOfTime or OutOfMemory when it is so, and what got lost (a signal handler)."""
         now = time.monotonic()
+        if self._interrupted:
+            self._interrupted = False
+            raise KeyboardInterrupt
         if self._rests or now < self._quiet_until or (frame is not None and frame.f_code.co_filename in _ENDING):
             return
         if self.memory is not None and not self._closes and resident() > self.memory:
             self._quiet_until = now + AGAIN
             raise OutOfMemory
+        if self._closes and not self.optional:
+            return
         if self.closed if self._closes else now - self.started > self.seconds_of_work:
             self._quiet_until = now + AGAIN
             raise OutOfTime
@@ -104,9 +113,24 @@ _guards: list[Guard] = []
 
 
 def answered() -> None:
-    """Say that OutOfTime or OutOfMemory arrived: it is raised once more, where what follows takes too long."""
+    """Say that OutOfTime or OutOfMemory arrived, or that the loop is done: it is raised once more, where something that
+    may be left out takes too long."""
     if _guards:
         _guards[-1].close()
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Around work that may be left out where the time for what follows the work is spent."""
+    guard = _guards[-1] if _guards else None
+    if guard is None:
+        yield
+        return
+    guard.optional += 1
+    try:
+        yield
+    finally:
+        guard.optional -= 1
 
 
 def closing() -> None:
@@ -126,10 +150,12 @@ def guarded(seconds: float | None, memory: int | None, started: float | None = N
         return
     handler, timer = signal.getsignal(signal.SIGALRM), signal.getitimer(signal.ITIMER_REAL)
     limits = resource.getrlimit(resource.RLIMIT_DATA)
+    hook = sys.unraisablehook
     _guards.append(guard)
     try:
         signal.signal(signal.SIGALRM, guard.look)
         signal.setitimer(signal.ITIMER_REAL, LOOK, LOOK)
+        sys.unraisablehook = lambda unraisable: None if guard.lost(unraisable) else hook(unraisable)
         if memory is not None:
             _refuse_beyond(int(SLACK * memory), limits)
         yield guard
@@ -138,6 +164,7 @@ def guarded(seconds: float | None, memory: int | None, started: float | None = N
         _guards.remove(guard)
         signal.setitimer(signal.ITIMER_REAL, *timer)
         signal.signal(signal.SIGALRM, handler)
+        sys.unraisablehook = hook
         resource.setrlimit(resource.RLIMIT_DATA, limits)
 
 

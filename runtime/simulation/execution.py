@@ -38,8 +38,10 @@ def execute(
             return "budget", plan, (unverified(),), NOTHING_FOLLOWED
         if not plan.verdict.verified:
             return "refused", plan, tuple(distrust(plan.verdict)), NOTHING_FOLLOWED
-        status = "solved" if plan.verdict.goal_reached else "stuck"
-        return status, plan, (), follow(plan, problem, noise, seed)
+        if plan.verdict.goal_reached:
+            return "solved", plan, (), follow(plan, problem, noise, seed)
+        short = Diagnostic("S0002", f"the plan does not reach the goal: {', '.join(plan.verdict.unmet)}")
+        return "stuck", plan, (short,), follow(plan, problem, noise, seed)
     bound = "path" if problem.options.bound == "seq" else None
     options = options_of(problem, {"bound": bound, "time": seconds}, SECONDS_OF_RUN)
     delay = LATENCY if latency is None else latency

@@ -21,7 +21,7 @@ from ...langs.diagnostics import Diagnostic
 from ...langs.source import Span
 from ..budget import ASIDE, Budget, ending, unless_spent
 from ..plan import StatisticsRecord, TimingRecord, WindowRecord
-from ..planner.conflicts.infeasibility import distrust, unverified
+from ..planner.conflicts.infeasibility import ENDINGS, distrust, ended, unverified
 from ..planner.plan_assembly import FACTOR
 from ..planner.receding.horizon_length import horizon_of
 from ..planner.receding.window import INFEASIBLE
@@ -119,6 +119,8 @@ class Run:
         planner = self._route.planner
         if planner.refusals is not None:
             self._explanation = planner.refusals.explain("exhausted" if planner.status == "stuck" else planner.status)
+        if not self._explanation:
+            self._explanation = [Diagnostic("S0002", f"nothing leads on to the goal: {', '.join(self._unmet())}")]
         # What moves by itself may come to where the conditions of another action hold.
         return "infeasible" if planner.status == INFEASIBLE and not self.problem.world.courses else "stuck"
 
@@ -360,6 +362,8 @@ class Run:
     def _outcome(self, status: str) -> RunOutcome:
         import msgspec
 
+        if status in ENDINGS:
+            self._explanation = [ended(status, f"{self.world.time:.2f} s into the run")]
         reached, refused = self.world.reached, self._route.planner.refusals
         statistics = StatisticsRecord(
             cost=self._cost,

@@ -97,6 +97,7 @@ def run(
         checked_apart({"--out": out, "--report": report, "--keep-refused": refused}, inputs=(file,))
         load_libraries()
         guard.seconds = total(seconds, loaded.problem.options.time, SECONDS_OF_RUN)
+        guard.doing = f"carrying out {loaded.problem.task}"
         with kept_interrupt() as check:
             result = loaded.run(
                 plan=plan, horizon=horizon, noise=Noise(**noise), latency=latency, time=guard.remaining, seed=seed,

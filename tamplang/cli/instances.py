@@ -196,6 +196,7 @@ def _solved(instance: Instance, guard: Guard) -> tuple[dict[str, Any], bytes | N
     program = instance.program
     problem, _ = compile_sources(program.sources, program.task, instance.parameters, instance.seed)
     compiled = guard.elapsed
+    guard.doing = "planning"
     guard.seconds = total(instance.options.get("time"), problem.options.time, SECONDS)
     result = Task(problem).solve(**{**instance.options, "time": guard.remaining})
     answer = result_json(problem, result, Written((), None), compiled)

@@ -77,8 +77,8 @@ def limited(
 ) -> Iterator[Guard]:  # fmt: skip
     """Around all that a command does: raises Spent once its seconds, or its memory, are spent in spite of all.
 
-    `doing` says what it was about. Seconds count from `started`, else from when the command line began to run; None and
-    infinity are no limit.
+    `doing` says what it is about, until `guard.doing` says otherwise. Seconds count from `started`, else from when the
+    command line began to run; None and infinity are no limit.
     """
     from ..runtime.budget import OutOfTime, is_out_of_memory
     from ..runtime.guard import answered, guarded, memory_limit
@@ -86,14 +86,15 @@ def limited(
     limit = None if seconds is None or math.isinf(seconds) else seconds
     try:
         with guarded(limit, memory_limit(memory, processes), started or _started()) as guard:
+            guard.doing = doing
             yield guard
     except (OutOfTime, MemoryError, RuntimeError) as error:
         answered()
         if is_out_of_memory(error):
-            raise Spent(out_of_memory(f"while {doing}"), as_json) from None
+            raise Spent(out_of_memory(f"while {guard.doing}"), as_json) from None
         if not isinstance(error, OutOfTime):
             raise
-        raise Spent(out_of_time(guard.seconds, f"while {doing}"), as_json) from None
+        raise Spent(out_of_time(guard.seconds, f"while {guard.doing}"), as_json) from None
 
 
 def _started() -> float | None:

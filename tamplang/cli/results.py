@@ -6,6 +6,7 @@ import fcntl
 import json
 import math
 import os
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -136,8 +137,8 @@ def plan_file(folder: Path, instance: Instance) -> Path:
 
 
 def groups(instances: Sequence[Instance], results: Results) -> list[dict[str, Any]]:
-    """For each combination of parameters: how many instances are finished and solved, and the medians of the solved
-    ones (None without any)."""
+    """For each combination of parameters: how many instances are finished and solved, the medians of the solved ones
+    (None without any), and by which codes how many of the others ended."""
     found: dict[tuple[str, ...], dict[str, Any]] = {}
     members: dict[tuple[str, ...], list[dict[str, Any]]] = {}
     for instance in instances:
@@ -150,10 +151,18 @@ def groups(instances: Sequence[Instance], results: Results) -> list[dict[str, An
 
 def _figures(records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     solved = [r for r in records if r["status"] == "solved"]
+    codes = Counter(_code(r) for r in records if r["status"] != "solved")
     return {
         "finished": len(records),
         "solved": len(solved),
         "success": len(solved) / len(records) if records else None,
         "median_seconds": median(r["seconds"]["total"] for r in solved) if solved else None,
         "median_length": median(r["length"] for r in solved) if solved else None,
+        "codes": dict(sorted(codes.items())),
     }
+
+
+def _code(record: Mapping[str, Any]) -> str:
+    """What ended an instance: the first code of its explanation, else its status."""
+    told = next(iter(record["explanation"]), None)
+    return str(told.get("code", record["status"])) if isinstance(told, dict) else str(record["status"])

@@ -87,6 +87,7 @@ def solve(
         plan_file, report_file = _files(file, loaded.problem.task, solutions, out, report, refused)
         load_libraries()
         guard.seconds = total(seconds, loaded.problem.options.time, SECONDS)
+        guard.doing = f"planning {loaded.problem.task}"
         with (
             needing_cluster(as_json),
             kept_interrupt() as check,

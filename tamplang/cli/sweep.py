@@ -224,10 +224,12 @@ def _shown(total: int) -> Iterator[Callable[[Instance, Mapping[str, Any]], None]
 
 def _said(record: Mapping[str, Any]) -> str:
     """The result in a few words."""
+    first = next(iter(record["explanation"]), None)
+    reason = "" if first is None else f"{first['code']}: {first['message']}"
     if "seconds" in record:
-        return f"{record['status']}, {counted(record['length'], 'action')}, {record['seconds']['total']:.1f} s"
-    reason = record.get("message") or next((d["message"] for d in record["explanation"]), "")
-    return f"{record['status']}: {reason}"
+        told = f"{record['status']}, {counted(record['length'], 'action')}, {record['seconds']['total']:.1f} s"
+        return f"{told}; {reason}" if reason else told
+    return f"{record['status']}: {record.get('message') or reason}"
 
 
 def _show(found: list[dict[str, Any]], path: Path, interrupted: bool, as_json: bool) -> None:

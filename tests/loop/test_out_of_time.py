@@ -15,6 +15,7 @@ from tamplang.runtime.simulation.results import RunProgress
 ROOT = Path(__file__).parents[2]
 SLOTS = ROOT / "tests" / "horizon" / "slots.tamp"
 LEAVING = ROOT / "examples" / "failing_module.tamp"
+MANIPULATOR = ROOT / "examples" / "mobile_manipulator.tamp"
 CLIMB = ROOT / "examples" / "climb.tamp"
 LATE = 1e6
 
@@ -56,7 +57,37 @@ def test_a_plan_without_time_for_the_verifier_is_not_called_verified(clock: Cloc
 def test_a_run_without_time_for_the_verifier_is_not_called_verified(clock: Clock) -> None:
     result = load(LEAVING, "leaving_module", n=1).run(time=1000.0, progress=clock.in_run)
     assert clock.late and result.status == "budget" and result.record.phases
-    assert result.record.verdict is None and result.explanation[-1].code == "S0011"
+    assert result.record.verdict is None and [d.code for d in result.explanation] == ["S0003", "S0011"]
+
+
+@pytest.mark.parametrize("horizon", [None, 2])
+@pytest.mark.parametrize("call", [0, 2, 4])
+def test_every_end_by_time_is_told_with_a_code(clock: Clock, horizon: int | None, call: int) -> None:
+    calls = iter(range(1000))
+
+    def late(progress: Progress) -> None:
+        clock.late = LATE if next(calls) >= call and progress.stage != "verify" else clock.late
+
+    result = load(SLOTS).solve(horizon=horizon, time=1000.0, progress=late)
+    assert clock.late and result.status == "budget"
+    assert result.explanation[0].code in ("S0003", "S0011")
+
+
+def test_the_time_may_end_after_refusals(clock: Clock) -> None:
+    def late(progress: Progress) -> None:
+        clock.late = LATE if progress.candidates > 1 else 0.0
+
+    result = load(MANIPULATOR, height="2 m", objects=1).solve(time=1000.0, progress=late)
+    assert result.status == "budget" and {d.code for d in result.explanation[1:]} == {"S0002"}
+    assert result.explanation[0].code == "S0003" and "refusals" in result.explanation[0].message
+
+
+def test_the_end_of_a_run_is_told_with_a_code(clock: Clock) -> None:
+    def late(progress: RunProgress) -> None:
+        clock.late = LATE
+
+    result = load(LEAVING, "leaving_module", n=1).run(time=1000.0, progress=late)
+    assert result.status == "budget" and not result.record.phases and result.explanation[0].code == "S0003"
 
 
 def test_a_plan_that_is_carried_out_is_verified_in_time() -> None:

@@ -82,6 +82,14 @@ def test_instances_that_cannot_be_solved_are_told(tmp_path: Path) -> None:
     assert "error: " in err or "infeasible" in err
 
 
+def test_the_end_of_the_time_is_told_with_a_code(tmp_path: Path) -> None:
+    for told in range(2):
+        out, err = sweep_here(tmp_path, "-p", "n=64", "--nodes", 1, status=4)
+        assert "S0003" in out and ("S0003" in err) == (told == 0)
+    out, _ = sweep_here(tmp_path, "-p", "n=64", "--nodes", 1, "--json", status=4)
+    assert [group["codes"] for group in json.loads(out)["groups"]] == [{"S0003": 1}]
+
+
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_an_interrupted_sweep_keeps_what_is_finished_and_leaves_no_process(tmp_path: Path, jobs: int) -> None:
     path = tmp_path / "climb.sweep.jsonl"

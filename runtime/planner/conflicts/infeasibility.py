@@ -7,6 +7,7 @@ from dataclasses import replace
 from ....compiler.ir import Problem
 from ....langs.diagnostics import Diagnostic, Label
 from ....langs.source import Span
+from ...budget import unless_spent
 from ...plan import RefusalRecord, VerdictRecord
 from ...skeleton import Breach, Skeleton, Violation
 from ..bounds.verdicts import Conflict
@@ -16,6 +17,7 @@ from .nearest_miss import nearest
 from .shortfall import achievers, lacking
 
 MOST_EXPLAINED = 5
+UNREACHABLE = "no sequence of actions reaches the goal: every state that can be reached was seen"
 
 
 class Refusals:
@@ -32,12 +34,20 @@ class Refusals:
         return [self._record(skeleton, conflict) for skeleton, conflict in self._found]
 
     def explain(self, status: str) -> list[Diagnostic]:
-        """S-diagnostics, most telling first: the fewest actions, then those that were met most often, then
-        the smallest miss; one for each row of the program, and with whom it was met."""
+        """S-diagnostics: what ended the run, where that was not the last candidate, then the refusals."""
         if status == "infeasible":
-            return self._unreachable()
+            return unless_spent(self._unreachable) or [Diagnostic("S0001", UNREACHABLE)]
         if not self._found:
-            return [self._nothing_found(status)]
+            if status in ENDINGS:
+                return [ended(status, "before a sequence of actions was judged")]
+            return [Diagnostic("S0002", "no sequence of actions was found that is not expected to be refused")]
+        if status not in ENDINGS:
+            return self.most_telling()
+        return [ended(status, f"after {len(self._found)} refusals"), *self.most_telling()]
+
+    def most_telling(self) -> list[Diagnostic]:
+        """The refusals: those of the fewest actions first, then those that were met most often, then the smallest miss;
+        one for each row of the program, and with whom it was met."""
         groups: dict[object, list[tuple[Skeleton, Conflict]]] = {}
         for skeleton, conflict in self._found:
             groups.setdefault(self._cause(skeleton, conflict), []).append((skeleton, conflict))
@@ -56,18 +66,6 @@ class Refusals:
         worst = conflict.violations[0]
         return rules, conflict.bound, worst.span or (worst.names[0] if worst.kind == Breach.ROW else worst.kind)
 
-    def _nothing_found(self, status: str) -> Diagnostic:
-        if status == "interrupted":
-            return Diagnostic("S0005", "the run was interrupted before a sequence of actions was judged")
-        if status == "memory":
-            help = "give more with --memory, or a smaller instance"
-            return Diagnostic("S0010", "the memory was spent before a sequence of actions was judged", help=help)
-        return Diagnostic(
-            "S0003",
-            "the budget ended before a sequence of actions was judged",
-            help="give more with --time or --nodes, or a smaller instance",
-        )
-
     def _unreachable(self) -> list[Diagnostic]:
         """What the proof says, at the rules that achieve the goal and at the bounds on length that they need."""
         rules = achievers(self.problem)
@@ -83,7 +81,7 @@ class Refusals:
         return [
             Diagnostic(
                 "S0001",
-                f"no sequence of actions reaches the goal: every state that can be reached was seen{blamed}",
+                f"{UNREACHABLE}{blamed}",
                 rules[0][0].span if rules else None,
                 tuple(labels),
                 note=lack or None,
@@ -153,10 +151,21 @@ def unverified() -> Diagnostic:
 
 def fewer(status: str, found: int, wanted: int) -> Diagnostic:
     """Says that a run ended with fewer plans than were asked for."""
-    reasons = {"budget": ("S0003", "the budget ended"), "interrupted": ("S0005", "the run was interrupted"),
-               "memory": ("S0010", "the memory was spent")}  # fmt: skip
-    code, reason = reasons.get(status, ("S0002", "no further sequence of actions passed"))
-    return Diagnostic(code, f"{reason} after {found} of {wanted} plans")
+    return ended(status, f"after {found} of {wanted} plans")
+
+
+ENDINGS = {
+    "budget": ("S0003", "the budget ended", "give more with --time or --nodes, or a smaller instance"),
+    "memory": ("S0010", "the memory was spent", "give more with --memory, or a smaller instance"),
+    "interrupted": ("S0005", "the run was interrupted", None),
+}
+"""Code, words and help for each status of a run that was ended from outside."""
+
+
+def ended(status: str, where: str) -> Diagnostic:
+    """Says what ended a run, and `where` it stood then."""
+    code, reason, help = ENDINGS.get(status, ("S0002", "no further sequence of actions passed", None))
+    return Diagnostic(code, f"{reason} {where}", help=help)
 
 
 def _length(item: tuple[Skeleton, Conflict]) -> int:

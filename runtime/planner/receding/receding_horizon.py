@@ -23,7 +23,7 @@ from ...seeds import Seed
 from ...skeleton import PhasePath, Skeleton
 from ...verify import verify
 from ..bounds.multi_bound import WIDER
-from ..conflicts.infeasibility import distrust, unverified
+from ..conflicts.infeasibility import ENDINGS, distrust, unverified
 from ..lgp import Outcome, Progress, SolveOptions
 from ..plan_assembly import assemble
 from .horizon_length import horizon_of
@@ -93,6 +93,8 @@ class _Run:
         self.levels = [_Level(start(problem))]
         self.kept: list[_Kept] = []
         self.plan: Plan | None = None
+        self.done = False
+        """Whether the goal holds after the windows that stand."""
         self.deepest = self.setbacks = 0
         self.undone = self.doubts = self.tree_nodes = self.expanded_nodes = self.candidates = 0
         self.reason = "start"
@@ -107,7 +109,8 @@ class _Run:
         while True:
             window = self._plan()
             if window.status == DONE:
-                plan = self._verified(True)
+                self.done = True
+                plan = self._verified()
                 if plan.verdict is None or plan.verdict.verified:
                     self.plan = plan
                     return "budget" if plan.verdict is None else "solved"
@@ -187,6 +190,7 @@ class _Run:
         if self.doubts >= DOUBTS or plan.verdict is None or not self.kept:
             return False
         self.doubts += 1
+        self.done = False
         first = min((f.time for f in plan.verdict.failures if f.time is not None), default=0.0)
         begins = first + 1.0
         while self.kept and begins > first:
@@ -200,7 +204,7 @@ class _Run:
 
     # --- what was found ------------------------------------------------------------------------------------------
 
-    def _verified(self, complete: bool) -> Plan:
+    def _verified(self) -> Plan:
         """The plan of all windows that stand, with the verifier's verdict on it as a whole; without one where it has
         no time for it."""
         import msgspec
@@ -210,7 +214,7 @@ class _Run:
         paths: list[PhasePath] = [path for kept in self.kept for path in kept.window.paths]
         skeleton = Skeleton(self.problem, phases, self.levels[-1].reached.mode)
         plan = assemble(self.problem, [phase.action for phase in phases], skeleton, paths, self._statistics())
-        plan = msgspec.structs.replace(plan, windows=self._records(plan), complete=complete)
+        plan = msgspec.structs.replace(plan, windows=self._records(plan), complete=self.done)
         with self.memory.bounds.clock("verify"):
             verdict = unless_spent(lambda: verify(plan, self.budget.whole))
         return msgspec.structs.replace(
@@ -247,9 +251,11 @@ class _Run:
 
     def _outcome(self, status: str) -> Outcome:
         self.report = None
-        explanation = [] if status in ("solved", "refused") else self._explanation(status)
         if self.plan is None and self.kept:
-            self.plan = self._verified(False)
+            self.plan = self._verified()
+            believed = self.plan.verdict is not None and self.plan.verdict.verified
+            status = "solved" if self.done and believed else status
+        explanation = [] if status in ("solved", "refused") else self._explanation(status)
         plan, statistics, timing = self.plan, self._statistics(), self._timing()
         refused: Plan | None = None
         if plan is not None and (plan.verdict is None or not plan.verdict.verified):
@@ -264,14 +270,12 @@ class _Run:
 
     def _explanation(self, status: str) -> list[Diagnostic]:
         """Why the goal was not reached, what was tried, and what stands."""
-        refused = bool(self.memory.refusals.records())
-        told = self.memory.refusals.explain(status) if refused or status == "infeasible" else []
         if status == "infeasible":
-            return told
+            return self.memory.refusals.explain(status)
         count = sum(len(kept.window.paths) for kept in self.kept)
         tried = f"{count} actions in {len(self.kept)} windows were planned, and {self.undone} windows undone"
-        codes = {"budget": "S0003", "interrupted": "S0005", "memory": "S0010"}
-        return [Diagnostic(codes.get(status, "S0002"), f"the goal was not reached: {tried}"), *told]
+        code, _, help = ENDINGS.get(status, ("S0002", "", None))
+        return [Diagnostic(code, f"the goal was not reached: {tried}", help=help), *self.memory.refusals.most_telling()]
 
     def _tell(self, stage: str, message: str) -> None:
         if self.report is None:
