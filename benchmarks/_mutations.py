@@ -40,9 +40,9 @@ ALGEBRA, ESTIMATE = "compiler/symbolic/algebra.py", "compiler/symbolic/estimate.
 LOCATIONS, PRICES = "compiler/symbolic/locations.py", "compiler/symbolic/prices.py"
 LINKS = "compiler/symbolic/links.py"
 LAYOUT, DOMAINS, STRAINS = "compiler/symbolic/layout.py", "compiler/symbolic/domains.py", "compiler/symbolic/strain.py"
-SEARCH, CONFLICTS, MOTION = "runtime/planner/search", "runtime/planner/conflicts", "runtime/planner/motion"
-BEST, NOGOODS = f"{SEARCH}/best_first.py", f"{CONFLICTS}/forbidden_sequences.py"
-ROOMY, SURCHARGE = f"{SEARCH}/slack_maximisation.py", f"{SEARCH}/learned_penalties.py"
+SEARCHES, CONFLICTS, MOTION = "runtime/planner/search", "runtime/planner/conflicts", "runtime/planner/motion"
+BEST, NOGOODS = f"{SEARCHES}/best_first.py", f"{CONFLICTS}/forbidden_sequences.py"
+ROOMY, SURCHARGE = f"{SEARCHES}/slack_maximisation.py", f"{SEARCHES}/learned_penalties.py"
 LGP, JUDGED, SEED = "runtime/planner/lgp.py", "runtime/planner/bounds/verdicts.py", "runtime/seeds.py"
 EXPERIENCE, REFUSALS = f"{CONFLICTS}/nogoods.py", f"{CONFLICTS}/infeasibility.py"
 FOUND, TABLE, RATE = "runtime/verify/findings.py", "runtime/verify/limits.py", "runtime/verify/rates.py"
@@ -119,18 +119,18 @@ MUTATIONS = [
              (*SEARCH, *CLAIMS), "no model of the suite has ends that differ"),
     # --- slack maximisation and learned penalties
     Mutation("slack: gives back its input", ROOMY, "    if not ends:", "    if True:", SLACK),
-    Mutation("slack: width 1", ROOMY, "WIDTH = 400", "WIDTH = 1", SLACK),
+    Mutation("slack: width 1", f"{SEARCHES}/settings.py", "        400, \"states\"", "        1, \"states\"", SLACK),
     Mutation("slack: flags need not agree", ROOMY, "following & flags != state & flags or ", "", SLACK),
     Mutation("slack: rules need not agree", ROOMY, " or successors.action(action).rule != wanted", "", SLACK),
     Mutation("slack: costs may grow", ROOMY, "> candidate.cost + EQUAL", "> candidate.cost + 10.0", SLACK),
     Mutation("slack: most strained first", ROOMY, "key=lambda n: n.strain", "key=lambda n: -n.strain", SLACK),
     Mutation("slack: what is forbidden is taken", ROOMY, "if history is None or place == LEAF:", "if history is None:",
              SLACK),
-    Mutation("penalty: nothing forgotten", SURCHARGE, "FADING, FORGETTING, MOST_INHERITED = 0.7, 0.9, 2.0",
-             "FADING, FORGETTING, MOST_INHERITED = 0.7, 0.0, 2.0", PENALTY),
-    Mutation("penalty: weights never fade", SURCHARGE, "min(FADING * other.weight, MOST_INHERITED)",
-             "min(other.weight, MOST_INHERITED)", PENALTY),
-    Mutation("penalty: does not grow", SURCHARGE, "self.weight * GROWTH, MOST)", "self.weight, MOST)", PENALTY),
+    Mutation("penalty: nothing forgotten", f"{SEARCHES}/settings.py", "limit_forgetting: float = setting(0.9",
+             "limit_forgetting: float = setting(0.0", PENALTY),
+    Mutation("penalty: weights never fade", SURCHARGE, "SEARCH.penalty_fading * other.weight",
+             "other.weight", PENALTY),
+    Mutation("penalty: does not grow", SURCHARGE, "self.weight * SEARCH.penalty_growth", "self.weight", PENALTY),
     Mutation("penalty: single actions too", SURCHARGE, "        if first == last:\n            return\n", "", PENALTY),
     # --- claims of the loop
     Mutation("gap always 0", LGP, "max(0.0, cost - self.first_bound)", "0.0", CLAIMS),
@@ -142,11 +142,12 @@ MUTATIONS = [
     Mutation("explanation: seldom first", REFUSALS, ", -len(g))", ", len(g))", CLAIMS),
     Mutation("explanation: the largest miss", REFUSALS, "min(group, key=_miss)", "max(group, key=_miss)", CLAIMS),
     Mutation("explanation: causes of a rule as one", REFUSALS, "else worst.kind)", "else 0)", CLAIMS),
-    Mutation("one failure blames a phase anywhere", JUDGED, "ALWAYS = 3", "ALWAYS = 1", CLAIMS),
+    Mutation("one failure blames a phase anywhere", "runtime/planner/bounds/settings.py", "3, \"pairs of poses\"",
+             "1, \"pairs of poses\"", CLAIMS),
     Mutation("any failure blames a phase anywhere", JUDGED, "set.intersection(*blamed)", "set.union(*blamed)", CLAIMS),
     Mutation("the first phase blamed anywhere", JUDGED, "if worst in always and worst > 0:", "if worst in always:",
              CLAIMS),
-    Mutation("less strained is expected to be refused", EXPERIENCE, "all(a >= b - NEAR", "all(a <= b + NEAR", CLAIMS),
+    Mutation("less strained is expected to be refused", EXPERIENCE, "all(a >= b - ", "all(a <= b + ", CLAIMS),
     Mutation("success forgets the most strained", EXPERIENCE, "max(self._accepted.get(kind, 0.0), strain)", "strain",
              CLAIMS),
     Mutation("refusals of the start stay", EXPERIENCE, "if not key[1]}", "if True}", CLAIMS),
@@ -171,8 +172,10 @@ MUTATIONS = [
              "no unit test of it: what a solve misses so, the swept check refuses, and another start follows"),
     Mutation("a dearer clean path replaces a cheaper one", ATTEMPTS, "or cost[row] < group.cost[phase]:", "or True:",
              PATHS[:1]),
-    Mutation("smoothing never gives up", SMOOTH, "STUCK = 0.03", "STUCK = 1e9", PATHS,
+    Mutation("smoothing never gives up", f"{MOTION}/phases/settings.py", "        0.03, \"m\"", "        1e9, \"m\"",
+             PATHS,
              "it costs time only: what is stuck is left in the end"),
-    Mutation("bend never seen in sensing", SENSE, "> SURE * self.sigma * np.sqrt(inverse[2, 2]):", "> 1e9:", SENSING,
+    Mutation("bend never seen in sensing", SENSE, "> SIMULATION.sure * self.sigma * np.sqrt(inverse[2, 2]):", "> 1e9:",
+             SENSING,
              "a look that is off the way tells a turn as soon, with the noise of the tests"),
 ]

@@ -10,9 +10,8 @@ from itertools import product
 from ..ir import Effect, Fact, Literal, Type, Var
 from .domains import FlatRule
 from .layout import STATIC
+from .settings import SYMBOLIC
 from .successors import Successors
-
-MOST_FACTS = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,13 +53,14 @@ class Achievers:
         whole = self._orders(facts)
         for literal in self._conditions(achiever):
             needed = self.instances(literal, achiever)
-            makers = [a for fact in needed[:MOST_FACTS] for a in self.of(fact)]
-            if len(needed) <= MOST_FACTS and all(self._needs(a, whole) or self._adds(a, whole) for a in makers):
+            most = SYMBOLIC.most_instances
+            makers = [a for fact in needed[:most] for a in self.of(fact)]
+            if len(needed) <= most and all(self._needs(a, whole) or self._adds(a, whole) for a in makers):
                 return needed
         return []
 
     def instances(self, literal: Literal, achiever: Achiever) -> list[Fact]:
-        """All facts that a literal of an achiever may stand for; more than `MOST_FACTS` are not listed whole."""
+        """All facts that a literal of an achiever may stand for; more than `most_instances` are not listed whole."""
         bound = (achiever.env.get(a.name) if isinstance(a, Var) else None for a in literal.args)
         key = (id(achiever.flat), id(literal), *bound)
         if key not in self._listed:
@@ -77,8 +77,8 @@ class Achievers:
             else:
                 names = self.layout.domains.term(arg, types, domains)
                 options.append(names & self.layout.domains.at(literal.predicate, k))
-        if math.prod(map(len, options)) > MOST_FACTS:
-            return [(literal.predicate, str(i)) for i in range(MOST_FACTS + 1)]
+        if math.prod(map(len, options)) > SYMBOLIC.most_instances:
+            return [(literal.predicate, str(i)) for i in range(SYMBOLIC.most_instances + 1)]
         facts = ((literal.predicate, *names) for names in product(*map(sorted, options)))
         return [f for f in facts if self.layout.encode(f)[0]]
 

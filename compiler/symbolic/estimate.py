@@ -14,16 +14,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..ir import And, EffectFor, EffectItem, Fact, Literal, Number, Object, Or, Term, Type
-from .achievers import MOST_FACTS, Achiever, Achievers
+from .achievers import Achiever, Achievers
 from .domains import FlatRule
 from .expressions import Test, literal_test, test_source
 from .links import Links
 from .locations import Family, families
 from .prices import Price, Prices
+from .settings import SYMBOLIC
 from .successors import Successors, has_chains
-
-DEEPEST = 3
-
 
 Tables = tuple[tuple[float, ...], ...]
 """By the most modules that a chain has: the least cost of moves, from nowhere and from every place."""
@@ -120,7 +118,7 @@ class Estimate:
             return
         tests = tuple(literal_test(self.layout, _literal(f)) for f in facts)
         self.landmarks.append(Landmark(facts, tests, [] if parent is None else [parent], parent is None))
-        if depth < DEEPEST:
+        if depth < SYMBOLIC.estimate_depth:
             for needed in self._needed(facts):
                 self._add(needed, known, depth + 1)
 
@@ -138,7 +136,7 @@ class Estimate:
                 if smallest is None:
                     break
                 union.update(dict.fromkeys(smallest))
-                if len(union) > MOST_FACTS:
+                if len(union) > SYMBOLIC.most_instances:
                     break
             else:
                 if union and not any(self._holds(f, self.successors.initial) for f in union):

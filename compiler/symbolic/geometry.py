@@ -18,13 +18,12 @@ from ..hulls import Array, convex_geometry
 from ..ir import Chain, ModuleType, Pose, Problem, Shape
 from ..poses import compose, joint_frames, make, orientation, position, rotate
 from .lengths import longest_chain, path_length, shape_radius
+from .settings import SYMBOLIC
 
 Indices = NDArray[np.int64]
 STRAIGHT = 1e-9
 THIN = 1e-4
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
-FEW = 4
-"""So many single lengths from an object are looked up one by one before all of them are computed at once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +120,7 @@ class Geometry:
                 return known[b]
         for a, b in ((i, j), (j, i)):
             self._asked[kind, a, inset] = self._asked.get((kind, a, inset), 0) + 1
-            if self._asked[kind, a, inset] > FEW:
+            if self._asked[kind, a, inset] > SYMBOLIC.single_lengths:
                 everything = np.arange(len(self.names))
                 row: list[float] = self._formula(kind, np.array(a), everything, inset).tolist()
                 self._rows[kind, a, inset] = row

@@ -47,10 +47,10 @@ from .chains import Word
 from .geometry import Geometry
 from .layout import FIELD, FLAG, STATIC, Layout
 from .normal_form import FALSE, TRUE, free_names
+from .settings import SYMBOLIC
 
 Environment = Mapping[str, Any]
 """Values of variables: an object's name, a number, a chain; or an array of object indices for a whole row at once."""
-FEW = 4
 
 
 class Undefined(Exception):
@@ -375,7 +375,7 @@ class Guards:
         self, variable: Variable, values: Sequence[Value], live: list[Formula], env: Environment
     ) -> tuple[Sequence[Value], list[Formula]]:
         """Settle comparisons of lengths for all candidates at once."""
-        if len(values) <= FEW or not isinstance(variable.type, ObjectType):
+        if len(values) <= SYMBOLIC.single_values or not isinstance(variable.type, ObjectType):
             return values, live
         usable = [f for f in live if isinstance(f, Compare) and free_names(f) == {variable.name} and is_plain(f)]
         if not usable:

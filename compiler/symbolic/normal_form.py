@@ -31,14 +31,13 @@ from ..ir import (
     Var,
     Variable,
 )
+from .settings import SYMBOLIC
 
 TRUE = And(())
 FALSE = Or(())
-MOST_ALTERNATIVES = 16
 NEGATED = {"=": "!=", "!=": "=", "<": ">=", ">=": "<", "<=": ">", ">": "<="}
 Renaming = Mapping[str, Term]
 Part = TypeVar("Part")
-MOST_KNOWN = 10000
 _free: dict[int, tuple[Formula | Term | Type, frozenset[str]]] = {}
 """By identity: equality of large terms costs more than what is looked up."""
 
@@ -68,11 +67,11 @@ class NormalForm:
 
     def alternatives(self, formula: Formula) -> list[tuple[tuple[Variable, ...], tuple[Formula, ...]]]:
         """As `conjuncts`, for formulas of which one must hold: disjunctions that bind variables of their own are split
-        up, as long as there are no more than `MOST_ALTERNATIVES`."""
+        up, as long as there are no more than `most_alternatives`."""
         whole = [self.conjuncts(formula)]
         while True:
             split = [part for option in whole for part in self._split(option)]
-            if len(split) == len(whole) or len(split) > MOST_ALTERNATIVES:
+            if len(split) == len(whole) or len(split) > SYMBOLIC.most_alternatives:
                 return whole
             whole = split
 
@@ -162,11 +161,11 @@ def _substituted(whole: Any, renaming: Renaming) -> Any:
 
 
 def free_names(item: Formula | Term | Type) -> frozenset[str]:
-    """Names of the variables that are free in a formula, term or type; those of the last `MOST_KNOWN` are kept."""
+    """Names of the variables that are free in a formula, term or type; those of the last `known_names` are kept."""
     known = _free.get(id(item))
     if known is not None and known[0] is item:
         return known[1]
-    if len(_free) >= MOST_KNOWN:
+    if len(_free) >= SYMBOLIC.known_names:
         _free.clear()
     names = frozenset(_names(item))
     _free[id(item)] = item, names

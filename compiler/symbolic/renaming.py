@@ -7,11 +7,9 @@ from collections.abc import Iterable, Mapping
 from ...langs.trees import parts
 from ..ir import Action, Chain, Fact, Formula, Function, Object, Problem, Value, Var, effects_of
 from .layout import BIT, Layout
+from .settings import SYMBOLIC
 from .successors import Successors
 from .symmetry import is_reversible
-
-FEWEST = 2
-"""Below this many interchangeable modules the renaming costs more than it saves."""
 
 
 def renaming(successors: Successors) -> Renaming | None:
@@ -34,7 +32,7 @@ def renaming(successors: Successors) -> Renaming | None:
                 break
         else:
             groups.append([module.name])
-    large = [g for g in groups if len(g) >= FEWEST]
+    large = [g for g in groups if len(g) >= SYMBOLIC.renamed_from]
     return Renaming(layout, large) if large else None
 
 

@@ -16,12 +16,11 @@ from .expressions import ground
 from .guards import Guards
 from .layout import FIELD, Layout
 from .normal_form import FALSE, TRUE
+from .settings import SYMBOLIC
 
 NOTHING, NOBODY = Object("`nothing"), Object("`nobody")
 THING = "`thing"
 """Names of the export's own, which no task can give."""
-MOST_ALTERNATIVES = 64
-MOST_FACTS = 4096
 
 Change = tuple[Literal, bool]
 """A literal and whether it is deleted."""
@@ -63,8 +62,8 @@ def alternatives(formula: Formula) -> list[list[Formula]]:
             raise UsageError("PDDL without quantifiers cannot say a condition over things that a rule does not name")
         case _:
             found = [[formula]]
-    if len(found) > MOST_ALTERNATIVES:
-        raise UsageError(f"a condition has more than {MOST_ALTERNATIVES} alternatives, too many for PDDL")
+    if len(found) > SYMBOLIC.strips_alternatives:
+        raise UsageError(f"a condition has more than {SYMBOLIC.strips_alternatives} alternatives, too many for PDDL")
     return found
 
 
@@ -205,8 +204,8 @@ class Strips:
             names = (o for o in self.guards.problem.objects if o in domains.at(literal.predicate, k))
             options.append([Object(n) for n in names] if isinstance(arg, Any_) else [arg])
         found = [Literal(literal.predicate, args) for args in product(*options)]
-        if len(found) > MOST_FACTS:
-            many = f"more than {MOST_FACTS} facts ({literal.predicate} …)"
+        if len(found) > SYMBOLIC.strips_facts:
+            many = f"more than {SYMBOLIC.strips_facts} facts ({literal.predicate} …)"
             raise UsageError(f"an effect deletes {many}, too many for PDDL")
         return found
 

@@ -12,11 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..skeleton import Array
-
-STEP = 2e-3
-"""Seconds of one step of the drives."""
-STIFFNESS = 40.0
-"""Natural frequency of the drives, 1/s."""
+from .settings import SIMULATION
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,13 +31,13 @@ EXACT = Noise(0.0, 0.0, 0.0)
 def missed(noise: Noise, random: np.random.Generator, error: Array, times: Array) -> Array:
     """How far joints are from their commanded values at increasing `times`, `(T, n)`, while they move: `error` `(n,)`
     at the first one, at which they rest."""
-    steps = max(1, int(np.ceil((times[-1] - times[0]) / STEP)))
+    steps = max(1, int(np.ceil((times[-1] - times[0]) / SIMULATION.drive_step)))
     length = (times[-1] - times[0]) / steps
     misses = random.normal(0.0, noise.drive, (steps, len(error)))
     reads = random.normal(0.0, noise.joint, (steps, len(error)))
     errors = np.empty((steps + 1, len(error)))
     errors[0], rate = error, np.zeros(len(error))
-    gain, damping = STIFFNESS**2, 2.0 * STIFFNESS
+    gain, damping = SIMULATION.drive_frequency**2, 2.0 * SIMULATION.drive_frequency
     for k in range(steps):
         rate = rate + length * (misses[k] - gain * (errors[k] + reads[k]) - damping * rate)
         errors[k + 1] = errors[k] + length * rate

@@ -9,16 +9,8 @@ import numpy as np
 from ...compiler import ir
 from ..planner.motion.time_scaling import peaks
 from ..skeleton import Array, Configuration, PhasePath
+from .settings import SIMULATION
 from .world import spline_values
-
-KNOT = 0.02
-"""Seconds between knots of a motion that is broken off."""
-QUICK = 0.25
-"""Seconds in which joints without a limit of acceleration come to rest from full speed."""
-SHORTEST = 0.05
-LONGER = 1.4
-"""By what factor the way to rest grows while it is not within the limits of the joints."""
-TRIES = 10
 
 
 def braked(world: ir.World, path: PhasePath, seconds: float) -> PhasePath:
@@ -27,20 +19,20 @@ def braked(world: ir.World, path: PhasePath, seconds: float) -> PhasePath:
     end."""
     length = braking_time(world, path, seconds)
     left = path.duration - seconds
-    for _ in range(TRIES):
+    for _ in range(SIMULATION.brake_tries):
         if length >= 2.0 * left:
             break
         slowed = _slowed(path, seconds, length)
         if within_limits(world, slowed):
             return slowed
-        length *= LONGER
+        length *= SIMULATION.brake_growth
     return path
 
 
 def _slowed(path: PhasePath, seconds: float, length: float) -> PhasePath:
     """To rest over `length` seconds from `seconds` on."""
     total = seconds + length
-    count = max(8, math.ceil(total / KNOT))
+    count = max(8, math.ceil(total / SIMULATION.brake_knot))
     times = np.linspace(0.0, total, count + 1)
     return at_times(path, np.minimum(_resting(times, seconds, length), path.duration), total)
 
@@ -68,22 +60,22 @@ def stopped(world: ir.World, path: PhasePath, seconds: float) -> PhasePath:
     """The motion that follows `path` for as long as it can and rests after `seconds`, within the limits of speed and
     acceleration. `path` begins at rest; where too little time is left to follow it at its own pace, less of it is
     gone, or nothing."""
-    times = np.linspace(0.0, seconds, max(8, math.ceil(seconds / KNOT)) + 1)
+    times = np.linspace(0.0, seconds, max(8, math.ceil(seconds / SIMULATION.brake_knot)) + 1)
     length = braking_time(world, path, seconds)
-    for _ in range(TRIES):
+    for _ in range(SIMULATION.brake_tries):
         if length >= seconds:
             break
         slowed = at_times(path, np.minimum(_resting(times, seconds - length, length), path.duration), seconds)
         if within_limits(world, slowed):
             return slowed
-        length *= LONGER
+        length *= SIMULATION.brake_growth
     share = times / seconds
     gone = 0.5 * seconds
-    for _ in range(TRIES):
+    for _ in range(SIMULATION.brake_tries):
         slowed = at_times(path, gone * (3.0 * share**2 - 2.0 * share**3), seconds)
         if within_limits(world, slowed):
             return slowed
-        gone /= LONGER
+        gone /= SIMULATION.brake_growth
     return at_times(path, np.zeros_like(times), seconds)
 
 
@@ -94,7 +86,7 @@ def reversed_path(world: ir.World, path: PhasePath, share: float) -> PhasePath:
     back = path.duration * (1.0 - share * (3.0 * back**2 - 2.0 * back**3))
     result = at_times(path, back, share * path.duration)
     while not within_limits(world, result):
-        result = PhasePath(result.modules, result.bodies, LONGER * result.duration)
+        result = PhasePath(result.modules, result.bodies, SIMULATION.brake_growth * result.duration)
     return result
 
 
@@ -112,14 +104,14 @@ def waiting(configuration: Configuration, seconds: float) -> PhasePath:
 
 def braking_time(world: ir.World, path: PhasePath, seconds: float) -> float:
     """Seconds until rest in which the brake alone keeps the limits of acceleration."""
-    longest = SHORTEST
+    longest = SIMULATION.brake_shortest
     for name, rows in path.modules.items():
         joints = world.modules[name].type.joints
         if not joints:
             continue
         speeds = np.abs(spline_values(rows[:, 7:], path.duration, np.array([seconds]), 1))[0]
         for speed, joint in zip(speeds, joints, strict=True):
-            limit = joint.acceleration if math.isfinite(joint.acceleration) else joint.speed / QUICK
+            limit = joint.acceleration if math.isfinite(joint.acceleration) else joint.speed / SIMULATION.brake_quick
             longest = max(longest, 1.5 * float(speed) / limit)
     return longest
 

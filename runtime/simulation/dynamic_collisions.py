@@ -10,16 +10,9 @@ from ...compiler import ir
 from ...langs.diagnostics import Diagnostic
 from ..skeleton import Phase, PhasePath
 from .braking import at_times, braked
-from .predicted_clearance import LOOKS, nearest
-from .sensing import PERIOD
+from .predicted_clearance import nearest
+from .settings import SIMULATION
 from .world import World
-
-THROUGH = 1e-3
-"""Metres that something is in a robot which does not just press upon it, but goes through it: no plan may have more.
-The spheres that measure it lie within shapes, so that no less is in it in truth."""
-TOUCHING = 5e-4
-"""Metres that it may be in the robot when the run ends."""
-HALVINGS = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,13 +37,13 @@ class Struck(Exception):
 def first_hit(problem: ir.Problem, world: World, phase: Phase, path: PhasePath) -> Hit | None:
     """What goes right through a robot while a motion is carried out, as things truly move; None when nothing does."""
     whole = _deepest(problem, world, phase, path, path.duration) if world.on_course else None
-    if whole is None or whole[0] < THROUGH:
+    if whole is None or whole[0] < SIMULATION.through:
         return None
     clear, hit = 0.0, path.duration
-    for _ in range(HALVINGS):
+    for _ in range(SIMULATION.halvings):
         middle = 0.5 * (clear + hit)
         found = _deepest(problem, world, phase, path, middle)
-        if found is not None and found[0] > TOUCHING:
+        if found is not None and found[0] > SIMULATION.touching:
             hit = middle
         else:
             clear = middle
@@ -59,7 +52,7 @@ def first_hit(problem: ir.Problem, world: World, phase: Phase, path: PhasePath) 
 
 def before_hit(problem: ir.Problem, path: PhasePath, hit: Hit) -> PhasePath | None:
     """As much of a motion as robots can carry out, and come to rest, before they are hit."""
-    for since in np.arange(hit.seconds - PERIOD, 0.0, -PERIOD):
+    for since in np.arange(hit.seconds - SIMULATION.sensing_period, 0.0, -SIMULATION.sensing_period):
         slowed = braked(problem.world, path, float(since))
         if slowed is not path and slowed.duration <= hit.seconds:
             return slowed
@@ -70,7 +63,7 @@ def _deepest(
     problem: ir.Problem, world: World, phase: Phase, path: PhasePath, end: float
 ) -> tuple[float, str, str] | None:
     """How deep something that moves by itself gets into a thing, metres, up to `end` seconds; the thing, the body."""
-    inner = np.linspace(0.0, end, LOOKS)
+    inner = np.linspace(0.0, end, SIMULATION.phase_looks)
     own = {body: world.body_poses(body, world.time + inner) for body in sorted(world.on_course)}
     found = nearest(problem, world.reached.configuration, phase, at_times(path, inner, end), own)
     depths = [(-distance, thing, body) for (thing, body), distance in found.items() if body in own]

@@ -9,19 +9,13 @@ from ..verify.geometry import Array, Frames
 from ..verify.kinematics import Motion
 from ..verify.shapes import Ruler, transform
 from ..verify.solids import Solid, pairs, solids
-
-STRIDE = 5
-"""Every so many samples of the plan are looked at."""
-APART = 5e-3
-"""What the plan has nearer, metres, is meant to touch."""
-FAR = 0.1
-"""Distances beyond, metres, are of no interest."""
+from .settings import SIMULATION
 
 
 def worst_clearance(plan: Plan, planned: Motion, executed: Motion) -> tuple[float | None, tuple[str, ...]]:
     """The least distance in metres of two shapes in the executed motion that the plan keeps apart, and their names."""
     found = solids(plan)
-    looks = np.arange(0, len(planned.times), STRIDE)
+    looks = np.arange(0, len(planned.times), SIMULATION.clearance_stride)
     before = [_frames(s, planned, looks) for s in found]
     after = [_frames(s, executed, looks) for s in found]
     own = {c.body for c in plan.courses}
@@ -30,9 +24,11 @@ def worst_clearance(plan: Plan, planned: Motion, executed: Motion) -> tuple[floa
         bound = np.linalg.norm(after[i].position - after[k].position, axis=1) - found[i].radius - found[k].radius
         for box, at, other, ball in ((i, after[i], k, after[k]), (k, after[k], i, after[i])):
             bound = np.maximum(bound, _outside(found[box], at, ball) - found[other].radius)
-        for t in np.flatnonzero(bound < min(FAR, worst)):
+        for t in np.flatnonzero(bound < min(SIMULATION.clearance_far, worst)):
             distance = _distance(ruler, found[i], after[i], found[k], after[k], int(t))
-            if distance < worst and _distance(ruler, found[i], before[i], found[k], before[k], int(t)) > APART:
+            if distance >= worst:
+                continue
+            if _distance(ruler, found[i], before[i], found[k], before[k], int(t)) > SIMULATION.clearance_apart:
                 worst, names = distance, (found[i].name, found[k].name)
     return (None, ()) if np.isinf(worst) else (float(worst), names)
 

@@ -15,8 +15,9 @@ from ..planner.lgp import options_of
 from ..verify import verify
 from .actuators import Noise
 from .plan_import import window_of
-from .results import HORIZON, LATENCY, RunOptions, RunProgress
+from .results import RunOptions, RunProgress
 from .run import Run
+from .settings import SIMULATION
 from .tracking import Deviations, deviations, follow
 
 NOTHING_FOLLOWED = Deviations((), 0.0, "", None, ())
@@ -44,8 +45,8 @@ def execute(
         return "stuck", plan, (short,), follow(plan, problem, noise, seed)
     bound = "path" if problem.options.bound == "seq" else None
     options = options_of(problem, {"bound": bound, "time": seconds}, SECONDS_OF_RUN)
-    delay = LATENCY if latency is None else latency
-    chosen = HORIZON if horizon is None else None if horizon == "auto" else int(horizon)
+    delay = SIMULATION.latency if latency is None else latency
+    chosen = SIMULATION.horizon if horizon is None else None if horizon == "auto" else int(horizon)
     first = None if plan is None else window_of(problem, plan)
     outcome = Run(problem, RunOptions(options, chosen, noise, seed, delay), tell, first).run()
     off = unless_spent(lambda: deviations(outcome.plan, problem, outcome.commanded, outcome.driven))

@@ -12,9 +12,7 @@ from ..plan import PhaseRecord, Plan, SplineRecord
 from ..skeleton import Array, PhasePath
 from ..tracks import body_rows
 from .planning import Window, replayed
-
-REST = 10
-"""Pieces of the motion of a phase in which nothing moves."""
+from .settings import SIMULATION
 
 
 def window_of(problem: ir.Problem, plan: Plan) -> Window:
@@ -27,7 +25,7 @@ def window_of(problem: ir.Problem, plan: Plan) -> Window:
 def _path(plan: Plan, index: int) -> PhasePath:
     phase = plan.phases[index]
     splines = {s.module: s for s in plan.splines if s.first <= index <= s.until}
-    count = max((_pieces(s, phase) for s in splines.values()), default=REST)
+    count = max((_pieces(s, phase) for s in splines.values()), default=SIMULATION.rest_pieces)
     knots = np.linspace(phase.start, phase.end, count + 1)
     modules: dict[str, Array] = {}
     for track in plan.tracks:

@@ -16,7 +16,8 @@ from ..planner.motion.end_conditions import eased
 from ..planner.motion.keyframes.sequence import solve_sequence
 from ..planner.motion.settings import MotionSettings
 from ..planner.receding.mid_run_state import start
-from ..planner.receding.window import CANDIDATES, LOOKAHEAD, PLANNED, plan_window, remember
+from ..planner.receding.settings import RECEDING
+from ..planner.receding.window import PLANNED, plan_window, remember
 from ..planner.search.stepper import Inapplicable, Stepper
 from ..seeds import Seed
 from ..skeleton import BoundResult, Breach, Phase, PhasePath, Skeleton, beginning
@@ -68,7 +69,7 @@ class Planner:
         budget: Budget,
     ) -> Window | None:  # fmt: skip
         """A window on a way that is known, without a search; None when it is not possible so. Raises OutOfTime."""
-        skeleton = self.skeleton(problem, actions[: horizon + LOOKAHEAD + self.returns * FARTHER])
+        skeleton = self.skeleton(problem, actions[: horizon + RECEDING.lookahead + self.returns * FARTHER])
         if skeleton is None:
             return None
         moving = concerned(beginning(skeleton, horizon), moving)
@@ -76,7 +77,7 @@ class Planner:
         far = horizon + self.returns * FARTHER
         shorter = [(far if self.returns else min(horizon, count), margin) for count, margin in SHORTER]
         shorter += [(1, SHORTER[-1][1])] if self.failures and not self.returns else []
-        seen = far if moving else horizon + LOOKAHEAD
+        seen = far if moving else horizon + RECEDING.lookahead
         tries = [(seen, 0.0), *(shorter if moving else [(horizon, SHORTER[0][1])])]
         for attempt, (count, margin) in enumerate(tries):
             settings = motion_settings(problem, self.options).wider(wider + margin)
@@ -99,11 +100,11 @@ class Planner:
     ) -> Window | None:
         """Search a way to the goal of which the first `horizon` actions have motions. Raises OutOfTime."""
         short = bool(self.failures) and not self.returns
-        seen = LOOKAHEAD if not moving else FARTHER * self.returns + (0 if short else 1)
+        seen = RECEDING.lookahead if not moving else FARTHER * self.returns + (0 if short else 1)
         memory = remember(problem, self.options, budget)
         memory.bounds.settings = memory.bounds.settings.wider(wider + (SHORTER[-1][1] if moving else 0.0))
         count = SHORTER[0][0] if moving else horizon
-        candidates = FEW_CANDIDATES if self.hasty else CANDIDATES
+        candidates = FEW_CANDIDATES if self.hasty else RECEDING.candidates
         found = plan_window(
             problem, start(problem), self.options, count, budget, memory, lookahead=seen, candidates=candidates
         )

@@ -13,12 +13,8 @@ from ..geometry.attachments import carrier, followers
 from ..geometry.resampling import kept_pairs
 from ..geometry.transforms import inverse, joint_frames, rotate
 from ..skeleton import Array, Configuration, Phase, PhasePath
+from .settings import SIMULATION
 from .world import carried, moves, sampled
-
-LOOKS = 101
-"""Instants of a phase that are looked at."""
-FAR = 0.2
-"""Metres beyond which distances are of no interest."""
 
 
 def deepest(
@@ -41,7 +37,7 @@ def nearest(
     `own` gives the poses `(LOOKS, 7)` of the bodies that move on their own, evenly over the phase; `before` is the true
     configuration in which it starts. What moves is covered by spheres.
     """
-    times = np.linspace(0.0, path.duration, LOOKS)
+    times = np.linspace(0.0, path.duration, SIMULATION.phase_looks)
     joints = sampled(path, times)
     poses = carried(problem, phase.mode, joints, before, own, path)
     kept = {pair(*(carrier(problem, name) for name in names)) for names in kept_pairs(problem, phase.mode)}
@@ -54,7 +50,7 @@ def nearest(
             if body.name in held or pair(name, body.name) in kept:
                 continue
             apart = np.linalg.norm(cover[0] - poses[body.name][None, :, :3], axis=2) - cover[1]
-            if apart.min() < bounding_radius(body.shape) + FAR:
+            if apart.min() < bounding_radius(body.shape) + SIMULATION.far:
                 found[name, body.name] = float(_distances(cover, body, poses[body.name]).min())
     return found
 

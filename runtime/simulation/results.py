@@ -9,11 +9,7 @@ from ..plan import Plan
 from ..planner.lgp import SolveOptions
 from ..skeleton import Array
 from .actuators import EXACT, Noise
-
-HORIZON = 4
-"""Actions that get their motion in one window, where nothing else is said."""
-LATENCY = 0.25
-"""Simulated seconds that planning a window takes, where nothing else is said."""
+from .settings import SIMULATION
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,10 +18,10 @@ class RunOptions:
     simulated seconds."""
 
     solve: SolveOptions
-    horizon: int | None = HORIZON
+    horizon: int | None = SIMULATION.horizon
     noise: Noise = EXACT
     seed: int = 0
-    latency: float = LATENCY
+    latency: float = SIMULATION.latency
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,9 +18,10 @@ from .evasion import way_aside
 from .failures import Failures
 from .monitor import Lookout
 from .planning import Planner, Window
-from .predicted_clearance import LOOKS, clearances, deepest, nearest
+from .predicted_clearance import clearances, deepest, nearest
 from .scene_prediction import displaced, foreseen_problem
-from .sensing import PERIOD, SAME_TIME
+from .sensing import SAME_TIME
+from .settings import SIMULATION
 from .steering import FARTHEST, LEAST, Steering
 from .world import World
 
@@ -151,13 +152,13 @@ class Route:
         """Whether a motion that is to be broken off had better be so now, `since` seconds after its begin, than a
         little later or not at all: it comes to rest, and stays there `until` so many seconds after its begin while
         things move on as they seem to. One that all but meets what it is to meet soon goes on to its end."""
-        soon = steering if path.duration - since < LATER * PERIOD else None
+        soon = steering if path.duration - since < LATER * SIMULATION.sensing_period else None
         if soon and self._off(world, path, since, soon) < NEARLY and (
             self._pressed(world, phase, path, since, path.duration) <= DEEP
         ):
             return False
         depths: list[float] = []
-        for stop in since + PERIOD * np.arange(LATER + 1):
+        for stop in since + SIMULATION.sensing_period * np.arange(LATER + 1):
             slowed = path if stop >= path.duration else self.brought_to_rest(world, path, float(stop))
             if slowed is path and not (steering and self._off(world, path, since, steering) < NEARLY):
                 break
@@ -168,7 +169,9 @@ class Route:
 
     def brought_to_rest(self, world: World, path: PhasePath, since: float) -> PhasePath:
         """Rest where the robot is, before a motion begins; else the motion that slows down."""
-        return braked(self.problem.world, path, since) if since > 0.0 else waiting(world.reached.configuration, PERIOD)
+        if since > 0.0:
+            return braked(self.problem.world, path, since)
+        return waiting(world.reached.configuration, SIMULATION.sensing_period)
 
     def _bearable(self, world: World, phase: Phase, path: PhasePath, since: float) -> float:
         """How deep, metres, a robot may be pressed upon: little more than now."""
@@ -180,9 +183,10 @@ class Route:
     ) -> float:  # fmt: skip
         """How deep, metres, robots get into something from `since` on, on a motion and at rest at its end `until`."""
         last = since + SAME_TIME if instant else max(path.duration, until)
-        rest = at_times(path, np.minimum(np.linspace(since, last, LOOKS), path.duration), last - since)
+        rest = at_times(path, np.minimum(np.linspace(since, last, SIMULATION.phase_looks), path.duration), last - since)
         whole = self.failures.whole(rest, world.reached.configuration)
-        own = self._own(world.at(world.time + since), world.time + np.linspace(since, last, LOOKS), newest=True)
+        looks = world.time + np.linspace(since, last, SIMULATION.phase_looks)
+        own = self._own(world.at(world.time + since), looks, newest=True)
         return deepest(self.problem, world.reached.configuration, phase, whole, own, everyone=True)
 
     def aside(self, world: World) -> PhasePath | None:
@@ -198,7 +202,7 @@ class Route:
 
     def passed(self, world: World, phase: Phase, path: PhasePath) -> frozenset[str]:
         """The bodies on courses that a motion comes near, as they seem to move."""
-        times = world.time + np.linspace(0.0, path.duration, LOOKS)
+        times = world.time + np.linspace(0.0, path.duration, SIMULATION.phase_looks)
         poses = self.lookout.look(world)
         own = self._own(poses, times)
         found = nearest(self.problem, world.reached.configuration, phase, path, own)
@@ -247,7 +251,7 @@ class Route:
         self, world: World, phase: Phase, path: PhasePath, poses: Mapping[str, Array], everyone: bool = False
     ) -> float:
         """How deep a phase gets into something, metres, while bodies move on as they seem to."""
-        times = world.time + np.linspace(0.0, path.duration, LOOKS)
+        times = world.time + np.linspace(0.0, path.duration, SIMULATION.phase_looks)
         own = self._own(poses, times, newest=everyone)
         whole = self.failures.whole(path, world.reached.configuration)
         return deepest(self.problem, world.reached.configuration, phase, whole, own, everyone)
@@ -263,8 +267,8 @@ class Route:
 
     def _what_is_left(self, world: World, path: PhasePath, since: float) -> tuple[PhasePath, dict[str, Array]]:
         """What is left of a motion after `since` seconds, and the poses of bodies meanwhile, as they seem to move."""
-        rest = at_times(path, np.linspace(since, path.duration, LOOKS), path.duration - since)
-        times = world.time + since + np.linspace(0.0, rest.duration, LOOKS)
+        rest = at_times(path, np.linspace(since, path.duration, SIMULATION.phase_looks), path.duration - since)
+        times = world.time + since + np.linspace(0.0, rest.duration, SIMULATION.phase_looks)
         return rest, self._own(world.at(world.time + since), times, newest=True)
 
     def _known(self, problem: ir.Problem, wider: float) -> Window | None:

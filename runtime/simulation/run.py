@@ -37,7 +37,8 @@ from .planning import Window
 from .results import RunOptions, RunOutcome, RunProgress
 from .route import Route
 from .run_record import Step, plan_of_run
-from .sensing import PERIOD, Sensing
+from .sensing import Sensing
+from .settings import SIMULATION
 from .steering import Steering
 from .world import Interval, World, moves
 
@@ -138,7 +139,8 @@ class Run:
         back = None if self._route.is_clear(self.world, phase, path) else self._back(phase)
         if back is not None:
             path, self._left = back, None
-        for look in np.arange(self.world.time + PERIOD, self.world.time + path.duration, PERIOD):
+        period = SIMULATION.sensing_period
+        for look in np.arange(self.world.time + period, self.world.time + path.duration, period):
             self._lookout.look(self.world, float(look))
         self._perform(phase, path, completed=False)
 
@@ -264,7 +266,7 @@ class Run:
         is done when something is found, or, where it would press upon the robot, a little later or not at all."""
         begin, failure = self.world.time, self._failures.next_of(phase, self.world.time)
         self._asked, pending = begin, False
-        for look in np.arange(int(np.ceil(path.duration / PERIOD))) * PERIOD:
+        for look in np.arange(int(np.ceil(path.duration / SIMULATION.sensing_period))) * SIMULATION.sensing_period:
             since, now = float(look), begin + float(look)
             if failure is not None and begin < failure.time <= now:
                 break

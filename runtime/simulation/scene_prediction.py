@@ -23,16 +23,8 @@ from ..geometry.transforms import compose, inverse, rotate
 from ..planner.receding.mid_run_state import Reached, placed, reached_problem
 from ..skeleton import Array, Configuration, Skeleton
 from .predicted_clearance import clearances, signed_distance
+from .settings import SIMULATION
 from .world import carried
-
-SAME = 1e-4
-"""Metres that make no difference."""
-AWAY = 2e-3
-"""Metres by which such a body is put away from the end, as it may come after it."""
-TOO_NEAR = 0.01
-"""Metres between a module and a body at the start of a phase at which no path may be found."""
-LET_GO = 0.01
-"""A body that is nearer to an end, metres, has just been let go."""
 
 
 def foreseen_problem(
@@ -58,7 +50,7 @@ def foreseen_problem(
     for end, body in touched(problem, reached, met):
         module = carrier(problem, end)
         seen = seen_from(module, body)
-        seen[:3] += AWAY * _outward(problem, end, modules[module], body, seen)
+        seen[:3] += SIMULATION.put_away * _outward(problem, end, modules[module], body, seen)
         for other in _kept_with(problem, reached.mode, body) - met:
             bodies[other] = compose(compose(seen, inverse(poses[body])), poses[other])
     let_go = {body for _, body in touched(problem, reached, met)}
@@ -74,11 +66,11 @@ def foreseen_problem(
 def _coming(problem: ir.Problem, reached: Reached, then: Configuration) -> dict[str, str]:
     """Bodies that will have come too near to a module that does not move, and the module: it has to leave before."""
     kept = _of_robots(problem, reached.mode)
-    now = clearances(problem.world, reached.configuration, TOO_NEAR)
-    near = clearances(problem.world, then, TOO_NEAR).items()
+    now = clearances(problem.world, reached.configuration, SIMULATION.too_near)
+    near = clearances(problem.world, then, SIMULATION.too_near).items()
     found: dict[str, str] = {}
     for (module, body), distance in sorted(near, key=lambda item: item[1]):
-        comes = distance < now.get((module, body), TOO_NEAR) - SAME
+        comes = distance < now.get((module, body), SIMULATION.too_near) - SIMULATION.same_place
         if comes and body not in kept and not problem.world.bodies[body].movable:
             found.setdefault(body, module)
     return found
@@ -95,7 +87,7 @@ def _close(problem: ir.Problem, configuration: Configuration) -> frozenset[Pair]
     """Modules with the bodies that they are not kept to and that are nearer than is asked for along a path, so that
     they may be so when it starts."""
     kept = _of_robots(problem, problem.init_motion)
-    near = clearances(problem.world, configuration, TOO_NEAR)
+    near = clearances(problem.world, configuration, SIMULATION.too_near)
     return frozenset(pair(module, body) for module, body in near if body not in kept)
 
 
@@ -126,7 +118,7 @@ def _outward(problem: ir.Problem, end: str, state: Array, body: str, pose: Array
     frames = joint_frames(module.type, tuple(state[:7].tolist()), state[7:].tolist())
     centre = compose(np.array(frames[effector.joint]), np.array(effector.placement))[:3]
     local = compose(inverse(pose), np.array([*centre, 0.0, 0.0, 0.0, 1.0]))[:3]
-    around = local + SAME * np.vstack([np.eye(3), -np.eye(3)])
+    around = local + SIMULATION.same_place * np.vstack([np.eye(3), -np.eye(3)])
     distances = signed_distance(problem.world.bodies[body].shape, around)
     away = rotate(pose[3:], distances[3:] - distances[:3])
     return np.asarray(away / max(float(np.linalg.norm(away)), 1e-12))
@@ -139,14 +131,14 @@ def displaced(
     the task without what has left."""
     at = _then(base, reached, expected)
     bodies = problem.world.bodies.items()
-    return frozenset(n for n, b in bodies if np.linalg.norm(at[n][:3] - np.array(b.pose[:3])) > SAME)
+    return frozenset(n for n, b in bodies if np.linalg.norm(at[n][:3] - np.array(b.pose[:3])) > SIMULATION.same_place)
 
 
 def touched(problem: ir.Problem, reached: Reached, met: frozenset[str]) -> list[tuple[str, str]]:
     """Ends with the bodies that they touch without being kept there; bodies that a robot stands on are left out."""
     kept = _of_robots(problem, reached.mode)
     found = {}
-    for a, b in sorted(touching(placed(problem.world, reached.configuration), LET_GO)):
+    for a, b in sorted(touching(placed(problem.world, reached.configuration), SIMULATION.let_go)):
         for end, body in ((a, b), (b, a)):
             if body in problem.world.bodies and body not in kept | met and problem.world.effector(end) is not None:
                 found[body] = end

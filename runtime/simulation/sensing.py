@@ -8,29 +8,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..skeleton import Array
+from .settings import SIMULATION
 
-PERIOD = 0.05
-"""Seconds between two looks at the scene."""
-MEMORY = 60
-"""Looks from which a velocity is estimated."""
-KEPT = 100
-"""Looks that are remembered: planning may know the last ones too late."""
 SAME_TIME = 1e-9
 """Seconds that make no difference."""
-TOLERANCE = 5e-4
-"""Metres by which a body may be off where a window expects it."""
-PUSHED = 0.01
-"""Metres off its way after which a body may rest again: no speed is read off this step."""
-SURE = 5.0
-"""Standard deviations of the noise that make no difference."""
-LIKELY = 3.0
-"""Standard deviations beyond which a speed is taken for one."""
-RARE = 4.0
-"""Standard deviations that a look is off the way of a body only where that has changed."""
-AGO = (3, 6, 12)
-"""Looks before which a body may have changed its way without any look that tells."""
-ENOUGH = 8
-"""Looks before such a change that tell the way until then."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,14 +41,15 @@ class Sighting:
     """The last looks at one body: times and positions `(3,)`; and, of each change of its way, when it was noticed, and
     the last look before."""
 
-    times: deque[float] = field(default_factory=lambda: deque(maxlen=KEPT))
-    positions: deque[Array] = field(default_factory=lambda: deque(maxlen=KEPT))
-    changes: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=KEPT))
+    times: deque[float] = field(default_factory=lambda: deque(maxlen=SIMULATION.kept_looks))
+    positions: deque[Array] = field(default_factory=lambda: deque(maxlen=SIMULATION.kept_looks))
+    changes: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=SIMULATION.kept_looks))
 
     def line(self, known: float = np.inf) -> Line:
         """By least squares through the looks up to a time, or else the first one; at rest after a single look."""
         begin = max((since for noticed, since in self.changes if noticed <= known + SAME_TIME), default=-np.inf)
-        chosen = [k for k, time in enumerate(self.times) if begin <= time <= known + SAME_TIME][-MEMORY:] or [0]
+        chosen = [k for k, time in enumerate(self.times) if begin <= time <= known + SAME_TIME]
+        chosen = chosen[-SIMULATION.memory :] or [0]
         times, positions = (np.array([rows[k] for k in chosen]) for rows in (self.times, self.positions))
         if len(chosen) < 2:
             return Line(times[0], times[0], positions[0], np.zeros(3), np.inf, 1)
@@ -82,7 +64,7 @@ class Sensing:
 
     def __init__(self, sigma: float, random: np.random.Generator) -> None:
         self.sigma = sigma
-        self.tolerance = TOLERANCE + SURE * sigma
+        self.tolerance = SIMULATION.tolerance + SIMULATION.sure * sigma
         self.known = np.inf
         self._random = random
         self._seen: dict[str, Sighting] = {}
@@ -109,8 +91,8 @@ class Sensing:
         if line is None or line.begin == line.end:
             return
         off = float(np.linalg.norm(line.at(np.array([time]))[0] - position))
-        if off > 0.5 * TOLERANCE + RARE * self.sigma * line.blur(time):
-            sighting.changes.append((time, time if off > PUSHED else sighting.times[-1]))
+        if off > 0.5 * SIMULATION.tolerance + SIMULATION.rare * self.sigma * line.blur(time):
+            sighting.changes.append((time, time if off > SIMULATION.pushed else sighting.times[-1]))
         elif self.sigma:
             turned = self._turned(sighting, line.begin)
             sighting.changes += [] if turned is None else [(time, turned)]
@@ -118,17 +100,17 @@ class Sensing:
     def _turned(self, sighting: Sighting, begin: float) -> float | None:
         """Since when the looks from `begin` on go another way, which only several of them tell from noise: a line with
         a bend, by least squares, has a bend that is sure."""
-        since = [k for k, time in enumerate(sighting.times) if time >= begin][-MEMORY:]
+        since = [k for k, time in enumerate(sighting.times) if time >= begin][-SIMULATION.memory:]
         times = np.array([sighting.times[k] for k in since])
         positions = np.array([sighting.positions[k] for k in since])
-        for ago in AGO:
-            if len(since) < ENOUGH + ago:
+        for ago in SIMULATION.ago:
+            if len(since) < SIMULATION.enough + ago:
                 break
             bend = times[-ago - 1]
             rows = np.column_stack([np.ones_like(times), times - bend, np.maximum(times - bend, 0.0)])
             inverse = np.linalg.inv(rows.T @ rows)
             change = (inverse @ (rows.T @ positions))[2]
-            if float(np.linalg.norm(change)) > SURE * self.sigma * np.sqrt(inverse[2, 2]):
+            if float(np.linalg.norm(change)) > SIMULATION.sure * self.sigma * np.sqrt(inverse[2, 2]):
                 return float(bend)
         return None
 
@@ -149,5 +131,5 @@ class Sensing:
 
     def _way(self, body: str, known: float) -> Line:
         line = self._seen[body].line(known)
-        sure = float(np.linalg.norm(line.velocity)) > max(1e-5, LIKELY * self.sigma * line.doubt)
+        sure = float(np.linalg.norm(line.velocity)) > max(1e-5, SIMULATION.likely * self.sigma * line.doubt)
         return line if sure else replace(line, velocity=np.zeros(3))

@@ -19,7 +19,8 @@ from ..geometry.resampling import effector_poses, kept_pairs
 from ..geometry.transforms import compose, inverse
 from ..planner.motion.end_conditions import least_jerk, settled
 from ..skeleton import Array, Configuration, Phase, PhasePath
-from .braking import KNOT, at_times, within_limits
+from .braking import at_times, within_limits
+from .settings import SIMULATION
 from .world import carried, moves
 
 FARTHEST = 0.01
@@ -147,7 +148,7 @@ def _most(errors: Array) -> float:
 
 def _blended(path: PhasePath, since: float, joints: dict[str, Array]) -> PhasePath:
     """The motion that leaves `path` after `since` seconds and ends with `joints`, as gently as it begins and ends."""
-    count = max(path.samples - 1, math.ceil(path.duration / KNOT))
+    count = max(path.samples - 1, math.ceil(path.duration / SIMULATION.brake_knot))
     times = np.linspace(0.0, path.duration, count + 1)
     dense = at_times(path, times, path.duration)
     share = least_jerk(np.clip((times - since) / (path.duration - since), 0.0, 1.0)[:, None])

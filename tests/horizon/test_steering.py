@@ -8,7 +8,8 @@ import pytest
 from tamplang.compiler import ir
 from tamplang.compiler.pipeline import compile_text
 from tamplang.runtime.simulation.braking import within_limits
-from tamplang.runtime.simulation.sensing import PERIOD, Sensing
+from tamplang.runtime.simulation.sensing import Sensing
+from tamplang.runtime.simulation.settings import SIMULATION
 from tamplang.runtime.simulation.steering import Steering
 from tamplang.runtime.simulation.world import World, spline_values
 from tamplang.runtime.skeleton import Array, Phase, PhasePath
@@ -73,9 +74,9 @@ def looked_at(sensing: Sensing, ways: list[tuple[float, list[float]]], begin: fl
     """Look at a body that goes for some seconds at each of some velocities; where it comes to."""
     at, time = np.zeros(3), begin
     for seconds, velocity in ways:
-        for _ in range(round(seconds / PERIOD)):
+        for _ in range(round(seconds / SIMULATION.sensing_period)):
             sensing.look(time, {"b": np.array([*at, 0.0, 0.0, 0.0, 1.0])})
-            at, time = at + PERIOD * np.array(velocity), time + PERIOD
+            at, time = at + SIMULATION.sensing_period * np.array(velocity), time + SIMULATION.sensing_period
     return at
 
 

@@ -15,10 +15,11 @@ from tamplang.runtime.simulation.evasion import ROOM, way_aside
 from tamplang.runtime.simulation.failures import Failures
 from tamplang.runtime.simulation.monitor import Lookout
 from tamplang.runtime.simulation.planning import Planner
-from tamplang.runtime.simulation.predicted_clearance import LOOKS, clearances, deepest, nearest
+from tamplang.runtime.simulation.predicted_clearance import clearances, deepest, nearest
 from tamplang.runtime.simulation.route import PRESSED, Route
 from tamplang.runtime.simulation.scene_prediction import foreseen_problem
-from tamplang.runtime.simulation.sensing import PERIOD, Sensing
+from tamplang.runtime.simulation.sensing import Sensing
+from tamplang.runtime.simulation.settings import SIMULATION
 from tamplang.runtime.simulation.world import Interval, World
 from tamplang.runtime.skeleton import Phase
 from tamplang.runtime.verify.replay import Interpreter
@@ -53,7 +54,7 @@ def scene(high: float) -> ir.Problem:
 def route_in(world: World) -> Route:
     """With the last second of looks."""
     lookout = Lookout(Sensing(0.0, np.random.default_rng(0)))
-    for look in np.arange(0.0, 1.0, PERIOD):
+    for look in np.arange(0.0, 1.0, SIMULATION.sensing_period):
         lookout.look(world, float(look))
     world.time = 1.0
     action = next(iter(first_actions(world.problem)))
@@ -73,7 +74,7 @@ def test_a_robot_rests_only_while_nothing_presses_upon_it(apart: float, seconds:
     path = waiting(world.reached.configuration, seconds)
     assert route.is_clear(world, phase, path) is clear
     lid = world.body_poses("lid", np.array([world.time + seconds]))
-    own = {"lid": np.tile(lid, (LOOKS, 1))}
+    own = {"lid": np.tile(lid, (SIMULATION.phase_looks, 1))}
     deep = -nearest(world.problem, world.reached.configuration, phase, path, own)["c", "lid"]
     assert (deep <= PRESSED) is clear
 
@@ -111,7 +112,7 @@ def test_what_a_robot_holds_is_looked_at_too() -> None:
     now.bodies["target"] = tip
     mode = world.reached.mode | {("stable", "c.B", "target")}
     phase = Phase(first_actions(world.problem)[0], mode, frozenset())
-    sunk = np.linspace(lid, lid - np.array([0.0, 0.0, 0.12, 0.0, 0.0, 0.0, 0.0]), LOOKS)
+    sunk = np.linspace(lid, lid - np.array([0.0, 0.0, 0.12, 0.0, 0.0, 0.0, 0.0]), SIMULATION.phase_looks)
     path = waiting(now, 1.0)
     found = nearest(world.problem, now, phase, path, {"lid": sunk})
     assert found["target", "lid"] == pytest.approx(-0.02, abs=1e-6) and ("c", "target") not in found

@@ -17,7 +17,8 @@ from tamplang.runtime.planner.conflicts.nogoods import Experience
 from tamplang.runtime.planner.lgp import SolveOptions, solve
 from tamplang.runtime.planner.motion.nlp.program import DIVERGED
 from tamplang.runtime.planner.search.best_first import SkeletonSearch
-from tamplang.runtime.planner.search.learned_penalties import POWER, Surcharge
+from tamplang.runtime.planner.search.learned_penalties import Surcharge
+from tamplang.runtime.planner.search.settings import SEARCH
 from tamplang.runtime.planner.search.skeleton_replay import build_skeleton
 from tamplang.runtime.planner.search.slack_maximisation import roomier
 from tamplang.runtime.skeleton import Breach, Phase, Violation
@@ -53,7 +54,7 @@ def test_a_roomier_plan_costs_the_same_and_strains_less() -> None:
     assert [a.rule for a in better.actions] == [a.rule for a in candidate.actions]
 
     def total(numbers: tuple[int, ...]) -> float:
-        return sum(s**POWER for s in strain.along(numbers))
+        return sum(s**SEARCH.penalty_power for s in strain.along(numbers))
 
     assert total(better.numbers) <= total(candidate.numbers)
     assert all(0.0 <= s <= 1.0 + 1e-6 for s in strain.along(better.numbers))

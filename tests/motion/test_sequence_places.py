@@ -10,8 +10,9 @@ import numpy as np
 from tamplang.compiler.ir import Shape
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.planner.motion.keyframes.multi_start import judged_alone
-from tamplang.runtime.planner.motion.keyframes.placement_samples import GAP, MANY, places
+from tamplang.runtime.planner.motion.keyframes.placement_samples import places
 from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
+from tamplang.runtime.planner.motion.keyframes.settings import KEYFRAMES
 from tamplang.runtime.planner.motion.settings import MotionSettings
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Skeleton
@@ -41,13 +42,13 @@ def test_many_things_get_places_of_their_own() -> None:
     found = places(skeleton)
     assert sorted(name for _, name in found) == sorted(f"item[{i}]" for i in range(1, 17))
     for one, other in combinations(found.values(), 2):
-        assert np.hypot(*(one - other)) >= 0.06 * np.sqrt(2) + GAP - 1e-9
+        assert np.hypot(*(one - other)) >= 0.06 * np.sqrt(2) + KEYFRAMES.gap - 1e-9
     for place in found.values():
         assert np.all(np.abs(place - (0.0, -0.62)) <= np.array(TRAY[:2]) / 2 - 0.03 * np.sqrt(2))
 
 
 def test_few_things_and_tops_that_are_too_small_are_left_to_chance() -> None:
-    assert not places(crowd(MANY - 1))
+    assert not places(crowd(KEYFRAMES.laid_out_from - 1))
     assert not places(crowd(40))
 
 

@@ -11,7 +11,7 @@ from tamplang.compiler.symbolic.strain import Strain
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.planner.search.best_first import Candidate, SkeletonSearch
-from tamplang.runtime.planner.search.learned_penalties import POWER
+from tamplang.runtime.planner.search.settings import SEARCH
 from tamplang.runtime.planner.search.slack_maximisation import roomier
 
 WAYS = """
@@ -49,7 +49,7 @@ def search(goal: str, cost: str = "1") -> SkeletonSearch:
 
 
 def strained(found: SkeletonSearch, numbers: Sequence[int]) -> float:
-    return sum(s**POWER for s in Strain(found.successors).along(numbers))
+    return sum(s**SEARCH.penalty_power for s in Strain(found.successors).along(numbers))
 
 
 def flags(found: SkeletonSearch, numbers: Sequence[int]) -> list[int]:

@@ -11,7 +11,8 @@ from tamplang.compiler.symbolic.strain import Strain
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.planner.search.best_first import Candidate, SkeletonSearch
-from tamplang.runtime.planner.search.learned_penalties import POWER, Surcharge
+from tamplang.runtime.planner.search.learned_penalties import Surcharge
+from tamplang.runtime.planner.search.settings import SEARCH
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
 
@@ -78,7 +79,7 @@ def test_all_ways_of_doing_an_action_are_dearer_where_it_is_strained() -> None:
 
 def limit(surcharge: Surcharge) -> float:
     """The strain at which an action costs as much more as the weight says."""
-    return float(0.5 / (price(surcharge, 0.5) / surcharge.weight) ** (1.0 / POWER))
+    return float(0.5 / (price(surcharge, 0.5) / surcharge.weight) ** (1.0 / SEARCH.penalty_power))
 
 
 def test_a_limit_is_forgotten_by_a_tenth_once_something_was_accepted() -> None:

@@ -13,22 +13,15 @@ from ...verify import verify
 from ..conflicts.nogoods import Experience
 from ..motion.keyframes.initial_guesses import guess
 from ..motion.keyframes.multi_start import NOISE, judged_alone
-from ..motion.keyframes.sequence import LONGEST
+from ..motion.keyframes.settings import KEYFRAMES
 from ..plan_assembly import assemble
 from .requests import Whole, Window
+from .settings import BOUNDS
 from .solves import QUICK, Solves
 from .verdicts import Conflict, Judgement
 
 EXPECTED = "expected"
 """The bound of conflicts that similar windows make likely, without a solve."""
-LONGEST_WINDOW = 3
-"""How many phases a conflict that may start anywhere has at most."""
-WIDER = 0.01
-"""Metres by which margins grow for a plan that the verifier refused."""
-ONCE = 1
-"""Starts of a span of a whole skeleton at first."""
-SPAN = 4
-"""How far from the phases that P_seq blames a conflict is looked for."""
 
 
 class Bounds(Solves):
@@ -105,7 +98,7 @@ class Bounds(Solves):
             return plan
         careful, seed = self.settings, self.seed
         try:
-            self.settings = careful.wider(WIDER)
+            self.settings = careful.wider(BOUNDS.wider_margin)
             self.seed = seed.child("wider")
             judgement = self.motion(skeleton, self._sequence(skeleton, self.seed, None, tries=self.tries))
         finally:
@@ -178,16 +171,17 @@ class Bounds(Solves):
         it by themselves, exactly once they came far."""
         known, end = self._known(skeleton), len(skeleton)
         found: BoundResult | None = None
-        certain = end > LONGEST
-        refused = self._sequence(skeleton, self.seed, None, tries=self.tries if certain else ONCE)
+        certain = end > KEYFRAMES.longest_whole
+        refused = self._sequence(skeleton, self.seed, None, tries=self.tries if certain else BOUNDS.first_starts)
         if certain and refused.violations:
             worst = refused.violations[0].phase
-            far = worst + SPAN > LONGEST
-            known, end = (worst, worst + 1) if far else (max(0, worst - SPAN), min(end, worst + SPAN))
+            far = worst + BOUNDS.conflict_reach > KEYFRAMES.longest_whole
+            around = max(0, worst - BOUNDS.conflict_reach), min(end, worst + BOUNDS.conflict_reach)
+            known, end = (worst, worst + 1) if far else around
         while not refused.feasible and (end - known > 1 or not certain):
             blamed = refused.violations[0].phase if refused.violations else end - 1
             asked = max(known + 1, min(blamed, end - 1))
-            if not certain and known >= min(blamed + SPAN, end - 1):
+            if not certain and known >= min(blamed + BOUNDS.conflict_reach, end - 1):
                 asked = end
             self._expect_beginnings(skeleton, asked, end)
             if asked == len(skeleton) and found is not None:
@@ -214,7 +208,7 @@ class Bounds(Solves):
     def _shrink(self, skeleton: Skeleton, refused: BoundResult, end: int) -> Conflict:
         """A minimal contiguous conflict behind a refused P_seq of the first `end` phases: the fewest at their end that
         are refused wherever they start; all from the start where there are none."""
-        for first in range(end - 1, max(0, end - LONGEST_WINDOW - 1), -1):
+        for first in range(end - 1, max(0, end - BOUNDS.longest_conflict - 1), -1):
             if not judged_alone(skeleton, first):
                 continue
             self._expect_windows(skeleton, first, end - 1)
@@ -238,7 +232,8 @@ class Bounds(Solves):
             if not self._needs_no_solve(skeleton, strains, k) and not self._expect_window(skeleton, k, k):
                 return
         if whole:
-            self._expect_whole(skeleton, ONCE if len(skeleton) <= LONGEST else self.tries)
+            in_one = len(skeleton) <= KEYFRAMES.longest_whole
+            self._expect_whole(skeleton, BOUNDS.first_starts if in_one else self.tries)
 
     def _expect_whole(self, skeleton: Skeleton, tries: int | None) -> bool:
         return self.ahead.expect(skeleton, Whole(self.settings, self.seed, tries), self.budget)
@@ -252,6 +247,6 @@ class Bounds(Solves):
     def _expect_windows(self, skeleton: Skeleton, first: int, last: int) -> None:
         """The next longer windows that end with the same phase."""
         if self.ahead.helps:
-            for earlier in range(first - 1, max(0, last - LONGEST_WINDOW), -1):
+            for earlier in range(first - 1, max(0, last - BOUNDS.longest_conflict), -1):
                 if judged_alone(skeleton, earlier) and not self._expect_window(skeleton, earlier, last):
                     return

@@ -12,7 +12,8 @@ from ...plan import BoundRecord
 from ...seeds import Seed
 from ...skeleton import BoundResult, Configuration, Skeleton, beginning
 from ..motion.keyframes.local_repair import MENDS, QUICK_MENDS, Mend, mended, resampled, unmoved
-from ..motion.keyframes.sequence import LONGEST, solve_sequence
+from ..motion.keyframes.sequence import solve_sequence
+from ..motion.keyframes.settings import KEYFRAMES
 from ..motion.path.path_program import solve_path
 from ..motion.settings import MotionSettings
 from .requests import Attempt, Whole, sequence_path
@@ -72,7 +73,7 @@ class Solves:
             return Judgement(True, paths=[])
         result = self._sequence_path(first, sequence, thorough=False)
         blamed = [{v.phase for v in result.violations}]
-        mends = MENDS if len(skeleton) > LONGEST else ()
+        mends = MENDS if len(skeleton) > KEYFRAMES.longest_whole else ()
         for draw in (*mends, *range(1, RESAMPLES + 1)):
             if result.feasible:
                 break
@@ -125,7 +126,7 @@ class Solves:
         self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int
     ) -> tuple[BoundResult, BoundResult | None]:
         """P_seq once more, and P_seqPath too where another process has come to it already."""
-        if len(skeleton) > LONGEST:
+        if len(skeleton) > KEYFRAMES.longest_whole:
             return self._sequence(skeleton, self.seed.child("attempt", attempt), None, tries=self.tries), None
         drawn = self._drawn(sequence, refused, attempt, motions)
         if not self.ahead.expects(skeleton, drawn):
@@ -142,7 +143,7 @@ class Solves:
         self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int
     ) -> None:
         """An attempt, if the same phases are refused as before."""
-        if self.ahead.helps and attempt <= RESAMPLES and len(skeleton) <= LONGEST:
+        if self.ahead.helps and attempt <= RESAMPLES and len(skeleton) <= KEYFRAMES.longest_whole:
             self.ahead.expect(skeleton, self._drawn(sequence, refused, attempt, motions), self.budget)
 
     def _path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult:

@@ -23,11 +23,7 @@ from ...parallel import ClusterUnavailable, Side, WorkerLost, WorkFailed, open_e
 from ...parallel.processes import Processes
 from ...skeleton import Phase, Skeleton
 from .requests import Answer, Question, Window
-
-LOOK = 0.05
-"""Seconds after which whoever waits for an answer looks at the clock, and lets Ctrl-C through."""
-QUEUED = 3
-"""Questions under way for each process that answers, so that none waits for the next one."""
+from .settings import BOUNDS
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +64,7 @@ class Ahead:
         if key in self._under_way:
             return True
         ready = sum(future.done() for future in self._prepared)
-        if sum(not work.future.done() for work in self._under_way.values()) >= QUEUED * ready:
+        if sum(not work.future.done() for work in self._under_way.values()) >= BOUNDS.queued * ready:
             return False
         seconds = None if budget.seconds is None else budget.remaining
         try:
@@ -94,7 +90,7 @@ class Ahead:
         while not work.future.done():
             budget.check()
             if not self._take_over(budget):
-                wait([work.future], LOOK)
+                wait([work.future], BOUNDS.answer_period)
         try:
             found: Answer = work.future.result()
         except (WorkerLost, WorkFailed, ClusterUnavailable):

@@ -8,9 +8,7 @@ from dataclasses import dataclass, field
 from ....compiler.ir import World
 from ...skeleton import BoundResult, Configuration, PhasePath, Violation
 from ..motion.end_conditions import eased
-
-ALWAYS = 3
-"""Between how many pairs of poses a phase must fail before it is refused wherever it starts."""
+from .settings import BOUNDS
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +47,7 @@ def blame(bound: str, refused: BoundResult, blamed: Sequence[set[int]], phases: 
     """The one phase that failed between every pair of switch poses, wherever it starts; else all up to the phase that
     failed worst."""
     worst = refused.violations[0].phase if refused.violations else phases - 1
-    always = set.intersection(*blamed) if len(blamed) >= ALWAYS else set()
+    always = set.intersection(*blamed) if len(blamed) >= BOUNDS.always_refused else set()
     if worst in always and worst > 0:
         told = tuple(v for v in refused.violations if v.phase == worst)
         return Conflict(bound, worst, worst, False, told)

@@ -14,11 +14,7 @@ from ....compiler.symbolic.successors import Successors
 from ....langs.source import Span
 from ...native import MissingLibrary
 from ..search.stepper import Stepper
-
-MOST_STATES = 200
-"""Where more states can be reached than that, one state tells little of all."""
-MOST_LOOKS = 20_000
-"""Conditions of ground actions that are looked at: about 2 s."""
+from .settings import CONFLICTS
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +49,7 @@ def nearest(problem: Problem, rules: Sequence[Rule]) -> Nearest | None:
                 parts = [*conjuncts(rule.condition)]
                 for values in stepper.environments(facts, rule.variables):
                     looks += 1
-                    if looks > MOST_LOOKS:
+                    if looks > CONFLICTS.most_looks:
                         return None
                     missing = tuple(part for part in parts if not stepper.holds(facts, part, values))
                     failing = [_failing(stepper, facts, part, values) for part in missing]
@@ -79,7 +75,7 @@ def _reached(problem: Problem) -> list[tuple[frozenset[Fact], tuple[Action, ...]
             if key not in seen:
                 seen.add(key)
                 queue.append((following, (*way, number)))
-        if len(queue) > MOST_STATES:
+        if len(queue) > CONFLICTS.most_states:
             return []
     return [(successors.facts(state), tuple(map(successors.action, way))) for state, way in queue]
 

@@ -14,10 +14,9 @@ from collections.abc import Sequence
 from ....compiler.ir import Fact, Problem
 from ...skeleton import Phase
 from .forbidden_sequences import Lifting, Names, objects_of
+from .settings import CONFLICTS
 
 Kind = tuple[object, ...]
-NEAR = 0.005
-"""By how much strains may differ and still count as the same."""
 
 
 class Experience:
@@ -46,7 +45,7 @@ class Experience:
         self._accepted[kind] = max(self._accepted.get(kind, 0.0), strain)
 
     def expects_success(self, phase: Phase, strain: float) -> bool:
-        return strain <= self._accepted.get(self._kind((phase,)), -1.0) + NEAR
+        return strain <= self._accepted.get(self._kind((phase,)), -1.0) + CONFLICTS.similar_strain
 
     def expected_refusals(self, phases: Sequence[Phase], strains: Sequence[float]) -> list[tuple[int, int, bool]]:
         """Windows (first, last, from the start) of a plan that are expected to be refused, shortest first."""
@@ -112,4 +111,4 @@ class Experience:
 
 
 def _at_least(strains: Sequence[float], refused: Sequence[float]) -> bool:
-    return all(a >= b - NEAR for a, b in zip(strains, refused, strict=True))
+    return all(a >= b - CONFLICTS.similar_strain for a, b in zip(strains, refused, strict=True))

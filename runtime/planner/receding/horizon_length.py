@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-FIRST, LEAST, MOST = 4, 2, 16
-"""The adaptive horizon at first, at least, at most."""
+from .settings import RECEDING
 
 
 @dataclass(slots=True)
@@ -18,9 +17,10 @@ class Horizon:
     def adapt(self, hard: bool) -> None:
         """Look farther ahead where motion is refused, less far where it is easy."""
         if self.adapts:
-            self.length = min(MOST, 2 * self.length) if hard else max(LEAST, self.length - 1)
+            longer, shorter = min(RECEDING.most_length, 2 * self.length), max(RECEDING.least_length, self.length - 1)
+            self.length = longer if hard else shorter
 
 
 def horizon_of(length: int | None) -> Horizon:
     """The horizon of a new run; None for one that adapts."""
-    return Horizon(FIRST, True) if length is None else Horizon(length, False)
+    return Horizon(RECEDING.first_length, True) if length is None else Horizon(length, False)

@@ -22,14 +22,15 @@ from ...plan import Plan, StatisticsRecord, TimingRecord, WindowRecord
 from ...seeds import Seed
 from ...skeleton import PhasePath, Skeleton
 from ...verify import verify
-from ..bounds.multi_bound import WIDER
+from ..bounds.settings import BOUNDS
 from ..conflicts.infeasibility import ENDINGS, distrust, unverified
 from ..lgp import Outcome, Progress, SolveOptions
 from ..plan_assembly import assemble
 from .horizon_length import horizon_of
 from .mid_run_state import Reached, start
 from .run_tree import grown
-from .window import DONE, INFEASIBLE, LOOKAHEAD, PLANNED, Memory, Window, plan_window, remember
+from .settings import RECEDING
+from .window import DONE, INFEASIBLE, PLANNED, Memory, Window, plan_window, remember
 
 HARD = 2
 """So many refused candidates in one window make the adaptive horizon grow."""
@@ -69,7 +70,7 @@ def solve_receding(
     progress: Callable[[Progress], None] | None = None,
     found: Callable[[Plan], None] | None = None,
     *,
-    lookahead: int = LOOKAHEAD,
+    lookahead: int = RECEDING.lookahead,
     backtracks: int | None = None,
 ) -> Outcome:
     """Plan `horizon` actions at a time (None: as many as seem wise) until the goal holds, and undo at most `backtracks`
@@ -198,7 +199,7 @@ class _Run:
             self.kept.pop()
             self.levels.pop()
         self.levels[-1].failures += 1
-        self.memory.bounds.settings = self.memory.bounds.settings.wider(WIDER)
+        self.memory.bounds.settings = self.memory.bounds.settings.wider(BOUNDS.wider_margin)
         self.reason = "verifier"
         return True
 

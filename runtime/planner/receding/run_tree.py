@@ -6,14 +6,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...plan import SearchNode
-from ..search.best_first import RECORDED
+from ..search.settings import SEARCH
 from .window import Window
 
 
 def grown(windows: Sequence[Window]) -> list[SearchNode]:
     """The nodes of all windows that stand: each search begins at the last action done before it. Every window has
     the same share of the nodes that are kept."""
-    share = max(1, RECORDED // max(1, len(windows)))
+    share = max(1, SEARCH.recorded_nodes // max(1, len(windows)))
     nodes = [SearchNode(0, -1, "", 0.0, "executed")]
     root = 0
     for window in windows:

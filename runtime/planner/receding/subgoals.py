@@ -16,10 +16,7 @@ from ....compiler.symbolic.achievers import Achiever, Achievers
 from ....compiler.symbolic.normal_form import NormalForm
 from ....compiler.symbolic.successors import Successors
 from ..search.stepper import Stepper
-
-MANY_ORDERED = 64
-"""With more parts than this the order is that of the goal's text."""
-DEEPEST = 3
+from .settings import RECEDING
 
 
 def parts_of(problem: ir.Problem) -> tuple[ir.Formula, ...]:
@@ -53,7 +50,7 @@ def told(parts: Sequence[ir.Formula]) -> list[str]:
 
 def ordered(successors: Successors, parts: Sequence[ir.Formula]) -> list[ir.Formula]:
     """The parts, each behind those that must come before it; otherwise in their own order."""
-    if not 1 < len(parts) <= MANY_ORDERED:
+    if not 1 < len(parts) <= RECEDING.most_ordered:
         return list(parts)
     achievers = Achievers(successors)
     facts = [_fact(successors, part) for part in parts]
@@ -85,7 +82,7 @@ class _Orders:
     def before(self) -> list[set[int]]:
         found: list[set[int]] = [set() for _ in self.facts]
         for fact, i in self.numbers.items():
-            found[i] |= self._needed([fact], DEEPEST) - {i}
+            found[i] |= self._needed([fact], RECEDING.landmark_depth) - {i}
             for j in self._destroyed(fact) - {i}:
                 found[j].add(i)
         return found

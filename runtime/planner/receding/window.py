@@ -27,26 +27,8 @@ from ..search.best_first import Candidate, SkeletonSearch
 from ..search.learned_penalties import Surcharge
 from ..search.skeleton_replay import build_skeleton
 from .mid_run_state import Reached, after, reached_problem
+from .settings import RECEDING
 from .subgoals import ordered, parts_of, told, unmet
-
-SEVERAL = 3
-"""So many windows long are plans for some parts of the goal at least: later windows then go on along them."""
-LOOKAHEAD = 2
-"""P_seq looks so many phases beyond the window."""
-FEW_PARTS = 3
-"""Up to so many unmet parts of the goal are planned for at once from the first try on."""
-NODES, MORE_NODES = 300, 30000
-"""Nodes that a search for the cheapest plan may expand, and then a hurried one."""
-WEIGHT = 1.0
-"""The surcharge that an action at the limit of its conditions has at least, also before any was refused: windows then
-need fewer candidates, and runs promise no cheapest plan anyway."""
-MOST_REMEMBERED = 4
-"""Refused beginnings of a window with two to so many actions are forbidden wherever their robots stand alike; one
-action only in the posture in which the window starts."""
-CANDIDATES = 24
-"""Plans that are judged for one goal of one window."""
-ALIKE = 3
-"""After so many that are expected to be refused, the one that was refused is tried once more."""
 
 PLANNED, DONE, STUCK, INFEASIBLE = "planned", "done", "stuck", "infeasible"
 
@@ -117,9 +99,9 @@ def plan_window(
     *,
     seed: Seed | None = None,
     forbidden: Sequence[tuple[ir.Action, ...]] = (),
-    lookahead: int = LOOKAHEAD,
+    lookahead: int = RECEDING.lookahead,
     before: Window | None = None,
-    candidates: int = CANDIDATES,
+    candidates: int = RECEDING.candidates,
 ) -> Window:
     """Plan from `reached` on: actions that do not begin with one of `forbidden`, motion for the first `horizon` of
     them. `problem` is the task; its own start does not matter. Another `seed` gives other motions. `before` is
@@ -204,13 +186,13 @@ class _Planner:
         """What is planned for, and how many unmet parts that are: the whole goal where that is short, else what holds
         already and the next parts of it, in growing groups."""
         count = len(self.unmet)
-        if count <= FEW_PARTS:
+        if count <= RECEDING.few_parts:
             yield self.problem.goal, count
         size = min(self.memory.group, count)
         while size < count:
             yield self._protected(self.unmet[:size]), size
             size = min(2 * size, count)
-        if count > FEW_PARTS:
+        if count > RECEDING.few_parts:
             yield self._protected(self.unmet), count
 
     def _protected(self, parts: Sequence[ir.Formula]) -> ir.Formula:
@@ -225,12 +207,12 @@ class _Planner:
         with clock("compile"):
             problem = replace(self.problem, goal=goal)
             successors = Successors(problem)
-            search = SkeletonSearch(problem, successors, self.options.search, self.budget, NODES)
+            search = SkeletonSearch(problem, successors, self.options.search, self.budget, RECEDING.search_nodes)
         strain = Strain(successors)
         surcharge = Surcharge(strain)
         if self.memory.surcharge is not None:
             surcharge.inherit(self.memory.surcharge)
-        surcharge.weight = max(surcharge.weight, WEIGHT)
+        surcharge.weight = max(surcharge.weight, RECEDING.least_penalty)
         self.memory.surcharge = surcharge
         search.charge(surcharge)
         for actions in self.forbidden:
@@ -240,7 +222,7 @@ class _Planner:
             for _ in range(self.candidates):
                 with clock("search"):
                     candidate = self._next(search)
-                if self.first is not None and (candidate is None or self.alike >= ALIKE):
+                if self.first is not None and (candidate is None or self.alike >= RECEDING.alike):
                     found = self._once_more(search, *self.first)
                     if found is not None:
                         return found
@@ -265,15 +247,15 @@ class _Planner:
         if self.budget.full:
             raise OutOfTime
         self.memory.bounds.tell("search", f"searching for a way, with {len(self.unmet)} parts of the goal to come")
-        if search.node_limit != MORE_NODES:
-            search.node_limit = search.expanded_nodes + NODES
+        if search.node_limit != RECEDING.hurried_nodes:
+            search.node_limit = search.expanded_nodes + RECEDING.search_nodes
         return search.next()
 
     def _widen(self, search: SkeletonSearch) -> bool:
         """Let a search that has found nothing go on: hurried, with more nodes; or once with all that was refused
         allowed again, and tried harder. Whether there is more to find."""
-        if search.status == "budget" and search.node_limit != MORE_NODES:
-            search.node_limit = MORE_NODES
+        if search.status == "budget" and search.node_limit != RECEDING.hurried_nodes:
+            search.node_limit = RECEDING.hurried_nodes
             search.method = "wastar" if search.method == "astar" else search.method
             return True
         self.proved = search.status == "infeasible" and not self.forbidden
@@ -293,7 +275,7 @@ class _Planner:
 
     def _too_short(self, candidate: Candidate, parts: int) -> bool:
         """Whether a plan for some parts of the goal is so short that more parts are planned for."""
-        if parts == len(self.unmet) or len(candidate.actions) >= SEVERAL * self.horizon + self.lookahead:
+        if parts == len(self.unmet) or len(candidate.actions) >= RECEDING.plan_length * self.horizon + self.lookahead:
             return False
         self.memory.group = max(self.memory.group, 2 * parts)
         return True
@@ -316,7 +298,7 @@ class _Planner:
                 self.memory.refusals.add(replace(seen, problem=self.memory.refusals.problem), conflict)
                 surcharge.refused(candidate.numbers, conflict.first, conflict.last)
             for_good = conflict.bound not in ("seq", EXPECTED)
-            short = not self.again and not for_good and 0 < conflict.last < MOST_REMEMBERED
+            short = not self.again and not for_good and 0 < conflict.last < RECEDING.most_remembered
             from_start = conflict.from_start and not short
             search.forbid_actions(candidate, conflict.first, conflict.last, from_start, for_good)
         search.charge(surcharge)

@@ -21,20 +21,11 @@ from ....compiler.symbolic.successors import Successors
 from ...budget import Budget
 from ...plan import SearchNode
 from ..conflicts.forbidden_sequences import EMPTY, LEAF, OFF, NoGoods
+from .settings import SEARCH
 
 if TYPE_CHECKING:
     from .learned_penalties import Surcharge
 
-RECORDED = 2000
-"""How many nodes of the tree are kept for drawing."""
-LOOK_AT_CLOCK = 128
-LONG = 512
-"""From so many nodes on it pays to go through renamed states only: fewer successor functions, but a plan to rename."""
-HURRIED = 1.5
-"""Weight of the estimate of a search that has become long, and of method wastar."""
-HURRY = 50_000
-"""Nodes that A* expands in one search before it hurries: 60 times the most that a task of `bench thesis` takes (809);
-2 to 50 s of CPU, as 28,000 to 1,000 nodes a second are expanded."""
 EQUAL = 1e-9
 
 Past = tuple[int, int, int | None]
@@ -93,11 +84,11 @@ class SkeletonSearch:
 
     def next(self) -> Candidate | None:
         """The next candidate, or None; see `status`."""
-        weights = {"astar": 1.0, "wastar": HURRIED, "bfs": 0.0, "guide": 0.0}
+        weights = {"astar": 1.0, "wastar": SEARCH.hurried_weight, "bfs": 0.0, "guide": 0.0}
         if self.no_goods.forbids_all:
             self.status = "exhausted"
             return None
-        weight = HURRIED if self.hurried and self.method == "astar" else weights[self.method]
+        weight = SEARCH.hurried_weight if self.hurried and self.method == "astar" else weights[self.method]
         return _Run(self, weight).run()
 
     def forbid_plan(self, candidate: Candidate) -> None:
@@ -189,13 +180,13 @@ class _Run:
         budget.grown += 1
         pops, limit = 0, math.inf if search.node_limit is None else search.node_limit
         while self.queue:
-            look = pops % LOOK_AT_CLOCK == 0 or search.expanded_nodes >= limit or budget.full
+            look = pops % SEARCH.clock_period == 0 or search.expanded_nodes >= limit or budget.full
             if look and search.out_of_budget():
                 return None
-            if pops == HURRY and search.method == "astar" and not search.hurried:
+            if pops == SEARCH.hurry_after and search.method == "astar" and not search.hurried:
                 self._hurry()
             pops += 1
-            if pops == LONG and search.renaming is not None and not self.remembers:
+            if pops == SEARCH.renaming_from and search.renaming is not None and not self.remembers:
                 self.representative = True
             _, estimate, guide, _, key, state, cost, past = heapq.heappop(self.queue)
             if cost > self.cheapest[key]:
@@ -274,7 +265,7 @@ class _Run:
 
     def _hurry(self) -> None:
         """Weigh the estimate more from now on, in the searches after this one too."""
-        more, self.weight, self.search.hurried = HURRIED - self.weight, HURRIED, True
+        more, self.weight, self.search.hurried = SEARCH.hurried_weight - self.weight, SEARCH.hurried_weight, True
         self.queue = [(e[0] + more * e[1], *e[1:]) for e in self.queue]
         heapq.heapify(self.queue)
 
@@ -322,7 +313,7 @@ class _Run:
 
     def _record(self, key: Key, estimate: float, status: str) -> None:
         tree = self.search.tree
-        if len(tree) >= RECORDED:
+        if len(tree) >= SEARCH.recorded_nodes:
             return
         parent = self.parents.get(key)
         action = "" if parent is None else str(self.search.successors.action(parent[1]))

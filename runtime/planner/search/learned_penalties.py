@@ -6,12 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ....compiler.symbolic.strain import Strain, size_of
-
-POWER = 6
-LEAST, GROWTH, MOST = 0.5, 1.5, 64.0
-"""The surcharge of an action at the strain at which it was refused: at first, how it grows, at most."""
-FADING, FORGETTING, MOST_INHERITED = 0.7, 0.9, 2.0
-"""What is left in the next search of a weight, and of how far a limit is below 1; and the most of a weight."""
+from .settings import SEARCH
 
 Kind = tuple[str, int]
 """Actions that share a limit: those of robots of one size, whatever their rule; or those of a rule without robots."""
@@ -36,11 +31,11 @@ class Surcharge:
         less, and no strain that was accepted is a limit."""
         self._shown = dict(other._shown)
         self._kinds_of_rules = {rule: set(kinds) for rule, kinds in other._kinds_of_rules.items()}
-        self.weight, self._limits = min(other.weight, MOST_INHERITED), dict(other._limits)
+        self.weight, self._limits = min(other.weight, SEARCH.penalty_inherited), dict(other._limits)
         if other._accepted:
-            self.weight = min(FADING * other.weight, MOST_INHERITED)
+            self.weight = min(SEARCH.penalty_fading * other.weight, SEARCH.penalty_inherited)
             self._limits = {
-                kind: max(1.0 - FORGETTING * (1.0 - limit), min(1.0, self._shown.get(kind, 0.0)))
+                kind: max(1.0 - SEARCH.limit_forgetting * (1.0 - limit), min(1.0, self._shown.get(kind, 0.0)))
                 for kind, limit in other._limits.items()
             }
 
@@ -55,7 +50,7 @@ class Surcharge:
         """Actions `first` … `last` of a plan were refused one after the other. One alone is forbidden, not dearer."""
         if first == last:
             return
-        self.weight = max(LEAST, min(self.weight * GROWTH, MOST))
+        self.weight = max(SEARCH.penalty_first, min(self.weight * SEARCH.penalty_growth, SEARCH.penalty_most))
         self._settled.clear()
         for number in range(self.strain.successors.action_count):
             self._kind(number)
@@ -76,13 +71,13 @@ class Surcharge:
 
     def _of(self, state: int, number: int) -> float:
         limit = self._limits.get(self._kind(number), 1.0)
-        return self.weight * (self.strain.of(state, number) / limit) ** POWER if limit > 0.0 else 0.0
+        return self.weight * (self.strain.of(state, number) / limit) ** SEARCH.penalty_power if limit > 0.0 else 0.0
 
     def price(self, rule: str, strain: Any) -> Any:
         """The surcharge of actions of a rule by their strain, on robots of the size that was met with the highest
         limit; arrays broadcast."""
         limit = max((self._limits.get(kind, 1.0) for kind in self._kinds_of_rules.get(rule, ())), default=1.0)
-        return self.weight * (strain / limit) ** POWER if limit > 0.0 else 0.0 * strain
+        return self.weight * (strain / limit) ** SEARCH.penalty_power if limit > 0.0 else 0.0 * strain
 
     def _kind(self, number: int) -> Kind:
         if number not in self._kinds:

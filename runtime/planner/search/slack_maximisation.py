@@ -12,13 +12,11 @@ from typing import TYPE_CHECKING
 
 from ....compiler.symbolic.strain import Strain
 from ..conflicts.forbidden_sequences import EMPTY, LEAF
-from .learned_penalties import POWER
+from .settings import SEARCH
 
 if TYPE_CHECKING:
     from .best_first import Candidate, SkeletonSearch
 
-WIDTH = 400
-"""States per layer that are kept, least strained first."""
 EQUAL = 1e-9
 
 
@@ -60,12 +58,12 @@ def roomier(search: SkeletonSearch, strain: Strain, candidate: Candidate) -> Can
                 place = no_goods.descend(node.place, action)
                 if history is None or place == LEAF:
                     continue
-                total = node.strain + strain.of(node.state, action) ** POWER
+                total = node.strain + strain.of(node.state, action) ** SEARCH.penalty_power
                 key = (following, history, place)
                 known = best.get(key)
                 if known is None or total < known.strain:
                     best[key] = _Node(total, cost, following, history, place, action, node)
-        layer = sorted(best.values(), key=lambda n: n.strain)[:WIDTH]
+        layer = sorted(best.values(), key=lambda n: n.strain)[:SEARCH.slack_width]
     ends = [node for node in layer if successors.is_goal(node.state)]
     if not ends:
         return candidate

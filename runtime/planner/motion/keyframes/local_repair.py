@@ -10,11 +10,7 @@ from ....seeds import Seed
 from ....skeleton import BoundResult, Configuration, Skeleton
 from ..settings import MotionSettings
 from .multi_start import solve_span
-
-MOST = 24
-"""Phases of a stretch that are drawn anew at once; longer ones stay as they are."""
-NOISE = 0.4
-"""Radians by which joints are shaken for another start."""
+from .settings import KEYFRAMES
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +44,7 @@ def resampled(configurations: Sequence[Configuration], failed: Sequence[int], se
         fresh = configuration.copy()
         if k in changed:
             for values in fresh.modules.values():
-                values[7:] += random.normal(0.0, NOISE, len(values) - 7)
+                values[7:] += random.normal(0.0, KEYFRAMES.repair_noise, len(values) - 7)
         result.append(fresh)
     return result
 
@@ -79,7 +75,7 @@ def mended(
     random = own.random()
     iterations, done = 0, 0
     for first, last in spans(failed, mend.around, len(skeleton)):
-        if last - first >= MOST:
+        if last - first >= KEYFRAMES.most_redrawn:
             continue
         end = configurations[last + 1] if last + 1 < len(skeleton) else None
         found = solve_span(

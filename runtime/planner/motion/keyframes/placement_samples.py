@@ -12,15 +12,7 @@ from .....compiler.motion.collision import bounding_radius, keeps_pose
 from .....compiler.remembering import remembered
 from ....geometry.attachments import followers
 from ....skeleton import Array, Skeleton
-
-MANY = 7
-"""From how many things on a body on they are laid out; fewer find room from any guess."""
-EDGE, GAP = 0.03, 0.02
-"""Metres kept to the edge of the top, and between things at least, however they are turned."""
-TIGHT_EDGE, TIGHT_GAP = 0.025, 0.03
-"""The same where that leaves too little room: to the middles of things, and between things side by side."""
-WIDE = 2.0
-"""Grids get no wider than this, in widths of the largest thing: far corners may be out of reach."""
+from .settings import KEYFRAMES
 
 Places = dict[tuple[int, str], Array]
 """Where the middle of a thing goes that is put down in a phase, `(2,)`, x and y in the world, by phase and thing."""
@@ -76,7 +68,7 @@ def places(skeleton: Skeleton) -> Places:
     for base, put_down in _put_down(skeleton).items():
         later = [thing for body, thing in skeleton.coming if body == base]
         things = list(dict.fromkeys([*(name for _, name in put_down), *later]))
-        if len(things) < MANY:
+        if len(things) < KEYFRAMES.laid_out_from:
             continue
         middle = np.array(world.bodies[base].pose[:2])
         resting = [
@@ -95,10 +87,11 @@ def _lay_out(base: Body, things: list[Body], resting: list[tuple[Array, float]])
     """As many places on a base as there are things, from its middle: with room to turn them, else side by side."""
     radius = max(float(np.hypot(*outline(thing))) / 2 for thing in things)
     side = max(float(outline(thing).max()) for thing in things)
-    for edge, least in ((radius + EDGE, 2 * radius + GAP), (TIGHT_EDGE, side + TIGHT_GAP)):
-        taken = [(place, least / 2 + GAP / 2 + around) for place, around in resting]
+    wide = 2 * radius + KEYFRAMES.gap
+    for edge, least in ((radius + KEYFRAMES.edge, wide), (KEYFRAMES.tight_edge, side + KEYFRAMES.tight_gap)):
+        taken = [(place, least / 2 + KEYFRAMES.gap / 2 + around) for place, around in resting]
         sides = np.maximum(outline(base) - 2 * edge, 0.0)
-        found = _cells(sides, len(things), least, max(least, WIDE * (2 * radius + GAP)), taken)
+        found = _cells(sides, len(things), least, max(least, KEYFRAMES.widest_grid * wide), taken)
         if found:
             return found
     return []

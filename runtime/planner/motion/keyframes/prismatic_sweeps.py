@@ -17,13 +17,7 @@ from .....compiler.motion.collision import module_spheres, pose_matrix
 from ....geometry.attachments import followers
 from ....skeleton import Array, Configuration, Skeleton
 from .initial_guesses import to_tuple
-
-LOOKS = 12
-"""At how many places between two switches what slides is looked at."""
-THROUGH = 0.5
-"""The share of its spheres whose centres lie in something at rest from which it goes right through."""
-MOVED = 0.05
-"""Metres that something must slide to be looked at."""
+from .settings import KEYFRAMES
 
 
 @lru_cache(maxsize=64)
@@ -51,10 +45,10 @@ def _centres(type_: ModuleType, slot: Array) -> Array:
 def _slid(type_: ModuleType, before: Array, after: Array) -> Array | None:
     """Where these centres are `(places, spheres, 3)` between two slots of a module; None where it hardly slides."""
     slides, centres = _sliding(type_)
-    if not centres or math.dist(before[7:][[*slides]], after[7:][[*slides]]) < MOVED:
+    if not centres or math.dist(before[7:][[*slides]], after[7:][[*slides]]) < KEYFRAMES.sweep_moved:
         return None
-    slots = np.repeat(before[None], LOOKS - 1, axis=0)
-    slots[:, 7:] += np.arange(1, LOOKS)[:, None] / LOOKS * (after[7:] - before[7:])
+    slots = np.repeat(before[None], KEYFRAMES.sweep_looks - 1, axis=0)
+    slots[:, 7:] += np.arange(1, KEYFRAMES.sweep_looks)[:, None] / KEYFRAMES.sweep_looks * (after[7:] - before[7:])
     return np.array([_centres(type_, slot) for slot in slots])
 
 
@@ -64,7 +58,7 @@ def reach(skeleton: Skeleton, phase: int, before: Configuration, after: Configur
     world = skeleton.problem.world
     ways = (_slid(m.type, before.modules[name], after.modules[name]) for name, m in world.modules.items())
     slid = [points for points in ways if points is not None]
-    least = LOOKS
+    least = KEYFRAMES.sweep_looks
     if not slid:
         return 1.0
     carried = followers(skeleton.problem, skeleton.phases[phase].mode)
@@ -74,9 +68,9 @@ def reach(skeleton: Skeleton, phase: int, before: Configuration, after: Configur
         frame, half = pose_matrix(before.bodies[name]), np.array(box_sides(body.shape)) / 2
         for points in slid:
             within = (np.abs((points - frame[:3, 3]) @ frame[:3, :3]) < half).all(axis=2)
-            if within.mean(axis=1).max() > THROUGH:
+            if within.mean(axis=1).max() > KEYFRAMES.sweep_through:
                 least = min(least, int(np.flatnonzero(within.sum(axis=1))[0]))
-    return least / LOOKS
+    return least / KEYFRAMES.sweep_looks
 
 
 def all_pierced(skeleton: Skeleton, first: int, configurations: Sequence[Configuration]) -> list[int]:

@@ -11,12 +11,8 @@ from ....skeleton import BoundResult, Configuration, Skeleton, start_configurati
 from ..settings import MotionSettings
 from .multi_start import TRIES, Span, solve_span
 from .placement_samples import places
-from .sliding_windows import WINDOW, led_around, solve_windows
-
-LONGEST = 12
-"""Phases up to which one program holds the whole skeleton."""
-FEW = 3
-"""How often windows go back where the whole has failed only by its collisions."""
+from .settings import KEYFRAMES
+from .sliding_windows import led_around, solve_windows
 
 
 def solve_sequence(
@@ -38,16 +34,16 @@ def solve_sequence(
         return BoundResult("seq", True, 0.0, 0.0, 0, [origin], [], [])
     random = seed.child("sequence").random()
     span = Span(skeleton, 0, last, settings, random, budget, origin, False)
-    if len(skeleton) > LONGEST and warm is None:
+    if len(skeleton) > KEYFRAMES.longest_whole and warm is None:
         result = solve_windows(skeleton, settings, seed, budget, origin, tries, patient=True)
     else:
         result = span.search(warm, tries or min(TRIES, 4 + last))
-        if not result.feasible and span.reached and len(skeleton) > WINDOW and warm is None and tries is None:
-            result = solve_windows(skeleton, settings, seed, budget, origin, FEW)
+        if not result.feasible and span.reached and len(skeleton) > KEYFRAMES.window and warm is None and tries is None:
+            result = solve_windows(skeleton, settings, seed, budget, origin, KEYFRAMES.few_backtracks)
         elif result.feasible:
             result, spent = led_around(skeleton, 0, last, settings, random, budget, result)
             span.iterations += spent
-    if result.feasible and len(skeleton) > LONGEST and warm is None and not places(skeleton):
+    if result.feasible and len(skeleton) > KEYFRAMES.longest_whole and warm is None and not places(skeleton):
         whole = span.search(result.configurations[1:], 1)
         result = whole if whole.feasible else result
     result.iterations += span.iterations

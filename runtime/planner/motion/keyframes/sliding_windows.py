@@ -18,21 +18,7 @@ from .initial_guesses import guess, shake
 from .keyframe_program import SwitchProgram
 from .multi_start import NOISE, judged_alone, solve_span
 from .prismatic_sweeps import all_pierced, held_back
-
-WINDOW = 4
-COMMIT = 2
-BACKTRACKS = 10
-PATIENCE = 6
-"""How often windows go back at least before new ground is won."""
-ANEW = 3
-"""What a new start of the first window counts for."""
-PERIOD = 2
-"""Gaits repeat after two phases."""
-AROUND = 3
-"""How often a window is drawn anew in which something that slides would go right through what rests."""
-STRETCHED, MOST = 1.2, 3
-"""Before the windows, phases are tried alone that span this many times what the usual one of their rule does, at most
-so many."""
+from .settings import KEYFRAMES
 
 
 def _support(skeleton: Skeleton, phase: int, configuration: Configuration) -> Array | None:
@@ -49,10 +35,11 @@ def _repeat(
     skeleton: Skeleton, phase: int, known: Sequence[Configuration], guessed: Configuration, random: np.random.Generator
 ) -> Configuration:
     """The switch one period back, moved along with its supports; the plain guess where nothing repeats."""
-    if phase < PERIOD or skeleton.phases[phase].action.rule != skeleton.phases[phase - PERIOD].action.rule:
+    before = phase - KEYFRAMES.gait_period
+    if before < 0 or skeleton.phases[phase].action.rule != skeleton.phases[before].action.rule:
         return guessed
-    earlier = known[phase - PERIOD + 1]
-    here, there = _support(skeleton, phase, guessed), _support(skeleton, phase - PERIOD, earlier)
+    earlier = known[before + 1]
+    here, there = _support(skeleton, phase, guessed), _support(skeleton, phase - KEYFRAMES.gait_period, earlier)
     if here is None or there is None:
         return guessed
     copy = shake(skeleton.problem, earlier, random, 0.03)
@@ -93,8 +80,8 @@ def _outliers(skeleton: Skeleton) -> list[int]:
     for phase, span in zip(skeleton.phases, spans, strict=True):
         by_rule.setdefault(phase.action.rule, []).append(span)
     usual = {rule: float(np.median(found)) for rule, found in by_rule.items()}
-    far = [k for k, phase in enumerate(skeleton.phases) if spans[k] > STRETCHED * usual[phase.action.rule]]
-    return sorted(far, key=lambda k: -spans[k])[:MOST]
+    far = [k for k, phase in enumerate(skeleton.phases) if spans[k] > KEYFRAMES.stretched * usual[phase.action.rule]]
+    return sorted(far, key=lambda k: -spans[k])[:KEYFRAMES.most_stretched]
 
 
 class _Alone:
@@ -128,7 +115,7 @@ def led_around(
     this makes fewer phases so; and the iterations that this took."""
     iterations = 0
     bad = all_pierced(skeleton, first, found.configurations)
-    for _ in range(AROUND):
+    for _ in range(KEYFRAMES.led_around):
         if not bad:
             break
         warm = held_back(skeleton, first, found.configurations, bad)
@@ -161,18 +148,18 @@ def solve_windows(
 
     known = [start]
     ahead: list[Configuration] = []
-    most = max(PATIENCE, tries or BACKTRACKS) if patient else tries or BACKTRACKS
+    most = max(KEYFRAMES.patience, tries or KEYFRAMES.backtracks) if patient else tries or KEYFRAMES.backtracks
     iterations = setbacks = farthest = 0
     while len(known) <= len(skeleton):
         first = len(known) - 1
-        last = min(first + WINDOW, len(skeleton)) - 1
+        last = min(first + KEYFRAMES.window, len(skeleton)) - 1
         warm = None if setbacks and not ahead else _continue(skeleton, last, known, ahead, random)
         result = solve_span(skeleton, first, last, settings, random, budget, known[-1], warm, tries=tries)
         iterations += result.iterations
         if result.feasible:
             result, spent = led_around(skeleton, first, last, settings, random, budget, result)
             iterations += spent
-            kept = last - first + 1 if last == len(skeleton) - 1 else COMMIT
+            kept = last - first + 1 if last == len(skeleton) - 1 else KEYFRAMES.commit
             known += result.configurations[1 : kept + 1]
             ahead = result.configurations[kept + 1 :]
             continue
@@ -180,13 +167,13 @@ def solve_windows(
         if refusal is not None:
             refusal.iterations = iterations + alone.iterations
             return refusal
-        if first >= farthest + COMMIT:
+        if first >= farthest + KEYFRAMES.commit:
             farthest, setbacks = first, 0
-        setbacks += 1 if first else ANEW
+        setbacks += 1 if first else KEYFRAMES.anew
         if setbacks > most:
             result.iterations = iterations + alone.iterations
             return result
-        del known[max(1, first + 1 - COMMIT * (1 + setbacks // 2)) :]
+        del known[max(1, first + 1 - KEYFRAMES.commit * (1 + setbacks // 2)) :]
         ahead = []
     whole = SwitchProgram(skeleton, 0, len(skeleton) - 1, start, settings, frozen=False)
     cost = whole.loose.cost(whole.pack(known))

@@ -11,6 +11,7 @@ from ....budget import Budget
 from ....skeleton import Array
 from .banded_cholesky import factored, solved
 from .program import Program
+from .settings import SOLVER
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,8 +32,6 @@ class Options:
     stall: int = 20
 
 
-HOPELESS = 4e-3
-"""A run that stalls above this violation will not become feasible."""
 NO_STEP = 1e20
 """With this damping and more there is no step worth to be taken."""
 PATH = Options(mu=1e3, tolerance=1e-3)
@@ -139,7 +138,7 @@ def solve(program: Program, start: Array, options: Options, budget: Budget) -> O
             return Outcome(run.x, iteration + 1, "feasible")
         if violation < 0.9 * best:
             best, best_at = violation, iteration
-        if iteration - best_at > options.stall and best > HOPELESS:
+        if iteration - best_at > options.stall and best > SOLVER.hopeless:
             return Outcome(run.x, iteration + 1, "stalled")
         if step < options.inner_tolerance:
             run.update_multipliers(violation)

@@ -15,26 +15,13 @@ from .batch_kinematics import Indices
 from .penalty import most_missed
 from .phase_batch import Batch
 from .rrt_connect import sampled_starts
+from .settings import PHASES
 from .smoothing import Schedule, path_cost, smooth_paths
 from .swept_check import sweep
 
-LEVELS = ((6, 0.3, 0.5), (8, 0.5, 1.0), (16, 0.8, 0.5))
-"""After a straight start, one attempt after the other: starts per phase, the size of their bumps, radians, and how far
-the first of them goes towards the joints' home instead."""
-QUICK_LEVELS = 1
-QUICK_ROUNDS, ROUNDS = 60, 120
-"""How often trees of samples grow before they count as not to be connected, at first and at last."""
-CUTS = (8, 16)
-"""How often corners of a sampled polyline are cut for each of the starts along it."""
-REPAIRED = 0.06
-"""A path that misses its clearance by less, metres, is pushed away once more."""
 WIDER = Schedule(widening=1.6, iterations=15)
-LOOKS = (2, 4)
-"""How often per slice it is then looked at, one time after the other."""
 NEARER = Schedule(weight=1e5, widening=1.15, iterations=8, tolerance=1e-4)
 TO_THE_END = Schedule(weight=1e5, iterations=100, tolerance=1e-5)
-HOPELESS = 5e-3
-"""A path on which the optimiser's spheres, which lie within the shapes, overlap by more, metres, is not checked."""
 
 
 @dataclass(slots=True)
@@ -89,7 +76,7 @@ def _keep_best(group: Group, index: Indices, batch: Batch, paths: Array, budget:
     what is least in the way. `index` gives the phase of the group behind each path. Cheap paths are checked first, as
     the swept check is dear, and hopeless ones only where there is nothing else."""
     cost, missed = path_cost(batch, paths), most_missed(batch, paths[:, 1:-1])
-    hopeless = missed > batch.margin + HOPELESS
+    hopeless = missed > batch.margin + PHASES.hopeless
     best = {int(p): int(r) for r, p in reversed(list(zip(np.argsort(missed), index[np.argsort(missed)], strict=True)))}
     waiting: dict[int, list[int]] = {}
     for row in np.argsort(cost, kind="stable"):
@@ -122,8 +109,8 @@ def attempt(group: Group, index: Indices, inner: Array, schedule: Schedule, budg
     inner, iterations = smooth_paths(batch, inner, schedule, budget)
     _keep_best(group, index, batch, batch.with_ends(inner), budget)
     group.detour |= ~group.solved
-    for looks in LOOKS:
-        near = np.unique(index[~group.solved[index] & (group.clearance[index] > -REPAIRED)])
+    for looks in PHASES.repair_looks:
+        near = np.unique(index[~group.solved[index] & (group.clearance[index] > -PHASES.repaired)])
         if len(near):
             iterations += _repair(group, near, looks, budget)
     return iterations
@@ -145,7 +132,8 @@ def solve_groups(groups: Sequence[Group], seed: Seed, budget: Budget, thorough: 
     for group in groups:
         every = np.arange(len(group.batch))
         iterations += attempt(group, every, straight(group.batch), Schedule(), budget)
-    for levels, rounds in ((LEVELS[:QUICK_LEVELS], QUICK_ROUNDS), (LEVELS[QUICK_LEVELS:], ROUNDS)):
+    quick = PHASES.quick_levels
+    for levels, rounds in ((PHASES.levels[:quick], PHASES.quick_rounds), (PHASES.levels[quick:], PHASES.rounds)):
         for level in levels:
             for group, random in zip(groups, randoms, strict=True):
                 if not group.solved.all():
@@ -172,12 +160,12 @@ def _try_sampled(group: Group, rounds: int, random: np.random.Generator, budget:
     found = [
         (phase, start)
         for phase in np.flatnonzero(~group.solved)
-        for start in sampled_starts(group.batch, int(phase), random, budget, rounds, CUTS)
+        for start in sampled_starts(group.batch, int(phase), random, budget, rounds, PHASES.cuts)
     ]
     if not found:
         return 0
     index, starts = (np.array(column) for column in zip(*found, strict=True))
-    return attempt(group, index, starts, Schedule(weight=1e5), budget, LOOKS[0])
+    return attempt(group, index, starts, Schedule(weight=1e5), budget, PHASES.repair_looks[0])
 
 
 def polish_groups(groups: Sequence[Group], budget: Budget) -> int:
@@ -187,7 +175,7 @@ def polish_groups(groups: Sequence[Group], budget: Budget) -> int:
     for group in groups:
         late = np.flatnonzero(group.detour & group.solved)
         if len(late):
-            batch = group.batch.take(late).looking(LOOKS[0])
+            batch = group.batch.take(late).looking(PHASES.repair_looks[0])
             inner, more = smooth_paths(batch, group.paths[late, 1:-1], NEARER, budget)
             _keep_best(group, late, batch, batch.with_ends(inner), budget)
             iterations += more
@@ -199,5 +187,5 @@ def improve(group: Group, random: np.random.Generator, starts: int, budget: Budg
     every = np.arange(len(group.batch))
     iterations = attempt(group, every, group.paths[:, 1:-1], TO_THE_END, budget)
     again = np.repeat(every, starts)
-    inner = bumped(group.batch.take(again), random, LEVELS[0][1])
+    inner = bumped(group.batch.take(again), random, PHASES.levels[0][1])
     return iterations + attempt(group, again, inner, Schedule(), budget)

@@ -13,16 +13,7 @@ from ..nlp.banded_cholesky import factored, solved
 from .batch_kinematics import Indices
 from .penalty import Penalty, penalty
 from .phase_batch import Batch
-
-ACCELERATION_WEIGHT = 0.1
-HOMING_WEIGHT = 0.2
-NO_PENALTY = 1e-3
-"""A penalty that counts as none: a phase that has more goes on until the weight is at its greatest."""
-MOST_SPHERES = 60_000
-"""Phases are improved in lots with about so many spheres at a time, which bounds the memory and fits the caches."""
-PATIENCE = 15
-STUCK = 0.03
-"""A phase is given up when spheres overlap by more, metres, after so many iterations: things have passed each other."""
+from .settings import PHASES
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +39,8 @@ def cost_matrix(slices: int) -> Array:
         differences[t, t] -= 2.0
         differences[t, max(t - 1, 0)] += 1.0
     span = 1.0 / slices
-    accelerations = (ACCELERATION_WEIGHT * span**-1.5) ** 2 * differences.T @ differences
-    return np.asarray(accelerations + HOMING_WEIGHT**2 * span * np.eye(slices + 1))
+    accelerations = (PHASES.acceleration_weight * span**-1.5) ** 2 * differences.T @ differences
+    return np.asarray(accelerations + PHASES.homing_weight**2 * span * np.eye(slices + 1))
 
 
 def path_cost(batch: Batch, paths: Array) -> Array:
@@ -121,7 +112,7 @@ class _State:
 def smooth_paths(batch: Batch, inner: Array, schedule: Schedule, budget: Budget) -> tuple[Array, int]:
     """Improve inner slices `(phases, slices - 1, joints)`; returns them and the iterations of the longest phase.
     Every phase has its own damping and stops on its own, whatever the others do."""
-    size = max(1, MOST_SPHERES // max(1, len(batch.coarse.radius) * batch.looks.shares.shape[1]))
+    size = max(1, PHASES.lot // max(1, len(batch.coarse.radius) * batch.looks.shares.shape[1]))
     found = [
         _smooth(batch.take(index), inner[index], schedule, budget)
         for index in (np.arange(k, min(k + size, len(batch))) for k in range(0, len(batch), size))
@@ -155,12 +146,12 @@ def _smooth(batch: Batch, inner: Array, schedule: Schedule, budget: Budget) -> t
         better = (ratio > 0.05) | (np.abs(change) < 1e-9 * np.abs(before))
         ended = better & (-change < schedule.tolerance * np.abs(before) + 1e-6) & (scale == 1.0)
         state = state.replaced(better, trial)
-        ended &= (weight >= schedule.greatest) | (state.penalty.value <= NO_PENALTY)
+        ended &= (weight >= schedule.greatest) | (state.penalty.value <= PHASES.no_penalty)
         factor = np.where(better, np.where(ratio > 0.7, 0.2, np.where(ratio < 0.25, 3.0, 1.0)), 8.0)
         damping = np.clip(damping * factor, 1e-6, 1e9)
         ended |= damping > 1e7
-        if iteration >= PATIENCE:
-            ended |= state.penalty.overlap > STUCK
+        if iteration >= PHASES.patience:
+            ended |= state.penalty.overlap > PHASES.stuck
         result[active] = state.inner
         if ended.all():
             break

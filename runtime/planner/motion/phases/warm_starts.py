@@ -9,12 +9,8 @@ import numpy as np
 from .....compiler.ir import World
 from ....skeleton import Array, BoundResult, Configuration, PhasePath
 from .joint_forest import PhaseTree
+from .settings import PHASES
 from .smoothing import cost_matrix
-
-MADE = 1e-4
-"""How near to its end a path comes that was made, radians or metres."""
-DRIFT = 1e-5
-"""By how much the poses of things at rest may differ, metres, and be the same."""
 
 
 def taken_over(
@@ -36,13 +32,14 @@ def taken_over(
 def _ends_at(path: PhasePath, end: Configuration) -> bool:
     """Whether a path was made at all: phases that come after one that has failed may have none."""
     apart = (rows[-1, 7:] - end.modules[name][7:] for name, rows in path.modules.items())
-    return all(np.abs(joints).max(initial=0.0) < MADE for joints in apart)
+    return all(np.abs(joints).max(initial=0.0) < PHASES.made for joints in apart)
 
 
 def _alike(one: Configuration, other: Configuration) -> bool:
     """Whether all joints have the same values, and all bodies the same poses but for what poses drift."""
     joints = all(np.array_equal(slot[7:], other.modules[name][7:]) for name, slot in one.modules.items())
-    return joints and all(np.abs(pose - other.bodies[name]).max() < DRIFT for name, pose in one.bodies.items())
+    apart = (np.abs(pose - other.bodies[name]).max() for name, pose in one.bodies.items())
+    return joints and all(distance < PHASES.same_pose for distance in apart)
 
 
 def _values(known: BoundResult, tree: PhaseTree) -> Array:

@@ -1,0 +1,37 @@
+"""The numbers that bound the compiled logic."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..settings import setting
+
+
+@dataclass(frozen=True)
+class SymbolicSettings:
+    """The numbers that bound the compiled logic."""
+
+    most_instances: int = setting(64, "facts", "Instances of a literal that are looked at for who achieves it.")
+    estimate_depth: int = setting(3, "actions", "How many preconditions deep the estimate looks.")
+    single_lengths: int = setting(
+        4, "lengths",
+        "So many single lengths from an object are looked up one by one before all of them are computed at once.",
+    )
+    single_values: int = setting(4, "values", "Up to so many values of a variable are compared one by one.")
+    most_alternatives: int = setting(
+        16, "alternatives",
+        "Alternatives of a condition that are split into flat rules at most.",
+    )
+    known_names: int = setting(10000, "formulas", "Formulas of which the free names are kept.")
+    renamed_from: int = setting(
+        2, "modules",
+        "Below this many interchangeable modules the renaming costs more than it saves.",
+    )
+    strips_alternatives: int = setting(
+        64, "alternatives",
+        "Alternatives of a condition in the delete relaxation at most.",
+    )
+    strips_facts: int = setting(4096, "facts", "Facts of a delete relaxation at most.")
+
+
+SYMBOLIC = SymbolicSettings()

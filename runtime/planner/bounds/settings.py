@@ -1,0 +1,32 @@
+"""The numbers that steer which bound is asked for what."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ....compiler.settings import setting
+
+
+@dataclass(frozen=True)
+class BoundSettings:
+    """The numbers that steer which bound is asked for what."""
+
+    longest_conflict: int = setting(3, "phases", "How many phases a conflict that may start anywhere has at most.")
+    wider_margin: float = setting(0.01, "m", "Metres by which margins grow for a plan that the verifier refused.")
+    first_starts: int = setting(1, "starts", "Starts of a span of a whole skeleton at first.")
+    conflict_reach: int = setting(4, "phases", "How far from the phases that P_seq blames a conflict is looked for.")
+    answer_period: float = setting(
+        0.05, "s",
+        "Seconds after which whoever waits for an answer looks at the clock, and lets Ctrl-C through.",
+    )
+    queued: int = setting(
+        3, "questions",
+        "Questions under way for each process that answers, so that none waits for the next one.",
+    )
+    always_refused: int = setting(
+        3, "pairs of poses",
+        "Between how many pairs of poses a phase must fail before it is refused wherever it starts.",
+    )
+
+
+BOUNDS = BoundSettings()

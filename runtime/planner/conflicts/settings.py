@@ -1,0 +1,26 @@
+"""The numbers that steer what refusals teach."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ....compiler.settings import setting
+
+
+@dataclass(frozen=True)
+class ConflictSettings:
+    """The numbers that steer what refusals teach."""
+
+    most_states: int = setting(
+        200, "states",
+        "Where more states can be reached than that, one state tells little of all.",
+    )
+    most_looks: int = setting(
+        20_000, "conditions",
+        "Conditions of ground actions that are looked at for the nearest miss.",
+        "about 2 s",
+    )
+    similar_strain: float = setting(0.005, "1", "By how much strains may differ and still count as the same.")
+
+
+CONFLICTS = ConflictSettings()

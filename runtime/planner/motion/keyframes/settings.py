@@ -1,0 +1,60 @@
+"""The numbers that steer P_seq."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .....compiler.settings import setting
+
+
+@dataclass(frozen=True)
+class KeyframeSettings:
+    """The numbers that steer P_seq."""
+
+    most_redrawn: int = setting(
+        24, "phases",
+        "Phases of a stretch that are drawn anew at once; longer ones stay as they are.",
+    )
+    repair_noise: float = setting(0.4, "rad", "Radians by which joints are shaken for another start.")
+    laid_out_from: int = setting(
+        7, "things",
+        "From how many things on a body on they are laid out; fewer find room from any guess.",
+    )
+    edge: float = setting(0.03, "m", "Metres kept to the edge of the top.")
+    gap: float = setting(0.02, "m", "And between things at least, however they are turned.")
+    tight_edge: float = setting(0.025, "m", "Where that leaves too little room: to the middles of things.")
+    tight_gap: float = setting(0.03, "m", "And between things side by side.")
+    widest_grid: float = setting(
+        2.0, "1",
+        "Grids get no wider than this, in widths of the largest thing: far corners may be out of reach.",
+    )
+    sweep_looks: int = setting(12, "places", "At how many places between two switches what slides is looked at.")
+    sweep_through: float = setting(
+        0.5, "1",
+        "The share of its spheres whose centres lie in something at rest from which it goes right through.",
+    )
+    sweep_moved: float = setting(0.05, "m", "Metres that something must slide to be looked at.")
+    longest_whole: int = setting(12, "phases", "Phases up to which one program holds the whole skeleton.")
+    few_backtracks: int = setting(
+        3, "times",
+        "How often windows go back where the whole has failed only by its collisions.",
+    )
+    window: int = setting(4, "phases", "Phases of a window.")
+    commit: int = setting(2, "phases", "Phases that a window keeps.")
+    backtracks: int = setting(10, "times", "How often windows go back, where nothing else is said.")
+    patience: int = setting(6, "times", "How often windows go back at least before new ground is won.")
+    anew: int = setting(3, "times", "What a new start of the first window counts for.")
+    gait_period: int = setting(2, "phases", "Gaits repeat after two phases.")
+    led_around: int = setting(
+        3, "times",
+        "How often a window is drawn anew in which something that slides would go right through what rests.",
+    )
+    stretched: float = setting(
+        1.2, "1",
+        "Before the windows, phases are tried alone that span this many times what the usual one of their rule "
+        "does.",
+    )
+    most_stretched: int = setting(3, "phases", "At most so many.")
+
+
+KEYFRAMES = KeyframeSettings()

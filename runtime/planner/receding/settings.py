@@ -1,0 +1,50 @@
+"""The numbers that steer a receding horizon."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ....compiler.settings import setting
+
+
+@dataclass(frozen=True)
+class HorizonSettings:
+    """The numbers that steer a receding horizon."""
+
+    first_length: int = setting(4, "actions", "The adaptive horizon at first.")
+    least_length: int = setting(2, "actions", "At least.")
+    most_length: int = setting(16, "actions", "At most.")
+    most_ordered: int = setting(64, "parts", "With more parts than this the order is that of the goal's text.")
+    landmark_depth: int = setting(
+        3, "actions",
+        "How far back it is looked for what every way to a part of the goal needs.",
+    )
+    plan_length: int = setting(
+        3, "windows",
+        "So many windows long are plans for some parts of the goal at least: later windows then go on along them.",
+    )
+    lookahead: int = setting(2, "phases", "P_seq looks so many phases beyond the window.")
+    few_parts: int = setting(
+        3, "parts",
+        "Up to so many unmet parts of the goal are planned for at once from the first try on.",
+    )
+    search_nodes: int = setting(300, "nodes", "Nodes that a search for the cheapest plan may expand.")
+    hurried_nodes: int = setting(30000, "nodes", "And then a hurried one.")
+    least_penalty: float = setting(
+        1.0, "cost",
+        "The penalty that an action at the limit of its conditions has at least, also before any was refused: "
+        "windows then need fewer candidates, and runs promise no cheapest plan anyway.",
+    )
+    most_remembered: int = setting(
+        4, "actions",
+        "Refused beginnings of a window with two to so many actions are forbidden wherever their robots stand "
+        "alike; one action only in the posture in which the window starts.",
+    )
+    candidates: int = setting(24, "plans", "Plans that are judged for one goal of one window.")
+    alike: int = setting(
+        3, "candidates",
+        "After so many that are expected to be refused, the one that was refused is tried once more.",
+    )
+
+
+RECEDING = HorizonSettings()

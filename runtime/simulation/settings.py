@@ -1,0 +1,73 @@
+"""The numbers that steer the simulated world and who runs in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...compiler.settings import setting
+
+
+@dataclass(frozen=True)
+class SimulationSettings:
+    """The numbers that steer the simulated world and who runs in it."""
+
+    drive_step: float = setting(2e-3, "s", "Seconds of one step of the drives.")
+    drive_frequency: float = setting(40.0, "1/s", "Natural frequency of the drives, 1/s.")
+    brake_knot: float = setting(0.02, "s", "Seconds between knots of a motion that is broken off.")
+    brake_quick: float = setting(
+        0.25, "s",
+        "Seconds in which joints without a limit of acceleration come to rest from full speed.",
+    )
+    brake_shortest: float = setting(0.05, "s", "The least time in which a motion is broken off.")
+    brake_growth: float = setting(
+        1.4, "1",
+        "By what factor the way to rest grows while it is not within the limits of the joints.",
+    )
+    brake_tries: int = setting(10, "times", "How often it grows.")
+    through: float = setting(
+        1e-3, "m",
+        "Metres that something is in a robot which does not just press upon it, but goes through it: no plan may "
+        "have more. The spheres that measure it lie within shapes, so that no less is in it in truth.",
+    )
+    touching: float = setting(5e-4, "m", "Metres that it may be in the robot when the run ends.")
+    halvings: int = setting(12, "times", "Halvings of the time between two looks to find when it gets there.")
+    clearance_stride: int = setting(5, "samples", "Every so many samples of the plan are looked at.")
+    clearance_apart: float = setting(5e-3, "m", "What the plan has nearer, metres, is meant to touch.")
+    clearance_far: float = setting(0.1, "m", "Distances beyond, metres, are of no interest.")
+    rest_pieces: int = setting(10, "pieces", "Pieces of the motion of a phase in which nothing moves.")
+    phase_looks: int = setting(101, "instants", "Instants of a phase that are looked at.")
+    far: float = setting(0.2, "m", "Metres beyond which distances are of no interest.")
+    horizon: int = setting(4, "actions", "Actions that get their motion in one window, where nothing else is said.")
+    latency: float = setting(0.25, "s", "Simulated seconds that planning a window takes, where nothing else is said.")
+    same_place: float = setting(1e-4, "m", "Metres that make no difference.")
+    put_away: float = setting(
+        2e-3, "m",
+        "Metres by which such a body is put away from the end, as it may come after it.",
+    )
+    too_near: float = setting(
+        0.01, "m",
+        "Metres between a module and a body at the start of a phase at which no path may be found.",
+    )
+    let_go: float = setting(0.01, "m", "A body that is nearer to an end, metres, has just been let go.")
+    sensing_period: float = setting(0.05, "s", "Seconds between two looks at the scene.")
+    memory: int = setting(60, "looks", "Looks from which a velocity is estimated.")
+    kept_looks: int = setting(100, "looks", "Looks that are remembered: planning may know the last ones too late.")
+    tolerance: float = setting(5e-4, "m", "Metres by which a body may be off where a window expects it.")
+    pushed: float = setting(
+        0.01, "m",
+        "Metres off its way after which a body may rest again: no speed is read off this step.",
+    )
+    sure: float = setting(5.0, "1", "Standard deviations of the noise that make no difference.")
+    likely: float = setting(3.0, "1", "Standard deviations beyond which a speed is taken for one.")
+    rare: float = setting(
+        4.0, "1",
+        "Standard deviations that a look is off the way of a body only where that has changed.",
+    )
+    ago: tuple[int, ...] = setting(
+        (3, 6, 12), "looks",
+        "Looks before which a body may have changed its way without any look that tells.",
+    )
+    enough: int = setting(8, "looks", "Looks before such a change that tell the way until then.")
+
+
+SIMULATION = SimulationSettings()
