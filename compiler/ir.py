@@ -62,12 +62,12 @@ from .lifted_ir import (
 
 __all__ = [
     "IDENTITY", "Action", "Aggregate", "And", "Any_", "Arith", "Body", "Breakdown", "Case", "Chain", "ChainEnd",
-    "ChainModule", "ChainType", "Compare", "Conditional", "Course", "Derived", "Effect", "EffectFor",
-    "EffectIf", "EffectItem", "Effector", "Exists", "Fact", "Forall", "Formula", "Function", "Heuristic",
-    "Joint", "Letter", "Link", "Literal", "Module", "ModuleType", "MotionPredicate", "Not", "Number", "Object",
-    "ObjectType", "Options", "Or", "Pose", "Predicate", "Previous", "Problem", "Prune", "RangeType", "Row",
-    "Rule", "Shape", "Term", "Type", "Value", "ValueType", "Var", "Variable", "Vec3", "Vector", "World",
-    "conjuncts", "effects_of", "effects_with_loops", "span_of",
+    "ChainModule", "ChainType", "Compare", "Conditional", "Coupling", "Course", "Derived", "Effect",
+    "EffectFor", "EffectIf", "EffectItem", "Effector", "Exists", "Fact", "Forall", "Formula", "Function",
+    "Heuristic", "Joint", "Letter", "Link", "Literal", "Module", "ModuleType", "MotionPredicate", "Not",
+    "Number", "Object", "ObjectType", "Options", "Or", "Pose", "Predicate", "Previous", "Problem", "Prune",
+    "RangeType", "Row", "Rule", "Shape", "Term", "Type", "Value", "ValueType", "Var", "Variable", "Vec3",
+    "Vector", "World", "conjuncts", "effects_of", "effects_with_loops", "span_of",
 ]  # fmt: skip
 
 Vec3 = tuple[float, float, float]
@@ -90,10 +90,20 @@ class Shape:
 
 
 @dataclass(frozen=True, slots=True)
+class Coupling:
+    """A joint's value is always `factor` times that of joint `leader`, an index, plus `offset` (rad or m). The leader
+    itself follows none, and its limits are within what its followers' allow it."""
+
+    leader: int
+    factor: float
+    offset: float
+
+
+@dataclass(frozen=True, slots=True)
 class Joint:
     """`kind` is "revolute" or "prismatic". `parent` is the index of the joint whose moving frame carries it, -1 for
     the module frame. The moving frame is parent · placement · motion(axis, q). Limits in rad or m, greatest speed per
-    s, greatest acceleration per s²."""
+    s, greatest acceleration per s². A `passive` joint has no drive; one that `follows` another has its leader's."""
 
     name: str
     kind: str
@@ -105,6 +115,8 @@ class Joint:
     home: float
     speed: float
     acceleration: float = math.inf
+    passive: bool = False
+    follows: Coupling | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -93,9 +93,12 @@ def unit(v: Sequence[float]) -> Vec3 | None:
 
 
 def joint_frames(module: ModuleType, pose: Pose, values: Sequence[float]) -> Mapping[int, Pose]:
-    """The moving frame of every joint in the world, by its index; -1 is the module frame itself."""
+    """The moving frame of every joint in the world, by its index; -1 is the module frame itself. The values of joints
+    that follow others do not count."""
     frames: dict[int, Pose] = {-1: pose}
     for i, (joint, value) in enumerate(zip(module.joints, values, strict=True)):
+        if joint.follows is not None:
+            value = joint.follows.factor * values[joint.follows.leader] + joint.follows.offset
         base = compose(frames[joint.parent], joint.placement)
         if joint.kind == "revolute":
             motion = make((0.0, 0.0, 0.0), about(joint.axis, value))

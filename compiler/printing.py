@@ -119,6 +119,7 @@ def _module_type(m: ir.ModuleType) -> str:
     lines = [
         f"joint {i} {j.name}: {j.kind} about {_numbers(j.axis)} on {j.parent} at {_numbers(j.placement)} in "
         f"{j.lower:g} .. {j.upper:g} home {j.home:g} speed {j.speed:g} acceleration {j.acceleration:g}"
+        f"{' passive' * j.passive}{_coupling(j.follows)}"
         for i, j in enumerate(m.joints)
     ]
     lines += [f"link on {k.joint} at {_numbers(k.placement)}: {_shape(k.shape)}" for k in m.links]
@@ -126,6 +127,10 @@ def _module_type(m: ir.ModuleType) -> str:
         shape = _shape(e.shape) if e.shape else "no shape"
         lines.append(f"effector {e.name}: {e.type} on {e.joint} at {_numbers(e.placement)}: {shape}")
     return _block(f"module type {m.name}", lines)
+
+
+def _coupling(follows: ir.Coupling | None) -> str:
+    return "" if follows is None else f" = {follows.factor:g} * joint {follows.leader} + {follows.offset:g}"
 
 
 def _numbers(values: Iterable[float]) -> str:

@@ -226,8 +226,11 @@ class TreeBuilder(TermBuilder):
                     self.maybe_term(home),
                     self.maybe_term(speed),
                     self.maybe_term(acceleration),
+                    False,
                     span=span,
                 )
+            case "coupling_item":
+                return s.CouplingItem(str(children[0]), self.term(children[1]), span=span)
             case "link_item":
                 between = children[1]
                 drawn = None if between is None else self.call(_tree(between))

@@ -105,6 +105,9 @@ CODES: dict[str, CodeInfo] = {
     "E0118": CodeInfo("reserved name", "name",
         "This name belongs to the language and cannot be declared again.",
         "type object", "type thing < object"),
+    "E0119": CodeInfo("unknown joint", "name",
+        "A joint follows another one of its module, which is called by its name.",
+        "joint j2 = -jl", "joint j2 = -j1"),
     "E0201": CodeInfo("wrong number of arguments", "type",
         "Predicates, functions and rules take as many arguments as they are declared with.",
         "(on A)", "(on X A)"),
@@ -249,6 +252,10 @@ CODES: dict[str, CodeInfo] = {
     "E0520": CodeInfo("row that is false at the start", "scene",
         "The `during` rows of motion literals that hold at the start, by a fact or a placement, must be true there. "
         "Rows `at switch` ask nothing of the start: they bind where an action adds a literal."),
+    "E0521": CodeInfo("bad coupling", "scene",
+        "A coupled joint is a multiple of one other joint of its module and of its kind, plus a value. No joint "
+        "follows itself, directly or through others, and the limits of both leave them something to move in.",
+        "joint j2 = -j2 + 10 deg", "joint j2 = -j1 + 10 deg"),
     "S0001": CodeInfo("infeasible", "outcome", "It is proved that no sequence of actions reaches the goal."),
     "S0002": CodeInfo("exhausted", "outcome",
         "Every candidate sequence was refused by the motion solver; this is no proof."),

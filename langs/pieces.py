@@ -26,6 +26,7 @@ STATEMENTS = frozenset(
         "task_decl",
         "effector_item",
         "joint_item",
+        "coupling_item",
         "link_item",
         "fact_item",
         "branch_item",

@@ -45,11 +45,11 @@ from .syntax_terms import (
 
 __all__ = [
     "Aggregate", "And", "Argument", "Attribute", "Binary", "BodyItem", "BranchItem", "BreakdownItem", "Call",
-    "ChainType", "Compare", "Conditional", "CourseItem", "Declaration", "DerivedDecl", "DisturbanceItem",
-    "Effect", "EffectFor", "EffectIf", "EffectItem", "EffectorItem", "Exists", "FactItem", "File", "ForItem",
-    "Forall", "Formula", "FunctionDecl", "GoalItem", "GuideUse", "Happening", "HeuristicCase", "HeuristicDecl",
-    "IfItem", "Import", "Index", "JointItem", "LinkItem", "Literal", "ModuleDecl", "ModuleItem", "MotionDecl",
-    "MotionFor", "MotionItem", "MotionRow", "Name", "NamedType", "Negate", "Node", "Not", "Number",
+    "ChainType", "Compare", "Conditional", "CouplingItem", "CourseItem", "Declaration", "DerivedDecl",
+    "DisturbanceItem", "Effect", "EffectFor", "EffectIf", "EffectItem", "EffectorItem", "Exists", "FactItem",
+    "File", "ForItem", "Forall", "Formula", "FunctionDecl", "GoalItem", "GuideUse", "Happening", "HeuristicCase",
+    "HeuristicDecl", "IfItem", "Import", "Index", "JointItem", "LinkItem", "Literal", "ModuleDecl", "ModuleItem",
+    "MotionDecl", "MotionFor", "MotionItem", "MotionRow", "Name", "NamedType", "Negate", "Node", "Not", "Number",
     "OptionsItem", "Or", "Parameter", "PlacementDecl", "PredicateDecl", "Previous", "RangeType", "RobotItem",
     "RuleDecl", "SceneDecl", "SceneItem", "SceneUse", "TaskDecl", "Term", "Text", "Type", "TypeDecl", "Vector",
     "Wildcard", "flat_items",
@@ -193,7 +193,8 @@ class EffectorItem(Node):
 @dataclass(frozen=True, slots=True)
 class JointItem(Node):
     """`joint j2: revolute(y) in -120 deg .. 120 deg home 0.6 rad speed 2 rad/s acceleration 5 rad/s^2`, or with
-    vectors of two lengths as limits `joint drive: planar(x, y) in (-5 m, -5 m) .. (5 m, 5 m)`."""
+    vectors of two lengths as limits `joint drive: planar(x, y) in (-5 m, -5 m) .. (5 m, 5 m)`; `passive` behind it
+    where the joint has no drive."""
 
     name: str
     kind: str
@@ -203,6 +204,15 @@ class JointItem(Node):
     home: Term | None
     speed: Term | None
     acceleration: Term | None
+    passive: bool
+
+
+@dataclass(frozen=True, slots=True)
+class CouplingItem(Node):
+    """`joint j2 = -j1 + 10 deg`: what the joint `name` of the module always is, by another one."""
+
+    name: str
+    value: Term
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,7 +237,7 @@ class BranchItem(Node):
     items: tuple[ModuleItem, ...]
 
 
-ModuleItem = EffectorItem | JointItem | LinkItem | FactItem | BranchItem
+ModuleItem = EffectorItem | JointItem | CouplingItem | LinkItem | FactItem | BranchItem
 
 
 @dataclass(frozen=True, slots=True)

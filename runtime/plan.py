@@ -8,8 +8,9 @@ from __future__ import annotations
 import msgspec
 
 FORMAT = "tamplang-plan/2"
-KNOWN_NEEDS: frozenset[str] = frozenset()
-"""The optional parts of the format that this version understands: none yet."""
+COUPLINGS = "couplings"
+KNOWN_NEEDS = frozenset({COUPLINGS})
+"""The optional parts of the format that this version understands."""
 NO_LIMIT = 1e9
 """Stands for an infinite limit: JSON has no infinity."""
 
@@ -24,7 +25,15 @@ class ShapeRecord(Record, frozen=True):
     size: list[float]
 
 
-class JointRecord(Record, frozen=True):
+class CouplingRecord(Record, frozen=True):
+    """The joint's value is always `factor` times that of joint `leader`, an index, plus `offset`."""
+
+    leader: int
+    factor: float
+    offset: float
+
+
+class JointRecord(Record, frozen=True, omit_defaults=True):
     name: str
     kind: str
     parent: int
@@ -34,6 +43,7 @@ class JointRecord(Record, frozen=True):
     upper: float
     speed: float
     acceleration: float = NO_LIMIT
+    follows: CouplingRecord | None = None
 
 
 class EffectorRecord(Record, frozen=True):

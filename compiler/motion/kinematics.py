@@ -1,7 +1,8 @@
 """Symbolic kinematics of modules, as CasADi expressions.
 
 Quaternions are x, y, z, w. A module's slot is `(7 + n,)`: pose of its module frame in the world, whose quaternion is
-normalised here, then its n joint values; a body's slot is its pose `(7,)`.
+normalised here, then its n joint values, of which those of joints that follow others do not count; a body's slot is
+its pose `(7,)`.
 """
 
 from __future__ import annotations
@@ -133,11 +134,18 @@ def joint_frame(parent: Frame, joint: Joint, value: Expression) -> Frame:
     return Frame(base.position, multiply(base.quaternion, turn))
 
 
+def joint_value(joint: Joint, index: int, slot: Expression) -> Expression:
+    """The value of a joint of a module, by the module's slot."""
+    if joint.follows is None:
+        return slot[7 + index]
+    return joint.follows.factor * slot[7 + joint.follows.leader] + joint.follows.offset
+
+
 def joint_frames(kind: ModuleType, slot: Expression) -> list[Frame]:
     """The module frame, then the moving frame of each joint: index `joint + 1`."""
     frames = [pose_frame(slot)]
     for i, joint in enumerate(kind.joints):
-        frames.append(joint_frame(frames[joint.parent + 1], joint, slot[7 + i]))
+        frames.append(joint_frame(frames[joint.parent + 1], joint, joint_value(joint, i, slot)))
     return frames
 
 
@@ -158,6 +166,6 @@ def _effector_function(kind: ModuleType, name: str) -> Any:
     slot = ca.SX.sym("x", 7 + len(kind.joints))
     frame = pose_frame(slot)
     for i in reversed(carriers):
-        frame = joint_frame(frame, kind.joints[i], slot[7 + i])
+        frame = joint_frame(frame, kind.joints[i], joint_value(kind.joints[i], i, slot))
     frame = compose(frame, effector.placement)
     return ca.Function("effector", [slot], [frame.position, frame.quaternion])

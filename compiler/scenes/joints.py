@@ -29,30 +29,36 @@ STRAIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
 def lower_joint(
-    context: Context, scope: Scope, item: syntax.JointItem, parent: int, first: int, offset: ir.Vec3
-) -> list[ir.Joint] | None:
+    context: Context, scope: Scope, item: syntax.JointItem, parent: int, first: int, offset: ir.Vec3,
+    follows: bool = False,
+) -> list[ir.Joint] | None:  # fmt: skip
     """The joints that `item` stands for: the first is carried by joint `parent` at `offset` (metres) and gets the index
-    `first`, each further one is carried by the one before. None where values are missing or wrong."""
+    `first`, each further one is carried by the one before. One that `follows` another has its home value and its drive
+    from there. None where values are missing or wrong."""
     if item.kind not in DEFAULT_SPEED:
         where = context.findings.word(item.span, item.kind)
         help = did_you_mean(item.kind, DEFAULT_SPEED) or "joints are revolute, prismatic or planar"
         context.findings.report("E0508", where, f"unknown kind of joint `{item.kind}`", help=help)
         return None
+    if follows and not _may_follow(context, item):
+        return None
     axes = _axes(context, item)
     kind = ANGLE if item.kind == "revolute" else LENGTH
-    limits = _planar_limits(context, scope, item) if item.kind == "planar" else _limits(context, scope, item, kind)
+    planar = item.kind == "planar"
+    limits = _planar_limits(context, scope, item) if planar else _limits(context, scope, item, kind, follows)
     speed = _rate(context, scope, item, "speed", RATES[kind])
     acceleration = _rate(context, scope, item, "acceleration", RATES[RATES[kind]])
     if axes is None or limits is None or speed is None or acceleration is None:
         return None
     greatest = (speed, acceleration)
-    if item.kind != "planar":
-        return [ir.Joint(item.name, item.kind, parent, make(offset, STRAIGHT), axes[0], *limits[0], *greatest)]
+    if not planar:
+        place = make(offset, STRAIGHT)
+        return [ir.Joint(item.name, item.kind, parent, place, axes[0], *limits[0], *greatest, item.passive)]
     names = [f"{item.name}.{t.name}" for t in item.axes if isinstance(t, syntax.Name)]
     here = make((0.0, 0.0, 0.0), STRAIGHT)
     return [
-        ir.Joint(names[0], "prismatic", parent, make(offset, STRAIGHT), axes[0], *limits[0], *greatest),
-        ir.Joint(names[1], "prismatic", first, here, axes[1], *limits[1], *greatest),
+        ir.Joint(names[0], "prismatic", parent, make(offset, STRAIGHT), axes[0], *limits[0], *greatest, item.passive),
+        ir.Joint(names[1], "prismatic", first, here, axes[1], *limits[1], *greatest, item.passive),
         ir.Joint(
             f"{item.name}.turn",
             "revolute",
@@ -64,8 +70,23 @@ def lower_joint(
             0.0,
             DEFAULT_SPEED["revolute"],
             DEFAULT_ACCELERATION["revolute"],
+            item.passive,
         ),
     ]
+
+
+def _may_follow(context: Context, item: syntax.JointItem) -> bool:
+    """Whether a joint that follows another says nothing that is said there."""
+    message = None
+    if item.kind == "planar":
+        message = f"joint `{item.name}` is planar, and only joints of one value follow others"
+    elif item.home is not None:
+        message = f"the home value of `{item.name}` comes from the joint that it follows"
+    elif item.passive:
+        message = f"`{item.name}` has the drive of the joint that it follows, or like that one has none"
+    if message is not None:
+        context.findings.report("E0521", item.span if item.home is None else item.home.span, message)
+    return message is None
 
 
 def _cross(a: ir.Vec3, b: ir.Vec3) -> ir.Vec3:
@@ -103,7 +124,9 @@ Limits = tuple[float, float, float]
 """Lower and upper limit and the value at home, rad or m."""
 
 
-def _limits(context: Context, scope: Scope, item: syntax.JointItem, kind: Kind) -> list[Limits] | None:
+def _limits(
+    context: Context, scope: Scope, item: syntax.JointItem, kind: Kind, follows: bool
+) -> list[Limits] | None:
     if item.lower is None or item.upper is None:
         if kind == LENGTH:
             _lacks_limits(context, item, "add `in 0 m .. 0.5 m`")
@@ -116,6 +139,7 @@ def _limits(context: Context, scope: Scope, item: syntax.JointItem, kind: Kind) 
     home = 0.0 if item.home is None else number(context, scope, item.home, kind, "the home value of a joint")
     if lower is None or upper is None or home is None:
         return None
+    home = min(max(lower, home), max(lower, upper)) if follows else home
     return [(lower, upper, home)] if _fit(context, item, lower, upper, home) else None
 
 

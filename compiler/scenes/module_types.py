@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ...langs import syntax
 from ...langs.source import Span
@@ -22,6 +22,7 @@ from ..checks.shapes import LINK_SHAPES, shape
 from ..checks.values import number, parameter_entries, vector
 from ..poses import between, make, orientation, unit
 from ..urdf_files import urdf_path
+from .couplings import text_couplings
 from .joints import lower_joint
 from .urdf import End, build_urdf
 
@@ -48,6 +49,7 @@ class _Line:
     parent: int = -1
     offset: ir.Vec3 = (0.0, 0.0, 0.0)
     complete: bool = True
+    following: frozenset[str] = frozenset()
 
 
 def effector_types(module: syntax.ModuleDecl) -> dict[str, str]:
@@ -65,16 +67,17 @@ def check_modules(context: Context) -> None:
 
 def build_module(context: Context, module: syntax.ModuleDecl, scope: Scope, name: str) -> BuiltModule | None:
     """The kinematics of `module` with the parameters of `scope`; None where values are missing or wrong."""
-    line = _Line()
     items = module.flat()
+    line = _Line(following=frozenset(i.name for i in items if isinstance(i, syntax.CouplingItem)))
     ends = {i.name: Family(i.type or "effector", 0, i.span) for i in items if isinstance(i, syntax.EffectorItem)}
     inner = Scope("scene", scope.entries, Objects(ends), scope.values_known)
     if module.urdf is not None:
         return _from_urdf(context, inner, module, name)
     facts = _add_items(context, inner, module.items, line)
-    if not line.complete:
+    joints = text_couplings(context, inner, items, line.joints) if line.complete else None
+    if joints is None:
         return None
-    return BuiltModule(ir.ModuleType(name, tuple(line.joints), tuple(line.effectors), tuple(line.links)), tuple(facts))
+    return BuiltModule(ir.ModuleType(name, joints, tuple(line.effectors), tuple(line.links)), tuple(facts))
 
 
 def _from_urdf(context: Context, scope: Scope, module: syntax.ModuleDecl, name: str) -> BuiltModule | None:
@@ -87,13 +90,14 @@ def _from_urdf(context: Context, scope: Scope, module: syntax.ModuleDecl, name: 
         elif isinstance(item, syntax.EffectorItem):
             end = _urdf_end(context, scope, item)
             ends += [end] if end is not None else []
-        else:
+        elif not isinstance(item, syntax.CouplingItem):
             context.findings.report("E0508", item.span, "joints and links of this module come from its URDF")
     path = urdf_path(module.span.file, module)
     source = next((s for s in context.library.models if s.path == path), None)
     complete = source is not None and len(ends) == sum(isinstance(i, syntax.EffectorItem) for i in module.items)
     built = build_urdf(context, module, source, ends, name) if source is not None and complete else None
-    return None if built is None else BuiltModule(built, tuple(facts))
+    joints = None if built is None else text_couplings(context, scope, module.items, built.joints)
+    return None if built is None or joints is None else BuiltModule(replace(built, joints=joints), tuple(facts))
 
 
 def _urdf_end(context: Context, scope: Scope, item: syntax.EffectorItem) -> End | None:
@@ -136,13 +140,15 @@ def _check_names(context: Context, module: syntax.ModuleDecl) -> None:
             "E0508", where, f"module type `{module.name}` has no effector", help="add `effector A: sphere(5 cm)`"
         )
     seen: dict[str, Span] = {}
+    coupled: dict[str, Span] = {}
     for item in module.flat():
-        if isinstance(item, syntax.EffectorItem | syntax.JointItem):
+        if isinstance(item, syntax.EffectorItem | syntax.JointItem | syntax.CouplingItem):
             where = findings.word(item.span, item.name)
-            if item.name in seen:
-                first = [(seen[item.name], "first declared here")]
+            known = coupled if isinstance(item, syntax.CouplingItem) else seen
+            if item.name in known:
+                first = [(known[item.name], "first declared here")]
                 findings.report("E0507", where, f"`{item.name}` is declared twice", labels=first)
-            seen.setdefault(item.name, where)
+            known.setdefault(item.name, where)
 
 
 def _add_effector(context: Context, scope: Scope, item: syntax.EffectorItem, line: _Line) -> None:
@@ -184,7 +190,8 @@ def _shifted(pose: ir.Pose, offset: ir.Vec3) -> ir.Pose:
 
 
 def _add_joint(context: Context, scope: Scope, item: syntax.JointItem, line: _Line) -> None:
-    joints = lower_joint(context, scope, item, line.parent, len(line.joints), line.offset)
+    follows = item.name in line.following
+    joints = lower_joint(context, scope, item, line.parent, len(line.joints), line.offset, follows)
     if joints is None:
         line.complete = False
         return

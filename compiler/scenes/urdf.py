@@ -19,6 +19,7 @@ from ..checks.context import Context
 from ..poses import Quaternion, compose, make, unit
 from ..urdf_files import FIRST_WITH_QUATERNIONS, quaternions_count, three, turned
 from ..xml_texts import XmlError, read_xml
+from .couplings import BadCoupling, Stated, couple
 from .joints import DEFAULT_ACCELERATION, DEFAULT_SPEED
 
 if TYPE_CHECKING:
@@ -53,6 +54,7 @@ def build_urdf(
     try:
         robot = _read(source)
         model = _model(robot)
+        joints = _coupled(robot, _joints(robot, model))
         frames = _link_frames(model)
         found = [s for link in robot.findall("link") for s in _shapes(link, frames, quaternions_count(robot))]
     except _Unfit as mistake:
@@ -64,7 +66,7 @@ def build_urdf(
     taken = [p[1] for p in placed if p is not None]
     kept = tuple(s.link for s in links if s not in taken)
     effectors = tuple(p[0] for p in placed if p is not None)
-    return ir.ModuleType(name, _joints(robot, model), effectors, kept) if len(effectors) == len(ends) else None
+    return ir.ModuleType(name, joints, effectors, kept) if len(effectors) == len(ends) else None
 
 
 def _warn(context: Context, module: syntax.ModuleDecl, robot: ElementTree.Element, bodiless: Sequence[str]) -> None:
@@ -112,8 +114,6 @@ def _check_joint(joint: ElementTree.Element, links: Sequence[str], newer: bool) 
     name, kind = joint.get("name", ""), joint.get("type", "")
     if kind not in KINDS:
         raise _Unfit("E0514", f"joint `{name}` is of type `{kind}`", "joints are " + ", ".join(KINDS))
-    if joint.find("mimic") is not None:
-        raise _Unfit("E0514", f"joint `{name}` follows another one by `mimic`", "give it the type fixed")
     for end in ("parent", "child"):
         element = joint.find(end)
         link = "" if element is None else element.get("link", "")
@@ -176,6 +176,8 @@ def _model(robot: ElementTree.Element) -> pinocchio.Model:
         elif element.tag == "joint":
             bare.append(deepcopy(element))
     for joint in bare.iter("joint"):
+        for mimic in joint.findall("mimic"):
+            joint.remove(mimic)
         for limit in joint.iter("limit"):
             limit.attrib = {"effort": "1", "velocity": "0", **limit.attrib}
     try:
@@ -227,6 +229,29 @@ def _joints(robot: ElementTree.Element, model: pinocchio.Model) -> tuple[ir.Join
             )
         )
     return tuple(made)
+
+
+def _coupled(robot: ElementTree.Element, joints: tuple[ir.Joint, ...]) -> tuple[ir.Joint, ...]:
+    """The joints with those that `mimic` others; where 0 is outside what followers leave a joint, it starts in the
+    middle of that."""
+    stated, kinds = {}, {j.get("name", ""): j.get("type") for j in robot.findall("joint")}
+    for element in robot.findall("joint"):
+        name, mimic = element.get("name", ""), element.find("mimic")
+        if mimic is None or kinds[name] == "fixed":
+            continue
+        leader, factor = mimic.get("joint", ""), _number(mimic, "multiplier", "1")
+        if leader not in kinds or kinds[leader] == "fixed":
+            what = "there is no such joint" if leader not in kinds else "which is fixed"
+            raise _Unfit("E0521", f"joint `{name}` follows `{leader}` by `mimic`: {what}", "give it the type fixed")
+        if factor == 0:
+            raise _Unfit("E0521", f"joint `{name}` follows `{leader}` 0 times", "give it the type fixed")
+        stated[name] = Stated(leader, factor, _number(mimic, "offset", "0"))
+    try:
+        made = couple(joints, stated)
+        homes = [j if j.lower <= j.home <= j.upper else replace(j, home=(j.lower + j.upper) / 2) for j in made]
+        return couple([h if j.follows is None else j for h, j in zip(homes, made, strict=True)], {})
+    except BadCoupling as mistake:
+        raise _Unfit("E0521", str(mistake), mistake.help) from None
 
 
 # --- shapes --------------------------------------------------------------------------------------------------------

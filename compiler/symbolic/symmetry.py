@@ -19,7 +19,7 @@ CLOSE = 1e-6
 
 @lru_cache(maxsize=64)
 def _reversible(kind: ModuleType) -> bool:
-    if len(kind.effectors) != 2:
+    if len(kind.effectors) != 2 or any(j.passive or j.follows is not None for j in kind.joints):
         return False
     first, second = kind.effectors
     if first.type != second.type or first.shape != second.shape:

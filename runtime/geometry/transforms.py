@@ -14,11 +14,24 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+class Coupling(Protocol):
+    """What a joint that follows another one has in common in both."""
+
+    @property
+    def leader(self) -> int: ...
+    @property
+    def factor(self) -> float: ...
+    @property
+    def offset(self) -> float: ...
+
+
 class Joint(Protocol):
     """What the joints of the intermediate representation and of plan files have in common."""
 
     @property
     def kind(self) -> str: ...
+    @property
+    def follows(self) -> Coupling | None: ...
     @property
     def parent(self) -> int: ...
     @property
@@ -94,12 +107,24 @@ def joint_motion(joint: Joint, values: Array) -> Array:
     return motion
 
 
+def coupled(joints: Sequence[Joint], values: Array) -> Array:
+    """The joint values `(…, n)` with those of joints that follow others taken from their leaders."""
+    following = [(i, j.follows) for i, j in enumerate(joints) if j.follows is not None]
+    if following:
+        values = values.copy()
+    for index, by in following:
+        values[..., index] = by.factor * values[..., by.leader] + by.offset
+    return values
+
+
 def joint_frames(joints: Sequence[Joint], base: Array, values: Array) -> list[Array]:
     """The module frame, then every joint's moving frame, each `(T, 7)`.
 
-    `base` `(T, 7)` is the pose of the module frame, `values` `(T, n)` those of the joints, parents first.
+    `base` `(T, 7)` is the pose of the module frame, `values` `(T, n)` those of the joints, parents first; of joints
+    that follow others they do not count.
     """
     frames = [base]
+    values = coupled(joints, values)
     for index, joint in enumerate(joints):
         motion = joint_motion(joint, values[:, index])
         frames.append(compose(frames[joint.parent + 1], compose(np.asarray(joint.placement), motion)))

@@ -79,7 +79,14 @@ def plan_of(
         body_tracks=[piece for b in world.bodies.values() for piece in _body_tracks(b, motions)],
         splines=_splines(world, motions, paths),
         statistics=statistics,
+        needs=_needs(world),
     )
+
+
+def _needs(world: ir.World) -> list[str]:
+    """The optional parts of the format that the plan makes use of."""
+    follows = any(j.follows is not None for m in world.modules.values() for j in m.type.joints)
+    return [record.COUPLINGS] if follows else []
 
 
 def _versions() -> dict[str, str]:
@@ -179,6 +186,7 @@ def module_record(module: ir.Module) -> record.ModuleRecord:
         record.JointRecord(
             j.name, j.kind, j.parent, list(j.placement), list(j.axis),
             _bounded(j.lower), _bounded(j.upper), _bounded(j.speed), _bounded(j.acceleration),
+            None if j.follows is None else record.CouplingRecord(j.follows.leader, j.follows.factor, j.follows.offset),
         )
         for j in module.type.joints
     ]  # fmt: skip

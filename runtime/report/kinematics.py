@@ -33,10 +33,11 @@ def joint_frames(module: ModuleRecord, base: Array, joints: Array) -> list[Array
 
 
 def _drawable(joint: JointRecord, index: int) -> JointRecord:
-    """The joint with whatever makes no sense in it replaced."""
+    """The joint with whatever makes no sense in it replaced; its values are drawn as they are stored."""
     return msgspec.structs.replace(
         joint,
         parent=joint.parent if -1 <= joint.parent < index else -1,
         placement=pose_rows([joint.placement])[0].tolist(),
         axis=joint.axis[:3] if len(joint.axis) >= 3 else [0.0, 0.0, 1.0],
+        follows=None,
     )

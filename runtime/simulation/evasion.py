@@ -9,6 +9,7 @@ import numpy as np
 from ...compiler import ir
 from ..budget import Budget
 from ..geometry.attachments import involved
+from ..geometry.transforms import coupled
 from ..planner.bounds.requests import sequence_path
 from ..planner.motion.end_conditions import eased
 from ..planner.motion.settings import MotionSettings
@@ -51,7 +52,9 @@ def _postures(skeleton: Skeleton, start: Configuration, seed: Seed) -> Iterator[
         for name in moving:
             limits = np.array([(j.lower, j.upper) for j in problem.world.modules[name].type.joints]).reshape(-1, 2)
             drawn = joints[name] + random.normal(0.0, spread, joints[name].shape)
-            joints[name] = np.clip(drawn, limits[:, 0], limits[:, 1])
+            joints[name] = coupled(
+                problem.world.modules[name].type.joints, np.clip(drawn, limits[:, 0], limits[:, 1])
+            )
         poses = carried(problem, mode, joints, start, own)
         modules = {name: np.concatenate([poses[name][0], rows[0]]) for name, rows in joints.items()}
         most = max(float(np.abs(joints[m][0] - start.modules[m][7:]).max(initial=0.0)) for m in moving)

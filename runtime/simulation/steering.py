@@ -16,7 +16,7 @@ import numpy as np
 from ...compiler import ir
 from ..geometry.attachments import carrier
 from ..geometry.resampling import effector_poses, kept_pairs
-from ..geometry.transforms import compose, inverse
+from ..geometry.transforms import compose, coupled, inverse
 from ..planner.motion.end_conditions import least_jerk, settled
 from ..skeleton import Array, Configuration, Phase, PhasePath
 from .braking import at_times, within_limits
@@ -85,7 +85,8 @@ class Steering:
         result = {name: values.copy() for name, values in joints.items()}
         for (name, k), value in zip(places, change, strict=True):
             result[name][0, k] += value
-        return result
+        types = {name: self._problem.world.modules[name].type for name in result}
+        return {name: coupled(types[name].joints, values) for name, values in result.items()}
 
     def _allowed(self, joints: dict[str, Array]) -> bool:
         """Whether joints are within their limits, and what closes loops is still closed."""

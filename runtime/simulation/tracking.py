@@ -12,6 +12,7 @@ import numpy as np
 
 from ...compiler import ir
 from ..geometry.attachments import followers
+from ..geometry.transforms import coupled
 from ..plan import Plan
 from ..seeds import Seed
 from ..skeleton import Array, Configuration
@@ -48,7 +49,9 @@ class Deviations:
 def follow(plan: Plan, problem: ir.Problem, noise: Noise, seed: int) -> Deviations:
     """Let simulated drives carry out the joint motion of a plan. Raises MissingLibrary."""
     planned = motion_of(plan, {m.name: Kinematics(m) for m in plan.modules})
-    return deviations(plan, problem, planned.joints, _driven(planned, noise, Seed(seed).child("drives").random()))
+    driven = _driven(planned, noise, Seed(seed).child("drives").random())
+    driven = {m.name: coupled(m.joints, driven[m.name]) for m in plan.modules}
+    return deviations(plan, problem, planned.joints, driven)
 
 
 def deviations(

@@ -17,6 +17,7 @@ from ...compiler.courses import centre_at
 from ..geometry.attachments import followers
 from ..geometry.resampling import Linker, between, kept_pairs
 from ..geometry.splines import ClampedSpline
+from ..geometry.transforms import coupled
 from ..planner.receding.mid_run_state import Reached, start
 from ..seeds import Seed
 from ..skeleton import Array, Configuration, PhasePath
@@ -113,9 +114,8 @@ class World:
         for name, rows in path.modules.items():
             error = self.reached.configuration.modules[name][7:] - rows[0, 7:]
             driven = moves(rows) and self.noise != EXACT
-            found[name] = (
-                missed(self.noise, self._random, error, times) if driven else np.tile(error, (len(times), 1))
-            )
+            off = missed(self.noise, self._random, error, times) if driven else np.tile(error, (len(times), 1))
+            found[name] = coupled(self.problem.world.modules[name].type.joints, rows[0, 7:] + off) - rows[0, 7:]
         return found
 
 

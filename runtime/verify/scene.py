@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...compiler import ir
-from ..plan import NO_LIMIT, BodyRecord, ModuleRecord, Plan, ShapeRecord
+from ..plan import NO_LIMIT, BodyRecord, CouplingRecord, ModuleRecord, Plan, ShapeRecord
 from .findings import Findings
 
 TOLERANCE = 1e-9
@@ -61,9 +61,18 @@ def _module_differences(record: ModuleRecord, module: ir.Module) -> list[str]:
             # Files from before there were accelerations do not state them; the motion must keep them all the same.
             numbers = numbers and (a.acceleration == NO_LIMIT or _near([a.acceleration], _bounded(b.acceleration)))
             frame = _near(a.placement, b.placement) and _near(a.axis, b.axis)
-            if not (numbers and frame and (a.kind, a.parent) == (b.kind, b.parent)):
+            coupled = _same_coupling(a.follows, b.follows)
+            if not (numbers and frame and coupled and (a.kind, a.parent) == (b.kind, b.parent)):
                 found.append(f"joint {a.name}")
     return found + _part_differences(record, kind)
+
+
+def _same_coupling(record: CouplingRecord | None, coupling: ir.Coupling | None) -> bool:
+    if record is None or coupling is None:
+        return record is None and coupling is None
+    return record.leader == coupling.leader and _near(
+        [record.factor, record.offset], [coupling.factor, coupling.offset]
+    )
 
 
 def _part_differences(record: ModuleRecord, kind: ir.ModuleType) -> list[str]:

@@ -9,7 +9,7 @@ from itertools import chain
 
 import numpy as np
 
-from ..plan import FORMAT, KNOWN_NEEDS, ModuleRecord, Plan, ShapeRecord, SplineRecord
+from ..plan import COUPLINGS, FORMAT, KNOWN_NEEDS, CouplingRecord, ModuleRecord, Plan, ShapeRecord, SplineRecord
 from .findings import Findings
 from .geometry import Array
 from .limits import LIMITS
@@ -54,6 +54,8 @@ def check_structure(plan: Plan, findings: Findings) -> Samples | None:
     for need in plan.needs:
         if need not in KNOWN_NEEDS:
             findings.fail("structure", f"the plan needs {need}, which is not known")
+    if COUPLINGS not in plan.needs and any(j.follows is not None for m in plan.modules for j in m.joints):
+        findings.fail("structure", f"a joint follows another one, but the plan does not say that it needs {COUPLINGS}")
     frames = sum(1 + len(m.joints) + len(m.effectors) for m in plan.modules) + len({t.name for t in plan.body_tracks})
     if len(plan.times) * frames > MOST_FRAMES:
         message = f"{len(plan.times)} samples of {frames} frames that move: more than {MOST_FRAMES} are not looked at"
@@ -177,11 +179,22 @@ def _check_module(module: ModuleRecord, findings: Findings) -> None:
         good = good and min(joint.speed, joint.acceleration) > 0
         if not good or not -1 <= joint.parent < index or joint.lower > joint.upper:
             findings.fail("structure", f"{name} has a joint {joint.name} that makes no sense", between=[name])
+        if joint.follows is not None and not _couples(module, index, joint.follows):
+            message = f"{name} has a joint {joint.name} that follows what cannot lead it"
+            findings.fail("structure", message, between=[name])
     for effector in module.effectors:
         where = f"{name}.{effector.name}"
         _check_part(effector.joint, effector.placement, effector.shape, where, count, findings)
     for number, link in enumerate(module.links):
         _check_part(link.joint, link.placement, link.shape, f"{name} link {number + 1}", count, findings)
+
+
+def _couples(module: ModuleRecord, index: int, coupling: CouplingRecord) -> bool:
+    """Whether a joint can follow another one: of its kind, that follows none itself."""
+    if not 0 <= coupling.leader < len(module.joints) or not _finite(np.array([coupling.factor, coupling.offset])):
+        return False
+    leader = module.joints[coupling.leader]
+    return leader.follows is None and leader.kind == module.joints[index].kind and coupling.factor != 0
 
 
 def _check_part(

@@ -101,6 +101,7 @@ def _module(module: ir.Module) -> dict[str, Any]:
             "name": j.name, "kind": j.kind, "parent": j.parent, "placement": list(j.placement), "axis": list(j.axis),
             "lower": max(j.lower, -1e9), "upper": min(j.upper, 1e9), "speed": min(j.speed, 1e9),
             "acceleration": min(j.acceleration, 1e9),
+            **({} if j.follows is None else {"follows": _coupling(j.follows)}),
         }
         for j in kind.joints
     ]  # fmt: skip
@@ -113,6 +114,10 @@ def _module(module: ir.Module) -> dict[str, Any]:
         "type": kind.name, "joints": joints, "effectors": ends, "links": links, "pose": list(module.pose),
         "start": list(module.joints),
     }  # fmt: skip
+
+
+def _coupling(coupling: ir.Coupling) -> dict[str, float]:
+    return {"leader": coupling.leader, "factor": coupling.factor, "offset": coupling.offset}
 
 
 def _shape(shape: ir.Shape | None) -> dict[str, Any] | None:

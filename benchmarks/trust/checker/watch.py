@@ -134,6 +134,13 @@ def _joints(recording: Recording, plan: dict[str, Any], number: int, motion: Mov
                         over, limit = max(most, -least), top * 1.001 + 1e-9
                     if over > limit:
                         yield what, f"{name} {joint['name']} in phase {number}", float(over), float(limit)
+        for index, joint in enumerate(record["joints"]):
+            if joint.get("follows"):
+                leader, factor, offset = (joint["follows"][n] for n in ("leader", "factor", "offset"))
+                rows = motion.joints[name]
+                off = float(np.abs(rows[:, index] - factor * rows[:, leader] - offset).max(initial=0.0))
+                if off > 1e-6:
+                    yield "coupling", f"{name} {joint['name']} in phase {number}", off, 1e-6
         stuck = [b["time"] for b in plan["breakdowns"] if b["module"] == name and b["kind"] == "locked"]
         after = motion.times >= min(stuck, default=math.inf)
         if after.any():

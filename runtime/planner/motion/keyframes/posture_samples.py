@@ -139,4 +139,8 @@ def _position_and_slopes(type_: ModuleType, stance: Stance, effector: str, value
             turning = joint.kind == "revolute"
             slopes[index] += sign * (cross(axis, there - np.array(frame[:3])) if turning else axis)
             index = joint.parent
+    for index, joint in enumerate(type_.joints):
+        if joint.follows is not None:
+            slopes[joint.follows.leader] += joint.follows.factor * slopes[index]
+            slopes[index] = 0.0
     return there, slopes

@@ -155,13 +155,14 @@ def limits(problem: Problem, layout: Layout, margin: float, phase_of: list[int])
     places, signs, targets, labels = [], [], [], []
     for t, name in _unknown_slots(layout, layout.modules, range(len(layout.slices))):
         slot, module = layout.slot(t, name), problem.world.modules[name]
-        for i, (joint, start) in enumerate(zip(module.type.joints, module.joints, strict=True)):
+        for entry in layout.joints(name).tolist():
+            joint, start = module.type.joints[entry - 7], module.joints[entry - 7]
             pull = min(margin, 0.01 * (joint.upper - joint.lower))
             lower = max(joint.lower, min(joint.lower + pull, start))
             upper = min(joint.upper, max(joint.upper - pull, start))
             unit = "rad" if joint.kind == "revolute" else "m"
             label = Label(phase_of[t], Breach.JOINT_LIMIT, (name, joint.name), (unit,))
-            places += [slot[7 + i], slot[7 + i]]
+            places += [slot[entry], slot[entry]]
             signs += [1.0, -1.0]
             targets += [upper, -lower]
             labels += [label, label]
@@ -173,23 +174,23 @@ def homing(problem: Problem, layout: Layout, scale: float) -> LinearGroup:
     """½ scale² Σ (q − home)² over the joints of all unknown slots."""
     places, targets = [], []
     for t, name in _unknown_slots(layout, layout.modules, range(len(layout.slices))):
-        places.append(layout.slot(t, name)[7:])
-        targets += [j.home for j in problem.world.modules[name].type.joints]
+        places.append(layout.slot(t, name)[layout.joints(name)])
+        targets += [j.home for j in problem.world.modules[name].type.joints if j.follows is None]
     columns = np.concatenate(places).reshape(-1, 1) if places else np.zeros((0, 1), dtype=np.int64)
     return LinearGroup("cost", columns, np.ones((1, 1)), np.array(targets), [], scale)
 
 
 def differences(
     layout: Layout, names: Sequence[str], slices: Sequence[tuple[int, ...]], coefficients: tuple[float, ...],
-    scale: float, part: slice = slice(7, None),
+    scale: float,
 ) -> LinearGroup:  # fmt: skip
-    """½ scale² Σ (Σ coefficient · slot)² over tuples of slices: velocities (−1, 1), accelerations (1, −2, 1).
-    `part` of the slot is taken, the joint values by default."""
+    """½ scale² Σ (Σ coefficient · joint values)² over tuples of slices: velocities (−1, 1), accelerations
+    (1, −2, 1)."""
     rows = []
     for group in slices:
         for name in names:
             if any(layout.is_unknown(t, name) for t in group):
-                rows.append(np.stack([layout.slot(t, name)[part] for t in group], axis=1))
+                rows.append(np.stack([layout.slot(t, name)[layout.joints(name)] for t in group], axis=1))
     width = len(coefficients)
     places = np.concatenate(rows) if rows else np.zeros((0, width), dtype=np.int64)
     return LinearGroup("cost", places, np.array([coefficients]), np.zeros(len(places)), [], scale)

@@ -1,7 +1,8 @@
 """Where the unknowns of a motion program lie: one slot per slice and moving thing, aliased where nothing can move.
 
 The vector z of a program is its constants followed by its unknowns. A slot is a stretch of z: a module's pose and
-joint values `(7 + n,)` or a body's pose `(7,)`. Slice 0 is the state before the first phase.
+joint values `(7 + n,)` or a body's pose `(7,)`. Joints that follow others have no unknowns of their own: where a slot
+is unknown, their places are those of their leaders. Slice 0 is the state before the first phase.
 """
 
 from __future__ import annotations
@@ -11,12 +12,23 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from .....compiler.ir import World
+from .....compiler.ir import ModuleType, World
+from ....geometry.transforms import coupled
 from ....skeleton import Array, Configuration
 
 Indices = NDArray[np.int64]
 ORIGIN = -1
 """The slice of the given start, also where slice 0 is unknown."""
+
+
+def followed(type_: ModuleType) -> bool:
+    """Whether some joint of a module follows another one."""
+    return any(j.follows is not None for j in type_.joints)
+
+
+def free_entries(type_: ModuleType) -> Indices:
+    """The entries of a module's slot but for the values of joints that follow others."""
+    return np.array([*range(7), *(7 + i for i, j in enumerate(type_.joints) if j.follows is None)])
 
 
 class Layout:
@@ -29,6 +41,9 @@ class Layout:
         parts = modules + bodies
         self.names = [name for name, _ in parts]
         self.sizes = {name: len(value) for name, value in parts}
+        self._types = {m.name: m.type for m in world.modules.values()}
+        self._free = {name: free_entries(m.type) for name, m in world.modules.items() if followed(m.type)}
+        self._places: dict[int, Indices] = {}
         self.modules = [name for name, _ in modules]
         self.bodies = [name for name, _ in bodies]
         self.resting = {b.name: start.bodies[b.name] for b in world.bodies.values() if not b.movable}
@@ -52,7 +67,22 @@ class Layout:
         for name in self.names:
             if name in chosen:
                 offsets[name] = self.end
-                self.end += self.sizes[name]
+                if name in self._free:
+                    self._places[self.end] = self.end + self._spread(name)
+                    self.end += len(self._free[name])
+                else:
+                    self.end += self.sizes[name]
+
+    def _spread(self, name: str) -> Indices:
+        """For each entry of a module's slot its place among those that are free; a follower has its leader's."""
+        joints, free = self._types[name].joints, self._free[name]
+        leaders = [i if j.follows is None else j.follows.leader for i, j in enumerate(joints)]
+        return np.searchsorted(free, [*range(7), *(7 + i for i in leaders)])
+
+    def joints(self, name: str) -> Indices:
+        """The entries of a module's slot that are values of joints which follow no other."""
+        free = self._free.get(name)
+        return np.arange(7, self.sizes[name]) if free is None else free[7:]
 
     def free_start(self, free: Iterable[str]) -> None:
         """Make these slots of slice 0 unknowns too; before any slice is added."""
@@ -74,7 +104,8 @@ class Layout:
     def slot(self, slice_: int, name: str) -> Indices:
         """The places in z of one slot."""
         start = self.offset(slice_, name)
-        return np.arange(start, start + self.sizes[name])
+        places = self._places.get(start)
+        return np.arange(start, start + self.sizes[name]) if places is None else places
 
     def offset(self, slice_: int, name: str) -> int:
         """Where in z one slot begins."""
@@ -90,15 +121,18 @@ class Layout:
         for slice_ in sorted(configurations, reverse=True):
             values = configurations[slice_].modules | configurations[slice_].bodies
             for name in self.names:
-                z[self.slot(slice_, name)] = values[name]
+                free = self._free.get(name, slice(None))
+                z[self.slot(slice_, name)[free]] = values[name][free]
         return z[self.first_unknown :]
 
     def unpack(self, unknowns: Array, slice_: int) -> Configuration:
         """Where everything is in one slice, quaternions normalised."""
         z = np.concatenate([self.constants, unknowns])
         values = {name: z[self.slot(slice_, name)] for name in self.names}
-        for value in values.values():
+        for name, value in values.items():
             value[3:7] /= np.linalg.norm(value[3:7])
+            if name in self._free:
+                value[7:] = coupled(self._types[name].joints, value[7:])
         bodies = {name: pose.copy() for name, pose in self.resting.items()}
         bodies |= {name: values[name] for name in self.bodies}
         return Configuration({name: values[name] for name in self.modules}, bodies)

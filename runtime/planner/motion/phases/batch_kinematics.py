@@ -28,6 +28,10 @@ class Kinematics:
         self.parents = first.parents
         self.revolute = np.array([kind == "revolute" for kind in first.kinds], dtype=bool)
         self.signs = np.array(first.signs)
+        self.columns = np.array(first.columns, dtype=np.intp)
+        plain = np.array_equal(self.columns, np.arange(len(first.variables)))
+        self.count = None if plain else len(first.variables)
+        """How many variables there are where some move several joints."""
         before = np.array([t.before for t in trees]).reshape(len(trees), len(first.parents), 4, 4)
         self.before = np.ascontiguousarray(before.transpose(1, 0, 3, 2))
         """Columns of what comes before each joint: `(joints, phases, 4, 4)`."""
@@ -37,12 +41,15 @@ class Kinematics:
         """The kinematics of some of the phases."""
         result = object.__new__(Kinematics)
         result.parents, result.revolute, result.signs = self.parents, self.revolute, self.signs
+        result.columns, result.count = self.columns, self.count
         result.before, result.shared = self.before[:, index], self.shared
         return result
 
     def frames(self, values: Array) -> Array:
-        """Frames for joint values `(phases, times, joints)`."""
-        turned = np.ascontiguousarray(values.transpose(2, 0, 1)) * self.signs[:, None, None]
+        """Frames for joint values `(phases, times, variables)`."""
+        columns = values.transpose(2, 0, 1)
+        moved = np.ascontiguousarray(columns) if self.count is None else columns[self.columns]
+        turned = moved * self.signs[:, None, None]
         cos, sin = np.cos(turned), np.sin(turned)
         result = np.empty((len(self.parents) + 1, 4, 3, *values.shape[:2]))
         result[-1] = np.eye(4, 3)[:, :, None, None]
@@ -73,6 +80,15 @@ class Kinematics:
         moment[:, 2] = x * along[1] - y * along[0]
         moment[~self.revolute] = along
         return np.asarray(np.einsum("jim,jim->mj", axes, moment) * self.signs)
+
+
+    def by_variables(self, slopes: Array) -> Array:
+        """How fast each variable carries points, by how fast each joint does: `(m, variables)` for `(m, joints)`."""
+        if self.count is None:
+            return slopes
+        result = np.zeros((len(slopes), self.count))
+        np.add.at(result.T, self.columns, slopes.T)
+        return result
 
 
 class Points:

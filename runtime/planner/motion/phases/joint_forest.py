@@ -57,7 +57,8 @@ class Obstacle:
 @dataclass(slots=True)
 class PhaseTree:
     """The forest of a phase. Joint i moves node i: its frame is that of node `parents[i]`, times `before[i]`, then a
-    turn or shift by `signs[i]` times the value of joint `variables[i]` (module, index) about or along z."""
+    turn or shift by `signs[i]` times the value of joint `variables[columns[i]]` (module, index) about or along z.
+    Joints that follow others have a node, but no variable of their own."""
 
     phase: int
     parents: list[int] = field(default_factory=list)
@@ -65,6 +66,7 @@ class PhaseTree:
     signs: list[float] = field(default_factory=list)
     before: list[Array] = field(default_factory=list)
     slides: list[float] = field(default_factory=list)
+    columns: list[int] = field(default_factory=list)
     variables: list[tuple[str, int]] = field(default_factory=list)
     links: dict[str, dict[int, Mount]] = field(default_factory=dict)
     bodies: dict[str, Mount] = field(default_factory=dict)
@@ -129,7 +131,7 @@ def node_frames(tree: PhaseTree, values: Array) -> list[Array]:
     frames: list[Array] = []
     for i, parent in enumerate(tree.parents):
         carrier = frames[parent] if parent >= 0 else np.eye(4)
-        frames.append(carrier @ tree.before[i] @ _motion(tree.kinds[i], tree.signs[i] * float(values[i])))
+        frames.append(carrier @ tree.before[i] @ _motion(tree.kinds[i], tree.signs[i] * float(values[tree.columns[i]])))
     return frames
 
 
@@ -141,6 +143,7 @@ def joint_values(tree: PhaseTree, configuration: Configuration) -> Array:
 def mount_module(tree: PhaseTree, module: str, type_: ModuleType, entry: int, mount: Mount) -> None:
     """Hang a module into the forest by its frame `entry`, and turn its joint tree round to start there."""
     links = tree.links[module] = {entry: mount}
+    columns: dict[int, int] = {}
     queue = deque([entry])
     while queue:
         at = queue.popleft()
@@ -151,12 +154,20 @@ def mount_module(tree: PhaseTree, module: str, type_: ModuleType, entry: int, mo
             align, placement = _to_axis(joint.axis), pose_matrix(joint.placement)
             node, local = links[at]
             outward = ahead == index
+            sign, before = (1.0, local @ placement @ align) if outward else (-1.0, local @ align)
+            leader = index
+            if joint.follows is not None:
+                leader, before = joint.follows.leader, before @ _motion(joint.kind, sign * joint.follows.offset)
+                sign *= joint.follows.factor
+            if leader not in columns:
+                columns[leader] = len(tree.variables)
+                tree.variables.append((module, leader))
             tree.parents.append(node)
             tree.kinds.append(joint.kind)
-            tree.signs.append(1.0 if outward else -1.0)
-            tree.before.append(_clean(local @ placement @ align if outward else local @ align))
+            tree.signs.append(sign)
+            tree.before.append(_clean(before))
             tree.slides.append(max(abs(joint.lower), abs(joint.upper)) if joint.kind == "prismatic" else 0.0)
-            tree.variables.append((module, index))
+            tree.columns.append(columns[leader])
             links[ahead] = (len(tree.parents) - 1, align.T if outward else align.T @ inverse(placement))
             queue.append(ahead)
 

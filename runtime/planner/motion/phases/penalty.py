@@ -115,9 +115,9 @@ def _missed(batch: Batch, inner: Array, margin: float) -> _Rows:
     if batch.fading is not None:
         points = batch.fading.points.placed(frames)
         rows.append(_obstacle_rows(margin, batch.looks.required, batch.fading, points, frames))
+    slope = geometry.kinematics.by_variables(np.concatenate([r.slope for r in rows]))
     return _Rows(
-        np.concatenate([r.amount for r in rows]), np.concatenate([r.slope for r in rows]),
-        np.concatenate([r.place for r in rows]),
+        np.concatenate([r.amount for r in rows]), slope, np.concatenate([r.place for r in rows])
     )  # fmt: skip
 
 

@@ -33,7 +33,7 @@ class Part:
     def structure(self) -> tuple[object, ...]:
         """Phases with equal structures can be stacked."""
         tree = self.tree
-        joints = tuple(zip(tree.parents, tree.kinds, tree.signs, strict=True))
+        joints = tuple(zip(tree.parents, tree.kinds, tree.signs, tree.columns, strict=True))
         balls = tuple((b.node, round(b.radius, 9), b.exact) for b in self.balls), tuple(_owners(self.balls))
         wholes = tuple((s.node, s.meets) for s in self.wholes)
         return joints, balls, self.pairs.tobytes(), wholes

@@ -16,6 +16,7 @@ from .....compiler.ir import World
 from .....compiler.motion.collision import contacts
 from ....budget import Budget
 from ....geometry.splines import spline_weights
+from ....geometry.transforms import coupled
 from ....seeds import Seed
 from ....skeleton import Array, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
 from ..settings import MotionSettings
@@ -238,6 +239,8 @@ def _paths(
             modules[module][:, :7] = _poses(tree, links[-1], values, start.modules[module])
         for column, (module, joint) in enumerate(tree.variables):
             modules[module][:, 7 + joint] = values[:, column]
+        for module in tree.links:
+            modules[module][:, 7:] = coupled(world.modules[module].type.joints, modules[module][:, 7:])
         bodies = {b: _poses(tree, mount, values, start.bodies[b]) for b, mount in tree.bodies.items()}
         paths.append(PhasePath(modules, bodies, shortest_duration(world, modules)))
     return paths

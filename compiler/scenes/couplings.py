@@ -1,0 +1,219 @@
+"""Coupled joints: a follower is always a multiple of its leader plus an offset.
+
+A coupling to a joint that itself follows becomes one to the joint that follows none, and what the limits, speeds and
+accelerations of followers allow narrows those of their leader: whoever moves the leader within its own keeps all.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from ...langs import syntax
+from .. import ir
+from ..checks.context import Context
+from ..checks.kinds import ANGLE, LENGTH, NUMBER, Kind
+from ..checks.names import Scope, names_in
+from ..checks.values import number
+
+WORDS = {"revolute": "turns", "prismatic": "slides"}
+
+
+class BadCoupling(Exception):
+    """The couplings of a module contradict each other or its limits. `joint` is the follower to blame."""
+
+    def __init__(self, joint: str, message: str, help: str | None = None) -> None:
+        super().__init__(message)
+        self.joint, self.help = joint, help
+
+
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """What a text says: a joint is `factor` times joint `leader` plus `offset` (rad or m); NaN where parameters have no
+    values yet."""
+
+    leader: str
+    factor: float
+    offset: float
+
+
+def couple(joints: Sequence[ir.Joint], stated: Mapping[str, Stated]) -> tuple[ir.Joint, ...]:
+    """The joints of a module with what is `stated` of followers, by name. Raises BadCoupling."""
+    names = [j.name for j in joints]
+    made = list(joints)
+    known = [(j.name, j.follows) for j in joints]
+    stated = {n: Stated(names[f.leader], f.factor, f.offset) for n, f in known if f is not None} | {**stated}
+    resolved = {name: _resolved(name, stated) for name in stated}
+    for name, found in resolved.items():
+        joint, leader = made[names.index(name)], made[names.index(found.leader)]
+        if joint.kind != leader.kind:
+            message = f"joint `{name}` {WORDS[joint.kind]}, and `{leader.name}`, which it follows, {WORDS[leader.kind]}"
+            raise BadCoupling(name, message, "couple joints of one kind")
+        if leader.passive != joint.passive:
+            made[names.index(name)] = replace(joint, passive=leader.passive)
+        made[names.index(found.leader)] = _narrowed(leader, joint, found)
+    for name, found in resolved.items():
+        at, ahead = names.index(name), names.index(found.leader)
+        home = found.factor * made[ahead].home + found.offset
+        made[at] = replace(made[at], home=home, follows=ir.Coupling(ahead, found.factor, found.offset))
+    return tuple(made)
+
+
+def _resolved(name: str, stated: Mapping[str, Stated]) -> Stated:
+    """The coupling of a joint to one that follows none."""
+    found, passed = stated[name], [name]
+    while found.leader in stated:
+        if found.leader in passed:
+            ring = " follows ".join(f"`{n}`" for n in [*passed[passed.index(found.leader) :], found.leader])
+            message = f"joints follow each other in a circle: {ring}"
+            if len(passed) == 1:
+                message = f"joint `{name}` follows itself"
+            raise BadCoupling(name, message, "one of them must be free to move")
+        passed.append(found.leader)
+        ahead = stated[found.leader]
+        found = Stated(ahead.leader, found.factor * ahead.factor, found.factor * ahead.offset + found.offset)
+    return found
+
+
+def _narrowed(leader: ir.Joint, follower: ir.Joint, coupling: Stated) -> ir.Joint:
+    """The leader within what the follower's limits allow it."""
+    ends = sorted((limit - coupling.offset) / coupling.factor for limit in (follower.lower, follower.upper))
+    lower, upper, size = max(leader.lower, ends[0]), min(leader.upper, ends[1]), abs(coupling.factor)
+    if lower >= upper:
+        message = f"the limits of `{leader.name}` and of `{follower.name}`, which follows it, leave nothing to move in"
+        raise BadCoupling(follower.name, message, f"`{leader.name}` would be in {lower:g} .. {upper:g}")
+    speed, acceleration = min(leader.speed, follower.speed / size), leader.acceleration
+    if math.isfinite(follower.acceleration):
+        acceleration = min(acceleration, follower.acceleration / size)
+    return replace(leader, lower=lower, upper=upper, speed=speed, acceleration=acceleration)
+
+
+def text_couplings(
+    context: Context, scope: Scope, items: Sequence[syntax.ModuleItem], joints: Sequence[ir.Joint]
+) -> tuple[ir.Joint, ...] | None:
+    """The joints of a module type with the couplings among its `items`; None after reporting what is wrong, or where
+    values are missing."""
+    couplings = {i.name: i for i in items if isinstance(i, syntax.CouplingItem)}
+    if not couplings:
+        return tuple(joints)
+    known, stated, complete = {j.name: j for j in joints}, dict[str, Stated](), True
+    for item in couplings.values():
+        found = _stated(context, scope, item, known)
+        complete = complete and found is not None
+        stated |= {item.name: found} if found is not None else {}
+    if not complete:
+        return None
+    try:
+        coupled = couple(joints, stated)
+        valued = all(math.isfinite(s.factor + s.offset) for s in stated.values())
+        return _at_home(context, couplings, coupled) if valued else None
+    except BadCoupling as mistake:
+        blamed = couplings.get(mistake.joint) or next(iter(couplings.values()))
+        context.findings.report("E0521", blamed.span, str(mistake), help=mistake.help)
+        return None
+
+
+def _at_home(
+    context: Context, couplings: Mapping[str, syntax.CouplingItem], joints: tuple[ir.Joint, ...]
+) -> tuple[ir.Joint, ...] | None:
+    """The joints, if the leaders' values at home are within what their followers leave them."""
+    for joint in joints:
+        leader = joints[joint.follows.leader] if joint.follows is not None else joint
+        if not leader.lower <= leader.home <= leader.upper:
+            message = f"at home joint `{leader.name}` is {leader.home:g}, and puts `{joint.name}` outside its limits"
+            help = f"write `home` behind `{leader.name}`, between {leader.lower:g} and {leader.upper:g}"
+            if joint.name in couplings:
+                context.findings.report("E0521", couplings[joint.name].span, message, help=help)
+                return None
+    return joints
+
+
+def _stated(
+    context: Context, scope: Scope, item: syntax.CouplingItem, joints: Mapping[str, ir.Joint]
+) -> Stated | None:
+    """What the text says of one follower; None after reporting what is wrong, or where values are missing."""
+    findings = context.findings
+    if item.name not in joints:
+        findings.unknown("E0119", "joint", item.name, findings.word(item.span, item.name), joints)
+        return None
+    reader = _Linear(context, scope, joints, ANGLE if joints[item.name].kind == "revolute" else LENGTH)
+    leader, factor, offset = reader.read(item.value)
+    if reader.wrong:
+        return None
+    if leader is None:
+        message = f"joint `{item.name}` follows no joint: there is none in this value"
+        known = ", ".join(f"`{n}`" for n in joints if n != item.name)
+        findings.report("E0521", item.value.span, message, help=f"known here: {known}" if known else None)
+        return None
+    if factor == 0:
+        message = f"joint `{item.name}` does not move with `{leader}`: it follows it 0 times"
+        findings.report("E0521", item.value.span, message)
+        return None
+    return Stated(leader, math.nan if factor is None else factor, math.nan if offset is None else offset)
+
+
+Part = tuple[str | None, float | None, float | None]
+"""The joint of a linear term, its factor, and what is added; numbers are None where values are missing."""
+
+
+class _Linear:
+    """Reads a term as a multiple of one joint plus a value."""
+
+    def __init__(self, context: Context, scope: Scope, joints: Mapping[str, ir.Joint], kind: Kind) -> None:
+        self.context, self.scope, self.joints, self.kind = context, scope, joints, kind
+        self.wrong = False
+
+    def read(self, term: syntax.Term) -> Part:
+        match term:
+            case syntax.Name(name=name) if name in self.joints and name not in self.scope.entries:
+                return name, 1.0, 0.0
+            case syntax.Negate(operand=operand):
+                return self._scaled(self.read(operand), -1.0)
+            case syntax.Binary(operator="+" | "-" as operator, left=left, right=right):
+                sign = 1.0 if operator == "+" else -1.0
+                return self._sum(term, self.read(left), self._scaled(self.read(right), sign))
+            case syntax.Binary(operator="*" | "/" as operator, left=left, right=right) if self._moves(term):
+                return self._product(term, operator, left, right)
+        if self._moves(term):
+            return self._refuse(term, "this is no multiple of one joint plus a value")
+        for name in names_in(term) - set(self.scope.names()):
+            self.context.findings.unknown("E0119", "joint", name, term.span, self.joints)
+            self.wrong = True
+            return None, 0.0, 0.0
+        return None, 0.0, number(self.context, self.scope, term, self.kind, "what is added to a joint")
+
+    def _moves(self, term: syntax.Term) -> bool:
+        return bool(names_in(term) & self.joints.keys() - self.scope.entries.keys())
+
+    @staticmethod
+    def _scaled(part: Part, by: float | None) -> Part:
+        leader, *numbers = part
+        factor, offset = (None if by is None or number is None else by * number for number in numbers)
+        return leader, factor, offset
+
+    def _sum(self, term: syntax.Term, first: Part, second: Part) -> Part:
+        leaders = {p[0] for p in (first, second)} - {None}
+        if len(leaders) > 1:
+            return self._refuse(term, "a joint follows one other joint, not two")
+        both = zip(first[1:], second[1:], strict=True)
+        factor, offset = (None if a is None or b is None else a + b for a, b in both)
+        return next(iter(leaders), None), factor, offset
+
+    def _product(self, term: syntax.Term, operator: str, left: syntax.Term, right: syntax.Term) -> Part:
+        if self._moves(right) and (operator == "/" or self._moves(left)):
+            return self._refuse(term, "this is no multiple of one joint plus a value")
+        moving, plain = (right, left) if self._moves(right) else (left, right)
+        by = number(self.context, self.scope, plain, NUMBER, "the factor of a joint")
+        if operator == "/" and by is not None:
+            if by == 0:
+                return self._refuse(plain, "a joint cannot be divided by 0")
+            by = 1 / by
+        return self._scaled(self.read(moving), by)
+
+    def _refuse(self, term: syntax.Term, message: str) -> Part:
+        if not self.wrong:
+            help = "write, for one, `joint j2 = -0.5 * j1 + 10 deg`"
+            self.context.findings.report("E0521", term.span, message, help=help)
+        self.wrong = True
+        return None, 0.0, 0.0
