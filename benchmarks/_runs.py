@@ -36,10 +36,14 @@ def goal_of(thesis: float | None) -> float | None:
     return thesis / FACTOR if thesis is not None and thesis > LONG else None
 
 
-def solve(file: str, parameters: Parameters, seed: int, limit: float, plan: Path, *arguments: str) -> Run:
-    """One process: what it printed, its wall and CPU seconds, its largest memory, and its memory in the first and in
-    the second half of the time between the first motion of a run and the verdict, MB."""
-    command = [sys.executable, "-m", "tamplang", "solve", str(ROOT / "examples" / f"{file}.tamp"), "--json"]
+def solve(
+    file: str, parameters: Parameters, seed: int, limit: float, plan: Path, *arguments: str,
+    program: Sequence[str] = ("-m", "tamplang"),
+) -> Run:  # fmt: skip
+    """One process of a `program` of Python that takes the commands of tamplang: what it printed, its wall and CPU
+    seconds, its largest memory, and its memory in the first and in the second half of the time between the first motion
+    of a run and the verdict, MB."""
+    command = [sys.executable, *program, "solve", str(ROOT / "examples" / f"{file}.tamp"), "--json"]
     command += ["--seed", str(seed), "--time", str(limit), "--out", str(plan), *arguments]
     command += [f"-p{name}={value}" for name, value in parameters]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}

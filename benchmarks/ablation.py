@@ -1,0 +1,122 @@
+"""What each optional mechanism of the planner buys: the same tasks and seeds with all of them, and without each.
+
+    tamplang bench ablation [--seeds 2] [--rows TEXT] [--time S] [--out FILE.json] [--markdown FILE.md]
+
+One process `tamplang solve` for each mechanism, task and seed, one after the other, on one core. With --out, runs are
+kept in FILE.json as they end and not run again. --rows takes the mechanisms whose name contains TEXT.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+import _runs as bench
+from _mechanisms import MECHANISMS, switch
+
+SAME = 0.05
+"""A share of the CPU time that is within what runs differ by."""
+ALL = "all"
+Task = tuple[str, tuple[tuple[str, int], ...], tuple[str, ...]]
+TASKS: tuple[Task, ...] = (
+    ("climb", (("n", 16), ("crawlers", 2)), ()),
+    ("climb", (("n", 32), ("crawlers", 2)), ("--horizon", "4")),
+    ("pick_and_place", (("objects", 8),), ()),
+    ("terraces", (), ()),
+    ("strut_bridge", (), ()),
+    ("mobile_manipulator", (("objects", 8),), ()),
+    ("quadruped", (), ()),
+)
+
+
+def name_of(task: Task) -> str:
+    file, parameters, arguments = task
+    return " ".join((file, *(f"{name}={value}" for name, value in parameters), *arguments))
+
+
+def run_of(mechanism: str, task: Task, limit: float, seed: int, folder: Path) -> bench.Run:
+    file, parameters, arguments = task
+    more = MECHANISMS[mechanism].arguments if mechanism != ALL else ()
+    program = ("-m", "tamplang") if mechanism == ALL else (str(Path(__file__).resolve()), "--without", mechanism)
+    plan = folder / "plan.json"
+    return bench.solve(file, parameters, seed, limit, plan, *arguments, *more, program=program)
+
+
+def key(mechanism: str, task: Task) -> str:
+    return f"{mechanism}: {name_of(task)}"
+
+
+def cell(base: Sequence[bench.Run], runs: Sequence[bench.Run]) -> str:
+    """Solved and verified runs, and their CPU time over that of the same seeds with everything."""
+    if not runs:
+        return ""
+    both = [(float(str(b["cpu"])), float(str(r["cpu"]))) for b, r in zip(base, runs, strict=False)]
+    ratio = sum(r for _, r in both) / sum(b for b, _ in both)
+    lost = len(bench.good(base[: len(runs)])) - len(bench.good(runs))
+    return f"{'' if not lost else f'{-lost:+d} solved, '}{ratio:.2f}"
+
+
+def buys(base: Sequence[Sequence[bench.Run]], runs: Sequence[Sequence[bench.Run]]) -> str:
+    """What is lost without a mechanism, over all rows: solved runs, and CPU seconds."""
+    seconds = [sum(float(str(r["cpu"])) for row in rows for r in row) for rows in (base, runs)]
+    solved = [sum(len(bench.good(row)) for row in rows) for rows in (base, runs)]
+    return f"{solved[0] - solved[1]:+d} of {solved[0]} solved, {seconds[1] - seconds[0]:+.1f} s of {seconds[0]:.1f} s"
+
+
+def commit() -> str:
+    found = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, cwd=bench.ROOT)
+    return found.stdout.strip()
+
+
+def markdown(runs: bench.Runs, seeds: int) -> str:
+    def of(mechanism: str, task: Task) -> list[bench.Run]:
+        found = runs.get(key(mechanism, task), {})
+        return [found[str(seed)] for seed in range(seeds) if str(seed) in found]
+
+    base = [of(ALL, task) for task in TASKS]
+    text = [
+        "# What each mechanism buys", "",
+        "Made by `tamplang bench ablation --markdown docs/ablation.md`: one process `tamplang solve` for each "
+        "mechanism, task and seed, one after the other, on one core.", "",
+        f"{bench.today()}, commit {commit()}, {bench.machine()}, seeds 0 to {seeds - 1}. A cell holds the CPU time "
+        "without the mechanism over that with all, and how many runs more or fewer were solved and verified where that "
+        f"differs; within {100 * SAME:g} % it says nothing. `speculation` is off as a rule: its row is with it.",
+    ]  # fmt: skip
+    text += bench.table("with everything", ["", *map(name_of, TASKS)])
+    text.append(f"| solved | {' | '.join(f'{len(bench.good(row))} of {len(row)}' for row in base)} |")
+    text.append(f"| CPU s | {' | '.join(bench.number(bench.middle(row, 'cpu')) for row in base)} |")
+    text += bench.table("without", ["", "what", "buys", *map(name_of, TASKS)])
+    for name, mechanism in MECHANISMS.items():
+        found = [of(name, task) for task in TASKS]
+        if any(found):
+            cells = [cell(b, r) for b, r in zip(base, found, strict=True)]
+            seen = [b[: len(r)] for b, r in zip(base, found, strict=True)]
+            text.append(f"| {' | '.join((name, mechanism.text, buys(seen, found), *cells))} |")
+    return "\n".join(text) + "\n"
+
+
+def main() -> None:
+    arguments = bench.options("ablation", __doc__ or "", 60.0)
+    names = [ALL, *MECHANISMS]
+    kept = bench.chosen(names, arguments.rows)
+    tasks = {
+        key(name, task): partial(run_of, name, task, arguments.time)
+        for task in TASKS for name, keep in zip(names, kept, strict=True) if keep
+    }  # fmt: skip
+    tasks = {k: (lambda seed, folder, run=run: run(seed=seed, folder=folder)) for k, run in tasks.items()}
+    runs = bench.measure(tasks, arguments.seeds, arguments.out)
+    bench.tell(markdown(runs, arguments.seeds), arguments.markdown)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--without"]:
+        from tamplang.__main__ import main as command
+
+        switch(sys.argv[2])
+        sys.argv = ["tamplang", *sys.argv[3:]]
+        command()
+    else:
+        main()
