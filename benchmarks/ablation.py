@@ -22,12 +22,12 @@ SAME = 0.05
 ALL = "all"
 Task = tuple[str, tuple[tuple[str, int], ...], tuple[str, ...]]
 TASKS: tuple[Task, ...] = (
-    ("climb", (("n", 16), ("crawlers", 2)), ()),
-    ("climb", (("n", 32), ("crawlers", 2)), ("--horizon", "4")),
     ("pick_and_place", (("objects", 8),), ()),
-    ("terraces", (), ()),
     ("strut_bridge", (), ()),
+    ("climb", (("n", 16), ("crawlers", 2)), ("--horizon", "4")),
     ("mobile_manipulator", (("objects", 8),), ()),
+    ("terraces", (), ()),
+    ("climb", (("n", 16), ("crawlers", 2)), ()),
     ("quadruped", (), ()),
 )
 

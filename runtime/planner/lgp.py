@@ -11,26 +11,24 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 from ...compiler.ir import Problem
 from ...compiler.options import OPTIONS, given_at
-from ...compiler.symbolic.strain import Strain
-from ...compiler.symbolic.successors import Successors
 from ...langs.diagnostics import Diagnostic
 from ..budget import ASIDE, SECONDS, Budget, OutOfTime, ending
 from ..geometry.start_contacts import touching
 from ..plan import Plan, StatisticsRecord, TimingRecord
 from ..seeds import Seed
 from ..skeleton import Skeleton
-from .bounds.multi_bound import EXPECTED, Bounds
+from .bounds.multi_bound import Bounds
 from .bounds.speculation import Ahead
 from .bounds.verdicts import Judgement
+from .candidate_loop import CandidateLoop
 from .conflicts.infeasibility import Refusals, distrust, fewer, unverified
 from .motion.settings import MotionSettings
 from .search.best_first import Candidate, SkeletonSearch
-from .search.learned_penalties import Surcharge
-from .search.skeleton_replay import build_skeleton
 from .search.slack_maximisation import roomier
 
 
@@ -124,56 +122,39 @@ class _Run:
         self.bounds = Bounds(problem, settings, options.bound, seed, self.budget, self._tell, options.ahead)
         self.refusals = Refusals(problem)
         self.search: SkeletonSearch | None = None
-        self.again = False
 
     def run(self) -> Outcome:
         return self._outcome(ending(self._loop))
 
     def _loop(self) -> str:
-        clock = self.bounds.clock
         self.options.ahead.prepare(self.problem)
         self._tell("compile", "compiling the rules")
-        with clock("compile"):
-            successors = Successors(self.problem)
-            self.search = SkeletonSearch(self.problem, successors, self.options.search, self.budget)
-            self.strain = Strain(successors)
-            self.surcharge = Surcharge(self.strain)
-        while len(self.accepted) < self.options.solutions:
-            self._tell("search", "searching for a skeleton")
-            with clock("search"):
-                candidate = self.search.next()
-                if candidate is not None:
-                    candidate = roomier(self.search, self.strain, candidate)
-            if candidate is None:
-                if self.search.status == "exhausted" and not self.again and self.search.readmit():
-                    self.again = True
-                    self.bounds.try_harder()
-                    continue
-                return self.search.status
-            self.candidates += 1
-            if self.first_bound is None:
-                self.first_bound = candidate.lower_bound
-            self._try(self.search, candidate)
-        return "solved"
+        loop = CandidateLoop(self.problem, self.options.search, self.budget, self.bounds, self.refusals)
+        self.search = loop.search
+        for candidate in loop.proposals(partial(self._propose, loop), loop.readmit):
+            if candidate is not None:
+                self._take(loop, candidate)
+            if len(self.accepted) >= self.options.solutions:
+                return "solved"
+        return loop.search.status
 
-    def _try(self, search: SkeletonSearch, candidate: Candidate) -> None:
+    def _propose(self, loop: CandidateLoop) -> Candidate | None:
+        self._tell("search", "searching for a skeleton")
+        candidate = loop.search.next()
+        return None if candidate is None else roomier(loop.search, loop.strain, candidate)
+
+    def _take(self, loop: CandidateLoop, candidate: Candidate) -> None:
         """Take one candidate through the bounds; whatever comes of it, the search will not propose it again."""
-        skeleton = build_skeleton(self.problem, candidate.actions, search.successors)
-        judgement = self.bounds.judge(skeleton, self.strain.along(candidate.numbers))
+        self.candidates += 1
+        if self.first_bound is None:
+            self.first_bound = candidate.lower_bound
+        skeleton = loop.skeleton(candidate)
+        judgement = loop.judge(candidate, skeleton)
         if judgement.accepted:
             if judgement.paths is None or self._believed(skeleton, candidate, judgement):
                 self.accepted.append(candidate)
                 self._tell("solved", f"plan {len(self.accepted)}: {len(candidate.actions)} actions")
-            search.forbid_plan(candidate)
-            return
-        for conflict in judgement.conflicts:
-            if conflict.bound != EXPECTED:
-                self.refusals.add(skeleton, conflict)
-                self.surcharge.refused(candidate.numbers, conflict.first, conflict.last)
-            for_good = conflict.bound not in ("seq", EXPECTED)
-            search.forbid_actions(candidate, conflict.first, conflict.last, conflict.from_start, for_good)
-        if self.surcharge.weight:
-            search.charge(self.surcharge)
+            loop.search.forbid_plan(candidate)
 
     def _believed(self, skeleton: Skeleton, candidate: Candidate, judgement: Judgement) -> bool:
         """Whether the verifier believes a motion; then the plan is kept and handed on. Raises OutOfTime."""

@@ -11,9 +11,9 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 from ....compiler import ir
-from ....compiler.symbolic.strain import Strain
 from ....compiler.symbolic.successors import Successors
 from ...budget import Budget, OutOfTime
 from ...plan import SearchNode
@@ -21,6 +21,7 @@ from ...seeds import Seed
 from ...skeleton import Configuration, PhasePath, Skeleton, beginning
 from ..bounds.multi_bound import EXPECTED, Bounds
 from ..bounds.verdicts import Judgement
+from ..candidate_loop import CandidateLoop
 from ..conflicts.infeasibility import Refusals
 from ..lgp import SolveOptions, motion_settings
 from ..search.best_first import Candidate, SkeletonSearch
@@ -72,7 +73,7 @@ class Memory:
     refusals: Refusals
     order: list[ir.Formula] = field(default_factory=list)
     """The parts of the goal, in the order in which they should be reached."""
-    surcharge: Surcharge | None = None
+    penalties: Surcharge | None = None
     """How close to their limits actions were refused so far."""
     group: int = 1
     """How many parts of the goal make a plan that is long enough."""
@@ -131,7 +132,7 @@ class _Planner:
         self.began = time.monotonic()
         self.refused = self.tree_nodes = self.expanded_nodes = 0
         self.tree: tuple[SearchNode, ...] = ()
-        self.proved = self.again = False
+        self.proved = False
         self.alike = 0
         self.first: tuple[Candidate, int | None] | None = None
         self.unmet: list[ir.Formula] = []
@@ -203,36 +204,28 @@ class _Planner:
     def _try(self, goal: ir.Formula, parts: int) -> Window | None:
         """Candidates for a goal of so many unmet parts until one gets its motion; hurried ones once the cheapest takes
         long."""
-        clock = self.memory.bounds.clock
-        with clock("compile"):
-            problem = replace(self.problem, goal=goal)
-            successors = Successors(problem)
-            search = SkeletonSearch(problem, successors, self.options.search, self.budget, RECEDING.search_nodes)
-        strain = Strain(successors)
-        surcharge = Surcharge(strain)
-        if self.memory.surcharge is not None:
-            surcharge.inherit(self.memory.surcharge)
-        surcharge.weight = max(surcharge.weight, RECEDING.least_penalty)
-        self.memory.surcharge = surcharge
-        search.charge(surcharge)
+        loop = CandidateLoop(
+            replace(self.problem, goal=goal), self.options.search, self.budget, self.memory.bounds,
+            self.memory.refusals, RECEDING.search_nodes, RECEDING.most_remembered,
+        )  # fmt: skip
+        search, penalties = loop.search, loop.penalties
+        if self.memory.penalties is not None:
+            penalties.inherit(self.memory.penalties)
+        penalties.weight = max(penalties.weight, RECEDING.least_penalty)
+        self.memory.penalties = penalties
+        search.charge(penalties)
         for actions in self.forbidden:
             forbid(search, actions)
-        self.again, self.first, self.alike = False, None, 0
+        self.first, self.alike = None, 0
         try:
-            for _ in range(self.candidates):
-                with clock("search"):
-                    candidate = self._next(search)
+            for candidate in loop.proposals(partial(self._next, search), partial(self._widen, loop), self.candidates):
+                found = None
                 if self.first is not None and (candidate is None or self.alike >= RECEDING.alike):
-                    found = self._once_more(search, *self.first)
-                    if found is not None:
-                        return found
-                if candidate is None:
-                    if not self._widen(search):
+                    found = self._once_more(loop, *self.first)
+                if candidate is not None and found is None:
+                    if self._too_short(candidate, parts):
                         return None
-                    continue
-                if self._too_short(candidate, parts):
-                    return None
-                found = self._judge(search, strain, surcharge, candidate)
+                    found = self._judge(loop, candidate)
                 if found is not None:
                     return found
         finally:
@@ -251,27 +244,24 @@ class _Planner:
             search.node_limit = search.expanded_nodes + RECEDING.search_nodes
         return search.next()
 
-    def _widen(self, search: SkeletonSearch) -> bool:
+    def _widen(self, loop: CandidateLoop) -> bool:
         """Let a search that has found nothing go on: hurried, with more nodes; or once with all that was refused
         allowed again, and tried harder. Whether there is more to find."""
+        search = loop.search
         if search.status == "budget" and search.node_limit != RECEDING.hurried_nodes:
             search.node_limit = RECEDING.hurried_nodes
             search.method = "wastar" if search.method == "astar" else search.method
             return True
         self.proved = search.status == "infeasible" and not self.forbidden
-        if search.status != "exhausted" or self.again or not search.readmit():
-            return False
-        self.again = True
-        self.memory.bounds.try_harder()
-        return True
+        return loop.readmit()
 
-    def _once_more(self, search: SkeletonSearch, candidate: Candidate, length: int | None) -> Window | None:
+    def _once_more(self, loop: CandidateLoop, candidate: Candidate, length: int | None) -> Window | None:
         """The first candidate that was refused from the start only, with more starts of P_seq; or as far as P_seq could
         follow it, where that is beyond the window."""
         self.first, self.alike = None, 0
-        seen, count = self._seen(build_skeleton(self.problem, candidate.actions, search.successors))
+        seen, count = self._seen(loop.skeleton(candidate))
         judgement = self.memory.bounds.retry(seen if length is None else beginning(seen, length), count)
-        return self._accepted(search, candidate, seen, count, judgement) if judgement.accepted else None
+        return self._accepted(loop, candidate, seen, count, judgement) if judgement.accepted else None
 
     def _too_short(self, candidate: Candidate, parts: int) -> bool:
         """Whether a plan for some parts of the goal is so short that more parts are planned for."""
@@ -280,36 +270,24 @@ class _Planner:
         self.memory.group = max(self.memory.group, 2 * parts)
         return True
 
-    def _judge(
-        self, search: SkeletonSearch, strain: Strain, surcharge: Surcharge, candidate: Candidate
-    ) -> Window | None:
-        seen, count = self._seen(build_skeleton(self.problem, candidate.actions, search.successors))
-        judgement = self.memory.bounds.judge(seen, strain.along(candidate.numbers[: len(seen)]), count)
+    def _judge(self, loop: CandidateLoop, candidate: Candidate) -> Window | None:
+        seen, count = self._seen(loop.skeleton(candidate))
+        judgement = loop.judge(candidate, seen, count)
         if judgement.accepted:
-            return self._accepted(search, candidate, seen, count, judgement)
+            return self._accepted(loop, candidate, seen, count, judgement)
         self.refused += 1
         expected = all(conflict.bound == EXPECTED for conflict in judgement.conflicts)
         self.alike = self.alike + 1 if expected else 0
         if self.refused == 1 and all(conflict.from_start and conflict.last for conflict in judgement.conflicts):
             least = min(conflict.last for conflict in judgement.conflicts)
             self.first = candidate, least if least >= count else None
-        for conflict in judgement.conflicts:
-            if conflict.bound != EXPECTED:
-                self.memory.refusals.add(replace(seen, problem=self.memory.refusals.problem), conflict)
-                surcharge.refused(candidate.numbers, conflict.first, conflict.last)
-            for_good = conflict.bound not in ("seq", EXPECTED)
-            short = not self.again and not for_good and 0 < conflict.last < RECEDING.most_remembered
-            from_start = conflict.from_start and not short
-            search.forbid_actions(candidate, conflict.first, conflict.last, from_start, for_good)
-        search.charge(surcharge)
         return None
 
     def _accepted(
-        self, search: SkeletonSearch, candidate: Candidate, seen: Skeleton, count: int, judgement: Judgement
+        self, loop: CandidateLoop, candidate: Candidate, seen: Skeleton, count: int, judgement: Judgement
     ) -> Window:
-        if self.memory.surcharge is not None:
-            self.memory.surcharge.accepted(candidate.numbers[:count])
-        cost = sum(search.successors.cost(number) for number in candidate.numbers[:count])
+        loop.penalties.accepted(candidate.numbers[:count])
+        cost = sum(loop.search.successors.cost(number) for number in candidate.numbers[:count])
         return self._planned(candidate.actions, cost, beginning(seen, count), judgement)
 
     def _coming(self) -> tuple[tuple[str, str], ...]:

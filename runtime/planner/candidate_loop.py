@@ -1,0 +1,78 @@
+"""The loop over candidates that `solve` and the windows of a horizon share (thesis, algorithm 1): one after the other
+goes through the bounds, and what is refused goes back to the search, to the penalties, and to what is told at the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import count
+
+from ...compiler.ir import Problem
+from ...compiler.symbolic.strain import Strain
+from ...compiler.symbolic.successors import Successors
+from ..budget import Budget
+from ..skeleton import Skeleton
+from .bounds.multi_bound import EXPECTED, Bounds
+from .bounds.verdicts import Judgement
+from .conflicts.infeasibility import Refusals
+from .search.best_first import Candidate, SkeletonSearch
+from .search.learned_penalties import Surcharge
+from .search.skeleton_replay import build_skeleton
+
+
+class CandidateLoop:
+    """One search of a problem, the bounds that judge what it proposes, and what they refused. Refused beginnings of up
+    to `remembered` actions are forbidden wherever their robots stand alike, not only at the start."""
+
+    def __init__(
+        self, problem: Problem, method: str, budget: Budget, bounds: Bounds, refusals: Refusals,
+        node_limit: int | None = None, remembered: int = 0,
+    ) -> None:  # fmt: skip
+        self.problem, self.bounds, self.refusals, self.remembered = problem, bounds, refusals, remembered
+        with bounds.clock("compile"):
+            self.search = SkeletonSearch(problem, Successors(problem), method, budget, node_limit)
+            self.strain = Strain(self.search.successors)
+            self.penalties = Surcharge(self.strain)
+        self.again = False
+
+    def proposals(
+        self, propose: Callable[[], Candidate | None], go_on: Callable[[], bool], most: int | None = None
+    ) -> Iterator[Candidate | None]:
+        """At most so many candidates, one after the other; None where there is none, after which the loop ends unless
+        `go_on` lets the search go on. Raises OutOfTime."""
+        for _ in count() if most is None else range(most):
+            with self.bounds.clock("search"):
+                candidate = propose()
+            yield candidate
+            if candidate is None and not go_on():
+                return
+
+    def readmit(self) -> bool:
+        """Once, where every candidate was refused: all of them may come again, and bounds try harder. Whether that lets
+        the search go on."""
+        if self.search.status != "exhausted" or self.again or not self.search.readmit():
+            return False
+        self.again = True
+        self.bounds.try_harder()
+        return True
+
+    def skeleton(self, candidate: Candidate) -> Skeleton:
+        return build_skeleton(self.problem, candidate.actions, self.search.successors)
+
+    def judge(self, candidate: Candidate, skeleton: Skeleton, motions: int | None = None) -> Judgement:
+        """What the bounds say of a candidate, whose `skeleton` may be its beginning; refusals are learnt from. Raises
+        OutOfTime."""
+        strains = self.strain.along(candidate.numbers[: len(skeleton)])
+        judgement = self.bounds.judge(skeleton, strains, motions)
+        for conflict in judgement.conflicts:
+            if conflict.bound != EXPECTED:
+                self.refusals.add(replace(skeleton, problem=self.refusals.problem), conflict)
+                self.penalties.refused(candidate.numbers, conflict.first, conflict.last)
+            for_good = conflict.bound not in ("seq", EXPECTED)
+            anywhere = not self.again and not for_good and 0 < conflict.last < self.remembered
+            from_start = conflict.from_start and not anywhere
+            self.search.forbid_actions(candidate, conflict.first, conflict.last, from_start, for_good)
+        if self.penalties.weight and not judgement.accepted:
+            self.search.charge(self.penalties)
+        return judgement
