@@ -59,15 +59,16 @@ from .lifted_ir import (
     effects_with_loops,
     span_of,
 )  # fmt: skip
+from .physics.records import Hold, Inertial
 
 __all__ = [
     "IDENTITY", "Action", "Aggregate", "And", "Any_", "Arith", "Body", "Breakdown", "Case", "Chain", "ChainEnd",
     "ChainModule", "ChainType", "Compare", "Conditional", "Coupling", "Course", "Derived", "Effect",
     "EffectFor", "EffectIf", "EffectItem", "Effector", "Exists", "Fact", "Forall", "Formula", "Function",
-    "Heuristic", "Joint", "Letter", "Link", "Literal", "Module", "ModuleType", "MotionPredicate", "Not",
-    "Number", "Object", "ObjectType", "Options", "Or", "Pose", "Predicate", "Previous", "Problem", "Prune",
-    "RangeType", "Row", "Rule", "Shape", "Term", "Type", "Value", "ValueType", "Var", "Variable", "Vec3",
-    "Vector", "World", "conjuncts", "effects_of", "effects_with_loops", "span_of",
+    "Heuristic", "Hold", "Inertial", "Joint", "Letter", "Link", "Literal", "Module", "ModuleType",
+    "MotionPredicate", "Not", "Number", "Object", "ObjectType", "Options", "Or", "Pose", "Predicate",
+    "Previous", "Problem", "Prune", "RangeType", "Row", "Rule", "Shape", "Term", "Type", "Value", "ValueType",
+    "Var", "Variable", "Vec3", "Vector", "World", "conjuncts", "effects_of", "effects_with_loops", "span_of",
 ]  # fmt: skip
 
 Vec3 = tuple[float, float, float]
@@ -103,7 +104,10 @@ class Coupling:
 class Joint:
     """`kind` is "revolute" or "prismatic". `parent` is the index of the joint whose moving frame carries it, -1 for
     the module frame. The moving frame is parent · placement · motion(axis, q). Limits in rad or m, greatest speed per
-    s, greatest acceleration per s². A `passive` joint has no drive; one that `follows` another has its leader's."""
+    s, greatest acceleration per s². A `passive` joint has no drive; one that `follows` another has its leader's. A
+    drive weighs `mass`, kg, sits at the joint on the parent's frame, gives at most `torque`, N m (N of a prismatic
+    joint), and has the inertia `rotor`, kg m² (kg), behind the gear; across its axis a joint bears the moment
+    `bearing`, N m. `stated` is where that is written."""
 
     name: str
     kind: str
@@ -117,18 +121,25 @@ class Joint:
     acceleration: float = math.inf
     passive: bool = False
     follows: Coupling | None = None
+    mass: float = 0.0
+    torque: float = math.inf
+    bearing: float = math.inf
+    rotor: float = 0.0
+    stated: Span | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
 class Effector:
     """A frame at an end of a module, fixed to the moving frame of `joint` (-1: the module frame). Its z-axis is the
-    outward normal. `shape` is centred at the frame's origin, or None."""
+    outward normal. `shape` is centred at the frame's origin, or None. `mass`, kg, is None where none is stated."""
 
     name: str
     type: str
     joint: int
     placement: Pose
     shape: Shape | None
+    mass: float | None = None
+    holds: tuple[Hold, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,6 +149,7 @@ class Link:
     joint: int
     placement: Pose
     shape: Shape
+    mass: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,6 +160,8 @@ class ModuleType:
     joints: tuple[Joint, ...]
     effectors: tuple[Effector, ...]
     links: tuple[Link, ...]
+    inertials: tuple[Inertial, ...] = ()
+    """Masses that a URDF states; shapes of those links weigh nothing of their own."""
 
     def effector(self, name: str) -> Effector:
         return next(e for e in self.effectors if e.name == name)
@@ -176,6 +190,8 @@ class Body:
     pose: Pose
     movable: bool
     span: Span | None = field(default=None, compare=False, repr=False)
+    mass: float | None = None
+    holds: tuple[Hold, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from . import ir
 from .checks.findings import Findings
 
 BUILT_IN_TYPES: Mapping[str, str | None] = {"object": None, "effector": "object", "module": None}
-VALUE_TYPE_NAMES = ("int", "real", "length", "angle", "time", "speed")
+VALUE_TYPE_NAMES = ("int", "real", "length", "angle", "time", "speed", "mass", "density", "force", "torque", "inertia")
 
 Named = (
     syntax.TypeDecl

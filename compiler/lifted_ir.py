@@ -289,6 +289,8 @@ class MotionPredicate:
     symmetric: bool
     rows: tuple[Row, ...]
     span: Span | None = field(default=None, compare=False, repr=False)
+    borne: str | None = None
+    """How a pair of which it holds is borne: bond, dock, grip, pad or rest, or not at all: nothing."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Iterable, Iterator, Mapping
 
 from ..langs import syntax
@@ -88,6 +89,7 @@ def _derived(d: ir.Derived) -> str:
 
 def _motion(m: ir.MotionPredicate) -> str:
     title = f"motion [{m.name} {_parameters(m.variables)}]" + " symmetric" * m.symmetric
+    title += f" borne {m.borne}" if m.borne else ""
     return _block(title, map(_row, m.rows)) or title + "\n"
 
 
@@ -119,18 +121,39 @@ def _module_type(m: ir.ModuleType) -> str:
     lines = [
         f"joint {i} {j.name}: {j.kind} about {_numbers(j.axis)} on {j.parent} at {_numbers(j.placement)} in "
         f"{j.lower:g} .. {j.upper:g} home {j.home:g} speed {j.speed:g} acceleration {j.acceleration:g}"
-        f"{' passive' * j.passive}{_coupling(j.follows)}"
+        f"{' passive' * j.passive}{_coupling(j.follows)}{_drive(j)}"
         for i, j in enumerate(m.joints)
     ]
-    lines += [f"link on {k.joint} at {_numbers(k.placement)}: {_shape(k.shape)}" for k in m.links]
+    lines += [f"link on {k.joint} at {_numbers(k.placement)}: {_shape(k.shape)}{_weight(k.mass)}" for k in m.links]
     for e in m.effectors:
         shape = _shape(e.shape) if e.shape else "no shape"
-        lines.append(f"effector {e.name}: {e.type} on {e.joint} at {_numbers(e.placement)}: {shape}")
+        weight = _weight(e.mass, e.holds)
+        lines.append(f"effector {e.name}: {e.type} on {e.joint} at {_numbers(e.placement)}: {shape}{weight}")
+    lines += [
+        f"inertial on {i.joint} at {_numbers(i.centre)}: {i.mass:g} kg, {_numbers(i.inertia)}" for i in m.inertials
+    ]
     return _block(f"module type {m.name}", lines)
 
 
 def _coupling(follows: ir.Coupling | None) -> str:
     return "" if follows is None else f" = {follows.factor:g} * joint {follows.leader} + {follows.offset:g}"
+
+
+def _drive(joint: ir.Joint) -> str:
+    """What a joint states of its drive."""
+    text = f" mass {joint.mass:g}" if joint.mass else ""
+    text += f" torque {joint.torque:g}" if math.isfinite(joint.torque) else ""
+    text += f" bearing {joint.bearing:g}" if math.isfinite(joint.bearing) else ""
+    return text + (f" rotor {joint.rotor:g}" if joint.rotor else "")
+
+
+def _weight(mass: float | None, holds: Iterable[ir.Hold] = ()) -> str:
+    """What a part states of its mass and strength."""
+    text = f" mass {mass:g}" if mass is not None else ""
+    for hold in holds:
+        numbers = [(n, getattr(hold, n)) for n in ("force", "shear", "moment", "twist", "friction")]
+        text += f" holds {hold.manner}({', '.join(f'{n} {v:g}' for n, v in numbers if math.isfinite(v))})"
+    return text
 
 
 def _numbers(values: Iterable[float]) -> str:
@@ -142,7 +165,8 @@ def _shape(shape: ir.Shape) -> str:
 
 
 def _body(b: ir.Body) -> str:
-    return f"{b.name}: {b.type} {_shape(b.shape)} at {_numbers(b.pose)}" + " movable" * b.movable
+    rest = " movable" * b.movable + _weight(b.mass, b.holds)
+    return f"{b.name}: {b.type} {_shape(b.shape)} at {_numbers(b.pose)}{rest}"
 
 
 def _module(m: ir.Module) -> str:

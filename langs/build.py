@@ -8,6 +8,9 @@ from lark import Token, Tree
 
 from . import syntax as s
 from .build_terms import Branch, Child, TermBuilder, branches, tokens
+from .syntax_parts import Physical
+
+PHYSICAL = ("stated", "holds")
 
 
 class TreeBuilder(TermBuilder):
@@ -44,6 +47,7 @@ class TreeBuilder(TermBuilder):
                     symmetric,
                     self._motion_items(tree),
                     self._doc(tree),
+                    _word(next((c for c in tree.children[1:] if isinstance(c, Token) and c.type == "NAME"), None)),
                     span=self.span(tree),
                 )
             case "rule_decl":
@@ -203,7 +207,8 @@ class TreeBuilder(TermBuilder):
         span, children = self.span(tree), tree.children
         match str(tree.data):
             case "effector_item":
-                name, kind, *link, shape, at, normal = children
+                physics = branches(tree, *PHYSICAL)
+                name, kind, *link, shape, at, normal = _without(children, physics)
                 return s.EffectorItem(
                     str(name),
                     _word(kind),
@@ -211,10 +216,12 @@ class TreeBuilder(TermBuilder):
                     None if shape is None else self.call(_tree(shape)),
                     self.maybe_term(at),
                     self.maybe_term(normal),
+                    physics=self.physics(physics),
                     span=span,
                 )
             case "joint_item":
-                name, call, limits, home, speed, acceleration = children
+                physics = branches(tree, *PHYSICAL)
+                name, call, limits, home, speed, acceleration = _without(children, physics)
                 motion = self.call(_tree(call))
                 lower, upper = (None, None) if limits is None else self.terms(_tree(limits).children)
                 return s.JointItem(
@@ -227,6 +234,7 @@ class TreeBuilder(TermBuilder):
                     self.maybe_term(speed),
                     self.maybe_term(acceleration),
                     False,
+                    physics=self.physics(physics),
                     span=span,
                 )
             case "coupling_item":
@@ -234,7 +242,8 @@ class TreeBuilder(TermBuilder):
             case "link_item":
                 between = children[1]
                 drawn = None if between is None else self.call(_tree(between))
-                return s.LinkItem(self.term(children[0]), drawn, span=span)
+                physics = branches(tree, *PHYSICAL)
+                return s.LinkItem(self.term(children[0]), drawn, physics=self.physics(physics), span=span)
             case "branch_item":
                 return s.BranchItem(self._branch_items(tree), span=span)
         return self._fact(tree)
@@ -248,6 +257,17 @@ class TreeBuilder(TermBuilder):
 
     def _fact(self, tree: Branch) -> s.FactItem:
         return s.FactItem(self.literal(branches(tree)[0]), span=self.span(tree))
+
+    def physics(self, clauses: Iterable[Branch]) -> tuple[Physical, ...]:
+        """What a part weighs, bears and holds."""
+        return tuple(self._physical(c) for c in clauses)
+
+    def _physical(self, tree: Branch) -> Physical:
+        word = str(tree.children[0])
+        if tree.data == "stated":
+            return s.Stated(word, self.term(tree.children[1]), span=self.span(tree))
+        strengths = [(str(b.children[0]), self.term(b.children[1])) for b in branches(tree, "strength")]
+        return s.Holds(word, tuple(strengths), span=self.span(tree))
 
     # --- scenes and tasks ----------------------------------------------------------------------------------------
 
@@ -292,7 +312,8 @@ class TreeBuilder(TermBuilder):
         return s.OptionsItem(tuple(entries), span=span)
 
     def _body(self, tree: Branch) -> s.BodyItem:
-        kind, name, shape, on, at, heading = tree.children
+        physics = branches(tree, *PHYSICAL)
+        kind, name, shape, on, at, heading = _without(tree.children, physics)
         return s.BodyItem(
             str(kind),
             self.term(name),
@@ -300,6 +321,7 @@ class TreeBuilder(TermBuilder):
             self.maybe_term(on),
             self.maybe_term(at),
             self.maybe_term(heading),
+            physics=self.physics(physics),
             span=self.span(tree),
         )
 
@@ -337,6 +359,12 @@ class TreeBuilder(TermBuilder):
             name = str(argument.children[0]) if argument.data == "named" else None
             made.append(s.Argument(name, self.term(argument.children[-1]), span=self.span(argument)))
         return tuple(made)
+
+
+def _without(children: Iterable[Child], others: Iterable[Branch]) -> list[Child]:
+    """`children` but for some trees among them."""
+    left_out = {id(o) for o in others}
+    return [c for c in children if id(c) not in left_out]
 
 
 def _word(node: Child) -> str | None:

@@ -17,7 +17,9 @@ Branch: TypeAlias = Tree[Token]
 Child: TypeAlias = Branch | Token | None
 
 MAX_DEPTH = 100
-_NUMBER = re.compile(r"([0-9.]+(?:[eE][+-]?[0-9]+)?)[ \t]*([a-z]*)(/s(?:\^2)?)?")
+_NUMBER = re.compile(
+    r"([0-9.]+(?:[eE][+-]?[0-9]+)?)[ \t]*(k?N m|k?N|kg/m\^3|kg m\^2|[a-z]*)(/s(?:\^2)?)?", re.ASCII
+)
 _UNITS = {
     "": (1.0, ""),
     "m": (1.0, "length"),
@@ -27,6 +29,14 @@ _UNITS = {
     "deg": (math.pi / 180, "angle"),
     "s": (1.0, "time"),
     "min": (60.0, "time"),
+    "kg": (1.0, "mass"),
+    "g": (0.001, "mass"),
+    "N": (1.0, "force"),
+    "kN": (1000.0, "force"),
+    "N m": (1.0, "torque"),
+    "kN m": (1000.0, "torque"),
+    "kg/m^3": (1.0, "density"),
+    "kg m^2": (1.0, "inertia"),
 }
 _RATES = {
     ("length", "/s"): "speed",

@@ -256,6 +256,12 @@ CODES: dict[str, CodeInfo] = {
         "A coupled joint is a multiple of one other joint of its module and of its kind, plus a value. No joint "
         "follows itself, directly or through others, and the limits of both leave them something to move in.",
         "joint j2 = -j2 + 10 deg", "joint j2 = -j1 + 10 deg"),
+    "E0522": CodeInfo("statement of weight or strength that makes no sense", "scene",
+        "A part states what it does not have, says something twice, or gives a number that cannot be: masses, "
+        "densities and strengths are positive, a coefficient of friction is at most 100. What is not known is left "
+        "out: then there is no limit, and a mass is that of water. Ends and bodies hold as bond, dock, grip, pad or "
+        "rest, by force, shear, moment, twist and friction.",
+        "link 0.2 m: capsule(4 cm) mass 0 kg", "link 0.2 m: capsule(4 cm) mass 150 g"),
     "S0001": CodeInfo("infeasible", "outcome", "It is proved that no sequence of actions reaches the goal."),
     "S0002": CodeInfo("exhausted", "outcome",
         "Every candidate sequence was refused by the motion solver; this is no proof."),

@@ -13,8 +13,10 @@ from .build_terms import span_of
 from .diagnostics import Diagnostic, Label, did_you_mean
 from .source import Source, Span
 
-UNITS = ("m", "cm", "mm", "rad", "deg", "s", "min", "m/s", "rad/s", "deg/s", "m/s^2", "rad/s^2", "deg/s^2")
-FOREIGN_UNITS = {"inch", "inches", "ft", "foot", "feet", "yd", "km", "kg", "h", "hour", "degree", "degrees", "px", "N"}
+UNITS = ("m", "cm", "mm", "rad", "deg", "s", "min", "m/s", "rad/s", "deg/s", "m/s^2", "rad/s^2", "deg/s^2",
+         "kg", "g", "N", "kN", "N m", "kN m", "kg/m^3", "kg m^2")  # fmt: skip
+FOREIGN_UNITS = {"inch", "inches", "ft", "foot", "feet", "yd", "km", "h", "hour", "degree", "degrees", "px", "lb",
+                 "lbs", "t", "Nm"}  # fmt: skip
 _WORDS = {
     "NAME": "a name",
     "NUMBER": "a number",
@@ -237,7 +239,7 @@ def unknown_unit(source: Source, number: Token, found: Token) -> Diagnostic | No
         "E0007",
         f"unknown unit `{found}`",
         span_of(source.path, found),
-        help=near or "units are m, cm, mm, rad, deg, s, min, and m/s or rad/s",
+        help=near or "units are m, cm, mm, rad, deg, s, min, m/s, rad/s, kg, g, N, N m, kg/m^3 and kg m^2",
     )
 
 

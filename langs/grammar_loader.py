@@ -15,7 +15,7 @@ import lark
 
 from .writer import write_atomically
 
-PARTS = ("tamplang", "terms", "logic", "modules", "motion", "rules", "heuristics", "scenes", "tasks")
+PARTS = ("tamplang", "terms", "logic", "modules", "physics", "motion", "rules", "heuristics", "scenes", "tasks")
 _FOLDER = Path(__file__).parent / "grammar"
 
 

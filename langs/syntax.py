@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from .syntax_parts import CouplingItem, EffectorItem, Holds, JointItem, LinkItem, PhysicalNode, Stated
 from .syntax_terms import (
     Aggregate,
     And,
@@ -48,11 +49,12 @@ __all__ = [
     "ChainType", "Compare", "Conditional", "CouplingItem", "CourseItem", "Declaration", "DerivedDecl",
     "DisturbanceItem", "Effect", "EffectFor", "EffectIf", "EffectItem", "EffectorItem", "Exists", "FactItem",
     "File", "ForItem", "Forall", "Formula", "FunctionDecl", "GoalItem", "GuideUse", "Happening", "HeuristicCase",
-    "HeuristicDecl", "IfItem", "Import", "Index", "JointItem", "LinkItem", "Literal", "ModuleDecl", "ModuleItem",
-    "MotionDecl", "MotionFor", "MotionItem", "MotionRow", "Name", "NamedType", "Negate", "Node", "Not", "Number",
+    "HeuristicDecl", "Holds", "IfItem", "Import", "Index", "JointItem", "LinkItem", "Literal", "ModuleDecl",
+    "ModuleItem", "MotionDecl", "MotionFor", "MotionItem", "MotionRow", "Name", "NamedType", "Negate", "Node",
+    "Not", "Number",
     "OptionsItem", "Or", "Parameter", "PlacementDecl", "PredicateDecl", "Previous", "RangeType", "RobotItem",
-    "RuleDecl", "SceneDecl", "SceneItem", "SceneUse", "TaskDecl", "Term", "Text", "Type", "TypeDecl", "Vector",
-    "Wildcard", "flat_items",
+    "RuleDecl", "SceneDecl", "SceneItem", "SceneUse", "Stated", "TaskDecl", "Term", "Text", "Type", "TypeDecl",
+    "Vector", "Wildcard", "flat_items",
 ]  # fmt: skip
 
 # --- declarations ----------------------------------------------------------------------------------------------
@@ -133,6 +135,7 @@ class MotionDecl(Node):
     symmetric: bool
     items: tuple[MotionItem, ...]
     doc: str = ""
+    borne: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,52 +181,6 @@ class HeuristicDecl(Node):
 
 
 @dataclass(frozen=True, slots=True)
-class EffectorItem(Node):
-    """`effector A: port sphere(0.05 m) at (0, 0, 0) normal (0, 0, -1)`, or in a module from a URDF, with the name of a
-    link, `effector A: port "tool0" sphere(4 cm)`. Without `shape` it is the shape of the link."""
-
-    name: str
-    type: str | None
-    link: Text | None
-    shape: Call | None
-    at: Term | None
-    normal: Term | None
-
-
-@dataclass(frozen=True, slots=True)
-class JointItem(Node):
-    """`joint j2: revolute(y) in -120 deg .. 120 deg home 0.6 rad speed 2 rad/s acceleration 5 rad/s^2`, or with
-    vectors of two lengths as limits `joint drive: planar(x, y) in (-5 m, -5 m) .. (5 m, 5 m)`; `passive` behind it
-    where the joint has no drive."""
-
-    name: str
-    kind: str
-    axes: tuple[Term, ...]
-    lower: Term | None
-    upper: Term | None
-    home: Term | None
-    speed: Term | None
-    acceleration: Term | None
-    passive: bool
-
-
-@dataclass(frozen=True, slots=True)
-class CouplingItem(Node):
-    """`joint j2 = -j1 + 10 deg`: what the joint `name` of the module always is, by another one."""
-
-    name: str
-    value: Term
-
-
-@dataclass(frozen=True, slots=True)
-class LinkItem(Node):
-    """`link 0.15 * size: capsule(0.04 m)`: go `length` metres along z, or by a vector, with that shape between."""
-
-    length: Term
-    shape: Call | None
-
-
-@dataclass(frozen=True, slots=True)
 class FactItem(Node):
     """`fact (linked A B)`, in a module, scene or task."""
 
@@ -262,7 +219,7 @@ def flat_items(items: tuple[ModuleItem, ...]) -> tuple[ModuleItem, ...]:
 
 
 @dataclass(frozen=True, slots=True)
-class BodyItem(Node):
+class BodyItem(PhysicalNode):
     """`base shelf[i]: box(0.3 m, 0.8 m, 0.05 m) at (0, 0, 0) heading 0.2`, or `object b: box(…) on shelf at (x, y)`."""
 
     type: str

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...langs import syntax
+from ...langs.diagnostics import did_you_mean
 from ...langs.trees import parts
 from .. import ir
+from ..physics.records import MANNERS, NOTHING
 from .binders import bind, unrolled
 from .context import Context
 from .kinds import Kind, added, size_of
@@ -24,8 +26,25 @@ def _check_motion(context: Context, motion: syntax.MotionDecl) -> ir.MotionPredi
     scope, variables = bind(context, Scope("motion", values_known=True), unique)
     rows = _check_rows(context, scope, motion.items)
     return ir.MotionPredicate(
-        motion.name, variables, motion.symmetric, tuple(rows), context.findings.word(motion.span, motion.name)
+        motion.name, variables, motion.symmetric, tuple(rows), context.findings.word(motion.span, motion.name),
+        _borne(context, motion, variables),
     )
+
+
+def _borne(context: Context, motion: syntax.MotionDecl, variables: Sequence[ir.Variable]) -> str | None:
+    """How the pair is borne of which the predicate speaks: its first two objects."""
+    if motion.borne is None:
+        return None
+    where = context.findings.word(motion.span, motion.borne)
+    known = (*MANNERS, NOTHING)
+    if motion.borne not in known:
+        help = did_you_mean(motion.borne, known) or f"pairs are borne as {', '.join(known)}"
+        context.findings.report("E0522", where, f"no pair is borne as `{motion.borne}`", help=help)
+        return None
+    if len(variables) < 2:
+        context.findings.report("E0522", where, f"[{motion.name}] speaks of no pair that could be borne")
+        return None
+    return motion.borne
 
 
 def _check_rows(context: Context, scope: Scope, items: Sequence[syntax.MotionItem]) -> list[ir.Row]:

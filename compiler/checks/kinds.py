@@ -29,7 +29,8 @@ class Kind:
         return PHRASES[self.name]
 
 
-SCALARS = ("number", "length", "angle", "time", "speed", "angular speed", "acceleration", "angular acceleration")
+SCALARS = ("number", "length", "angle", "time", "speed", "angular speed", "acceleration", "angular acceleration",
+           "mass", "density", "force", "torque", "inertia")  # fmt: skip
 PHRASES = {
     "number": "a plain number",
     "length": "a length",
@@ -39,6 +40,11 @@ PHRASES = {
     "angular speed": "an angular speed",
     "acceleration": "an acceleration",
     "angular acceleration": "an angular acceleration",
+    "mass": "a mass",
+    "density": "a density",
+    "force": "a force",
+    "torque": "a torque",
+    "inertia": "a moment of inertia",
     "vector": "a vector",
     "rows": "several lengths",
     "pose": "a pose",
@@ -59,9 +65,17 @@ SPEED = Kind("speed")
 ANGULAR_SPEED = Kind("angular speed")
 ACCELERATION = Kind("acceleration")
 ANGULAR_ACCELERATION = Kind("angular acceleration")
-VALUE_TYPES = {"int": NUMBER, "real": NUMBER, "length": LENGTH, "angle": ANGLE, "time": TIME, "speed": SPEED}
+MASS = Kind("mass")
+DENSITY = Kind("density")
+FORCE = Kind("force")
+TORQUE = Kind("torque")
+INERTIA = Kind("inertia")
+PHYSICAL = ("mass", "density", "force", "torque", "inertia")
+VALUE_TYPES = {"int": NUMBER, "real": NUMBER, "length": LENGTH, "angle": ANGLE, "time": TIME, "speed": SPEED,
+               "mass": MASS, "density": DENSITY, "force": FORCE, "torque": TORQUE, "inertia": INERTIA}  # fmt: skip
 EXAMPLES = {"length": "m", "angle": "rad", "time": "s", "speed": "m/s", "angular speed": "rad/s",
-            "acceleration": "m/s^2", "angular acceleration": "rad/s^2"}  # fmt: skip
+            "acceleration": "m/s^2", "angular acceleration": "rad/s^2", "mass": "kg", "density": "kg/m^3", "force": "N",
+            "torque": "N m", "inertia": "kg m^2"}  # fmt: skip
 RATES = {LENGTH: SPEED, ANGLE: ANGULAR_SPEED, SPEED: ACCELERATION, ANGULAR_SPEED: ANGULAR_ACCELERATION}
 """What a kind becomes when it is divided by a time."""
 
@@ -88,7 +102,7 @@ def added(left: Kind, right: Kind, left_literal: bool, right_literal: bool) -> K
 
 def multiplied(left: Kind, right: Kind) -> Kind | None:
     """The kind of a product: a plain number scales anything, a length scales a vector, a time makes a way of a
-    speed."""
+    speed, a lever a torque of a force."""
     if not (left.known and right.known):
         return UNKNOWN
     for one, other in ((left, right), (right, left)):
@@ -99,6 +113,8 @@ def multiplied(left: Kind, right: Kind) -> Kind | None:
         way = next((w for w, rate in RATES.items() if rate == one), None)
         if way is not None and other == TIME:
             return way
+        if one == FORCE and other == LENGTH:
+            return TORQUE
     return None
 
 
@@ -112,6 +128,8 @@ def divided(left: Kind, right: Kind) -> Kind | None:
         return NUMBER
     if left.name == "vector" and right.name == "length":
         return left
+    if left == TORQUE and right in (LENGTH, FORCE):
+        return FORCE if right == LENGTH else LENGTH
     if right == TIME:
         return RATES.get(left)
     return TIME if RATES.get(left) == right else None

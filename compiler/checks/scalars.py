@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...langs import syntax
 from .context import Context
-from .kinds import EXAMPLES, LENGTH, NUMBER, Kind
+from .kinds import EXAMPLES, LENGTH, NUMBER, PHYSICAL, Kind
 from .names import Scope, Typed
 
 
@@ -32,6 +32,8 @@ def expect_kind(
         help = f"give it a unit, such as `{_with_unit(context, term, typed, kind)}`"
     elif kind == NUMBER and typed.kind == LENGTH:
         help = "divide it by a length such as `1 m`"
+    elif kind.name in PHYSICAL:
+        help = f"write it in {EXAMPLES[kind.name]}"
     context.findings.report(code, term.span, f"{what} must be {kind}, not {typed.kind}", help=help)
     return False
 

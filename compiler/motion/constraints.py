@@ -13,9 +13,9 @@ from functools import cache, partial
 import casadi as ca
 
 from .. import ir
+from ..physics.masses import module_mass, module_masses
 from . import distances
 from .distances import SIZES, Solid
-from .inertia import module_mass, module_masses
 from .kinematics import (
     Expression,
     Frame,
@@ -51,6 +51,7 @@ class BodyKind:
 
     shape: str | ir.Shape
     slot: int
+    mass: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +59,7 @@ class RestKind:
     """A body that never moves: pose and sizes are parameters; a convex one is given as a whole."""
 
     shape: str | ir.Shape
+    mass: float | None = None
 
 
 Kind = EffectorKind | BodyKind | RestKind
@@ -132,19 +134,20 @@ def _solid(kind: Kind, slots: list[Expression], constants: Expression) -> Solid:
             frame = effector_frame(module, name, slots[slot])
             return Solid(frame, shape.kind, shape.size, partial(_balance, module, slots[slot]))
         case BodyKind(shape=shape, slot=slot):
-            return _shaped(pose_frame(slots[slot]), shape, constants)
+            return _shaped(pose_frame(slots[slot]), shape, constants, kind.mass)
         case RestKind(shape=shape):
-            return _shaped(Frame(constants[:3], constants[3:7]), shape, constants[7:])
+            return _shaped(Frame(constants[:3], constants[3:7]), shape, constants[7:], kind.mass)
 
 
 def _size_count(shape: str | ir.Shape) -> int:
     return 0 if isinstance(shape, ir.Shape) else SIZES[shape]
 
 
-def _shaped(frame: Frame, shape: str | ir.Shape, sizes: Expression) -> Solid:
+def _shaped(frame: Frame, shape: str | ir.Shape, sizes: Expression, mass: float | None) -> Solid:
+    balance = None if mass is None else lambda: (ca.SX(mass), frame.position)
     if isinstance(shape, ir.Shape):
-        return Solid(frame, shape.kind, shape.size)
-    return Solid(frame, shape, [sizes[i] for i in range(SIZES[shape])])
+        return Solid(frame, shape.kind, shape.size, balance)
+    return Solid(frame, shape, [sizes[i] for i in range(SIZES[shape])], balance)
 
 
 def _balance(module: ir.ModuleType, slot: Expression) -> tuple[Expression, Expression]:

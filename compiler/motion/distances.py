@@ -11,7 +11,7 @@ import numpy as np
 
 from ..hulls import Array, Hull, hull, top_edges
 from ..ir import Shape
-from .inertia import DENSITY
+from ..physics.masses import DENSITY
 from .kinematics import Expression, Frame, axis, unrotate
 
 SMOOTH = 1e-10
@@ -35,7 +35,7 @@ class Solid:
     kind: str
     size: Sequence[Expression]
     balance: Callable[[], tuple[Expression, Expression]] | None = None
-    """Mass and centre of mass of the whole module that the shape belongs to; None for a body."""
+    """Mass and centre of mass of the whole module that the shape belongs to; None for a body that states no mass."""
 
 
 def _length(v: Expression) -> Expression:

@@ -62,7 +62,7 @@ def _residuals(world: ir.World, row: ir.Row, names: tuple[str, ...], objects: li
             continue
         body = world.bodies[name]
         whole = body.shape.kind == "convex"
-        kinds.append(RestKind(body.shape if whole else body.shape.kind))
+        kinds.append(RestKind(body.shape if whole else body.shape.kind, body.mass))
         constants += [*body.pose, *(() if whole else body.shape.size)]
     values = np.array([[x for slot in slots.values() for x in slot]], dtype=float)
     found_rows = stage(row, names, tuple(kinds)).values(values, np.array([constants], dtype=float))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from ...langs import syntax
 from ...langs.diagnostics import did_you_mean
@@ -17,6 +18,7 @@ from ..checks.kinds import ANGLE, EXAMPLES, LENGTH, RATES, SCALARS, Kind
 from ..checks.names import Scope
 from ..checks.terms import check_term
 from ..checks.values import number, vector
+from ..physics.statements import Stated, stated
 from ..poses import make
 
 AXES: Mapping[str, ir.Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -24,6 +26,11 @@ DEFAULT_SPEED: Mapping[str, float] = {"revolute": 2.0, "prismatic": 0.5, "planar
 DEFAULT_ACCELERATION: Mapping[str, float] = {"revolute": 5.0, "prismatic": 1.0, "planar": 1.0}
 DEFAULTS = {"speed": DEFAULT_SPEED, "acceleration": DEFAULT_ACCELERATION}
 AXIS_COUNT: Mapping[str, int] = {"revolute": 1, "prismatic": 1, "planar": 2}
+BEARS = {
+    "revolute": ("mass", "torque", "bearing", "rotor"),
+    "prismatic": ("mass", "force", "bearing"),
+    "planar": ("mass", "force"),
+}
 FULL_TURN = 2 * math.pi
 STRAIGHT = (0.0, 0.0, 0.0, 1.0)
 
@@ -51,14 +58,17 @@ def lower_joint(
     if axes is None or limits is None or speed is None or acceleration is None:
         return None
     greatest = (speed, acceleration)
+    said = stated(context, scope, item, BEARS[item.kind], f"a {item.kind} joint")
+    drive = _drive(said)
     if not planar:
         place = make(offset, STRAIGHT)
-        return [ir.Joint(item.name, item.kind, parent, place, axes[0], *limits[0], *greatest, item.passive)]
+        return [ir.Joint(item.name, item.kind, parent, place, axes[0], *limits[0], *greatest, item.passive, **drive)]
     names = [f"{item.name}.{t.name}" for t in item.axes if isinstance(t, syntax.Name)]
     here = make((0.0, 0.0, 0.0), STRAIGHT)
+    both = (*greatest, item.passive)
     return [
-        ir.Joint(names[0], "prismatic", parent, make(offset, STRAIGHT), axes[0], *limits[0], *greatest, item.passive),
-        ir.Joint(names[1], "prismatic", first, here, axes[1], *limits[1], *greatest, item.passive),
+        ir.Joint(names[0], "prismatic", parent, make(offset, STRAIGHT), axes[0], *limits[0], *both, **drive),
+        ir.Joint(names[1], "prismatic", first, here, axes[1], *limits[1], *both, **drive | {"mass": 0.0}),
         ir.Joint(
             f"{item.name}.turn",
             "revolute",
@@ -73,6 +83,13 @@ def lower_joint(
             item.passive,
         ),
     ]
+
+
+def _drive(said: Stated) -> dict[str, Any]:
+    """What a joint states of its drive, as fields of the joint. Where nothing is said, nothing is limited."""
+    torque, bearing = (math.inf if value is None else value for value in (said.torque, said.bearing))
+    fields = {"mass": said.mass or 0.0, "torque": torque, "bearing": bearing, "rotor": said.rotor or 0.0}
+    return {**fields, "stated": said.span}
 
 
 def _may_follow(context: Context, item: syntax.JointItem) -> bool:

@@ -20,12 +20,15 @@ from ..checks.kinds import LENGTH, NUMBER
 from ..checks.names import Entry, Family, Objects, Scope
 from ..checks.shapes import LINK_SHAPES, shape
 from ..checks.values import number, parameter_entries, vector
+from ..physics.masses import shape_volume
+from ..physics.statements import stated
 from ..poses import between, make, orientation, unit
 from ..urdf_files import urdf_path
 from .couplings import text_couplings
 from .joints import lower_joint
 from .urdf import End, build_urdf
 
+ENDS_STATE = ("mass", "density", "holds")
 UP: ir.Vec3 = (0.0, 0.0, 1.0)
 
 
@@ -108,7 +111,10 @@ def _urdf_end(context: Context, scope: Scope, item: syntax.EffectorItem) -> End 
         help = f'write `effector {item.name}: "LINK"`'
         context.findings.report("E0508", item.span, "an effector of this module names a link of its URDF", help=help)
         return None
-    return None if place is None or (form is None and item.shape is not None) else End(item, kind, place, form)
+    said = stated(context, scope, item, ENDS_STATE, "an effector")
+    if place is None or (form is None and item.shape is not None):
+        return None
+    return End(item, kind, place, form, said)
 
 
 def _add_items(
@@ -160,7 +166,9 @@ def _add_effector(context: Context, scope: Scope, item: syntax.EffectorItem, lin
     if form is None or place is None:
         line.complete = False
         return
-    line.effectors.append(ir.Effector(item.name, kind, line.parent, _shifted(place, line.offset), form))
+    said = stated(context, scope, item, ENDS_STATE, "an effector")
+    where, mass = _shifted(place, line.offset), said.weight(shape_volume(form))
+    line.effectors.append(ir.Effector(item.name, kind, line.parent, where, form, mass, said.holds))
 
 
 def effector_kind(context: Context, item: syntax.EffectorItem) -> str:
@@ -222,7 +230,12 @@ def _add_link(context: Context, scope: Scope, item: syntax.LinkItem, line: _Line
     if form is not None:
         middle = (line.offset[0] + step[0] / 2, line.offset[1] + step[1] / 2, line.offset[2] + step[2] / 2)
         size = form.size if form.kind == "sphere" else (*form.size, length)
-        line.links.append(ir.Link(line.parent, make(middle, between(UP, direction)), ir.Shape(form.kind, size)))
+        drawn = ir.Shape(form.kind, size)
+        mass = stated(context, scope, item, ("mass", "density"), "a link").weight(shape_volume(drawn))
+        line.links.append(ir.Link(line.parent, make(middle, between(UP, direction)), drawn, mass))
+    elif item.physics:
+        help = "give it a shape, or the mass to the joint or effector that follows"
+        context.findings.report("E0522", item.physics[0].span, "a link without shape states no mass", help=help)
     line.offset = (line.offset[0] + step[0], line.offset[1] + step[1], line.offset[2] + step[2])
 
 

@@ -23,6 +23,8 @@ from ..checks.names import Entry, Objects, Scope
 from ..checks.shapes import shape
 from ..checks.terms import check_term
 from ..checks.values import bind_arguments, number, vector
+from ..physics.masses import shape_volume
+from ..physics.statements import stated
 from ..poses import make, yaw
 from .happenings import Way, check_breakdown, check_way
 from .module_types import BuiltModule, build_module, effector_types, entries_key
@@ -224,7 +226,9 @@ class SceneBuilder:
             self.unplaced.add(name)
             return
         place, support = pose
-        self.built.bodies[name] = ir.Body(name, item.type, form, place, False, item.span)
+        said = stated(self.context, scope, item, ("mass", "density", "holds"), "a body")
+        mass = said.weight(shape_volume(form))
+        self.built.bodies[name] = ir.Body(name, item.type, form, place, False, item.span, mass, said.holds)
         if support is not None:
             self.built.standing.append(Standing(name, item.type, support.name, support.type, item.span))
 

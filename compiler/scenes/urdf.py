@@ -16,6 +16,9 @@ from ...langs import syntax
 from ...langs.source import Source
 from .. import ir
 from ..checks.context import Context
+from ..physics.masses import shape_volume
+from ..physics.statements import Stated as Weights
+from ..physics.urdf_inertials import UnfitInertia, read_inertials
 from ..poses import Quaternion, compose, make, unit
 from ..urdf_files import FIRST_WITH_QUATERNIONS, quaternions_count, three, turned
 from ..xml_texts import XmlError, read_xml
@@ -36,6 +39,7 @@ class End:
     type: str
     place: ir.Pose
     shape: ir.Shape | None
+    said: Weights
 
 
 class _Unfit(Exception):
@@ -56,8 +60,10 @@ def build_urdf(
         model = _model(robot)
         joints = _coupled(robot, _joints(robot, model))
         frames = _link_frames(model)
-        found = [s for link in robot.findall("link") for s in _shapes(link, frames, quaternions_count(robot))]
-    except _Unfit as mistake:
+        inertials = read_inertials(robot, frames)
+        newer, drawn = quaternions_count(robot), robot.findall("link")
+        found = [s for link in drawn for s in _shapes(link, frames, newer, link.get("name", "") in inertials)]
+    except (_Unfit, UnfitInertia) as mistake:
         context.findings.report(mistake.code, module.urdf.span, f"{source.path}: {mistake}", help=mistake.help)
         return None
     links = [s for s in found if isinstance(s, _LinkShape)]
@@ -65,8 +71,9 @@ def build_urdf(
     placed = [_effector(context, end, frames, links) for end in ends]
     taken = [p[1] for p in placed if p is not None]
     kept = tuple(s.link for s in links if s not in taken)
+    weights = tuple(inertials.values())
     effectors = tuple(p[0] for p in placed if p is not None)
-    return ir.ModuleType(name, joints, effectors, kept) if len(effectors) == len(ends) else None
+    return ir.ModuleType(name, joints, effectors, kept, weights) if len(effectors) == len(ends) else None
 
 
 def _warn(context: Context, module: syntax.ModuleDecl, robot: ElementTree.Element, bodiless: Sequence[str]) -> None:
@@ -213,6 +220,7 @@ def _joints(robot: ElementTree.Element, model: pinocchio.Model) -> tuple[ir.Join
             lower, upper = _number(limit, "lower", "0"), _number(limit, "upper", "0")
         speed = 0.0 if limit is None else _number(limit, "velocity", "0")
         acceleration = 0.0 if limit is None else _number(limit, "acceleration", "0")
+        effort = 0.0 if limit is None else _number(limit, "effort", "0")
         axis = element.find("axis")
         made.append(
             ir.Joint(
@@ -226,6 +234,7 @@ def _joints(robot: ElementTree.Element, model: pinocchio.Model) -> tuple[ir.Join
                 0.0 if lower <= 0 <= upper else (lower + upper) / 2,
                 speed if speed > 0 else DEFAULT_SPEED[kind],
                 acceleration if acceleration > 0 else DEFAULT_ACCELERATION[kind],
+                torque=effort if effort > 0 else math.inf,
             )
         )
     return tuple(made)
@@ -266,9 +275,10 @@ class _LinkShape:
 
 
 def _shapes(
-    link: ElementTree.Element, frames: Mapping[str, tuple[int, ir.Pose]], newer: bool
+    link: ElementTree.Element, frames: Mapping[str, tuple[int, ir.Pose]], newer: bool, weighed: bool
 ) -> Iterator[_LinkShape | str]:
-    """The collision shapes of a link; of those without a body, such as a box without height, what they are."""
+    """The collision shapes of a link; of those without a body, such as a box without height, what they are. Those of a
+    link that is `weighed` by its inertial have no weight of their own."""
     name = link.get("name", "")
     joint, frame = frames[name]
     for collision in link.findall("collision"):
@@ -281,7 +291,7 @@ def _shapes(
         if shape.kind != "convex" and min(shape.size) == 0:
             yield f"the {shape.kind} of link `{name}`"
         else:
-            yield _LinkShape(name, ir.Link(joint, compose(frame, place), shape))
+            yield _LinkShape(name, ir.Link(joint, compose(frame, place), shape, 0.0 if weighed else None))
 
 
 def _shape(link: str, form: ElementTree.Element) -> ir.Shape:
@@ -310,9 +320,11 @@ def _effector(
         context.findings.unknown("E0117", "link", link.value, link.span, frames)
         return None
     joint, frame = frames[link.value]
-    own = ir.Effector(end.item.name, end.type, joint, compose(frame, end.place), end.shape)
+    own = ir.Effector(
+        end.item.name, end.type, joint, compose(frame, end.place), end.shape, end.said.mass, end.said.holds
+    )
     if end.shape is not None:
-        return own, None
+        return replace(own, mass=end.said.weight(shape_volume(end.shape))), None
     candidates = [s for s in shapes if s.name == link.value]
     if len(candidates) != 1 or end.item.at is not None or end.item.normal is not None:
         help = f'write `effector {end.item.name}: "{link.value}" sphere(4 cm)`'
@@ -322,4 +334,6 @@ def _effector(
         context.findings.report("E0509", end.item.span, message, help=help)
         return None
     only = candidates[0]
-    return replace(own, placement=only.link.placement, shape=only.link.shape), only
+    mass = end.said.weight(shape_volume(only.link.shape))
+    mass = only.link.mass if mass is None else mass
+    return replace(own, placement=only.link.placement, shape=only.link.shape, mass=mass), only

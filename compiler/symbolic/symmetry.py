@@ -24,6 +24,11 @@ def _reversible(kind: ModuleType) -> bool:
     first, second = kind.effectors
     if first.type != second.type or first.shape != second.shape:
         return False
+    if (first.mass, first.holds) != (second.mass, second.holds) or kind.inertials:
+        return False
+    weights = [k.mass for k in kind.links]
+    if weights != weights[::-1]:
+        return False
     rest = [0.0] * len(kind.joints)
     frames = joint_frames(kind, IDENTITY, rest)
     ends = [inverse(effector_pose(kind, e.name, rest)) for e in kind.effectors]
@@ -37,14 +42,16 @@ def is_reversible(kind: ModuleType) -> bool:
     return _reversible(kind)
 
 
-Seen = tuple[str, Vec3, Vec3, float, float, float]
+Seen = tuple[str, Vec3, Vec3, float, float, tuple[float, ...]]
 
 
 def _seen(kind: ModuleType, frames: Mapping[int, Pose], end: Pose, i: int) -> Seen:
     joint = kind.joints[i]
     frame = compose(end, frames[i])
     axis = rotate(orientation(frame), joint.axis)
-    return joint.kind, position(frame), axis, joint.upper, joint.speed, joint.acceleration
+    return joint.kind, position(frame), axis, joint.upper, joint.speed, (
+        joint.acceleration, joint.mass, joint.torque, joint.bearing, joint.rotor
+    )
 
 
 def _same(a: Seen, b: Seen) -> bool:

@@ -103,7 +103,10 @@ class Evaluator:
         if self._world is not None and parts is not None:
             return centre_of(self._world.modules[module].type, parts, index)
         shape = self._shapes[name]
+        body = None if self._world is None else self._world.bodies.get(name)
         mass = 0.0 if shape is None else mass_of(shape)
+        if body is not None and body.mass is not None:
+            mass = body.mass
         return mass, self._motion.frame(name)[index].position
 
     def _heights(self, name: str, frame: Frames, up: bool) -> Array:

@@ -45,7 +45,7 @@ def test_no_terminals_collide() -> None:
 
 
 def test_one_grammar_file_for_each_language() -> None:
-    assert len(PARTS) == 9
+    assert len(PARTS) == 10
 
 
 @pytest.mark.parametrize(

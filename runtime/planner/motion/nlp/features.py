@@ -69,10 +69,11 @@ class Features:
         whole = body.shape.kind == "convex"
         shape = body.shape if whole else body.shape.kind
         size = np.array(() if whole else body.shape.size)
+        weight = () if body.mass is None else (str(body.mass),)
         if body.movable:
-            return _Argument(("body", shape), name, BodyKind(shape, 0), size)
+            return _Argument(("body", shape, *weight), name, BodyKind(shape, 0, body.mass), size)
         pose = self.layout.resting[name]
-        return _Argument(("rest", shape), "", RestKind(shape), np.concatenate([pose, size]))
+        return _Argument(("rest", shape, *weight), "", RestKind(shape, body.mass), np.concatenate([pose, size]))
 
     def _rows_of(self, predicate: str) -> list[tuple[ir.Row, tuple[str, ...], tuple[str, ...]]]:
         if predicate not in self._rows:
@@ -120,8 +121,8 @@ class Features:
         match kind:
             case EffectorKind(type=module, effector=effector):
                 return EffectorKind(module, effector, slot)
-            case BodyKind(shape=shape):
-                return BodyKind(shape, slot)
+            case BodyKind(shape=shape, mass=mass):
+                return BodyKind(shape, slot, mass)
         return kind
 
     def groups(self) -> list[Group]:

@@ -1,0 +1,1 @@
+"""What parts weigh, what joints bear, and how ends and bodies hold."""

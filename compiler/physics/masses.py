@@ -1,0 +1,63 @@
+"""Masses of shapes and modules: what is stated, else that of a solid body at the density of water."""
+
+from __future__ import annotations
+
+import math
+
+from ..hulls import hull
+from ..ir import Body, ModuleType, Pose, Shape
+
+DENSITY = 1000.0
+"""Kilograms per cubic metre of what states no mass: water."""
+
+
+def shape_mass(shape: Shape, density: float = DENSITY) -> float:
+    """Kilograms of a solid shape."""
+    size = shape.size
+    if shape.kind == "convex":
+        return density * hull(shape).volume
+    if shape.kind == "box":
+        return density * size[0] * size[1] * size[2]
+    ball = 4.0 / 3.0 * math.pi * size[0] ** 3
+    if shape.kind == "sphere":
+        return density * ball
+    straight = math.pi * size[0] ** 2 * size[1]
+    return density * (straight + ball if shape.kind == "capsule" else straight)
+
+
+def shape_volume(shape: Shape) -> float:
+    """Cubic metres of a solid shape."""
+    return shape_mass(shape, 1.0)
+
+
+def part_mass(shape: Shape, stated: float | None) -> float:
+    """Kilograms of a part."""
+    return shape_mass(shape) if stated is None else stated
+
+
+def body_mass(body: Body) -> float:
+    return part_mass(body.shape, body.mass)
+
+
+def module_masses(module: ModuleType) -> tuple[tuple[int, Pose, float], ...]:
+    """Per weight of a module: the joint that carries it (-1: the module frame), where its centre is there, its mass in
+    kilograms. The drive of a joint sits where the joint is, on what carries it. Overlaps count twice."""
+    found = [
+        (e.joint, e.placement, part_mass(e.shape, e.mass)) for e in module.effectors if e.shape is not None
+    ]
+    found += [(k.joint, k.placement, part_mass(k.shape, k.mass)) for k in module.links]
+    found += [(j.parent, j.placement, j.mass) for j in module.joints if j.mass]
+    found += [(i.joint, (*i.centre, 0.0, 0.0, 0.0, 1.0), i.mass) for i in module.inertials]
+    return tuple(found)
+
+
+def module_mass(module: ModuleType) -> float:
+    """Kilograms of a module; one without shapes counts as a gram at its frame."""
+    return sum(mass for _, _, mass in module_masses(module)) or 1e-3
+
+
+def unstated(module: ModuleType) -> bool:
+    """Whether a part of the module that has a shape states no mass."""
+    return any(e.mass is None for e in module.effectors if e.shape is not None) or any(
+        k.mass is None for k in module.links
+    )
