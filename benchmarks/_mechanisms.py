@@ -52,7 +52,7 @@ MECHANISMS = {
                   [(f"{PLANNER}.bounds.solves", "RESAMPLES", 0)]),
         Mechanism("places", "placement samples: many things laid out on a base", [(KEYFRAMES, "laid_out_from", NEVER)]),
         Mechanism("postures", "sampled postures near the target",
-                  [(f"{PLANNER}.motion.keyframes.posture_samples", name, 0) for name in ("ANYWHERE", "TURNED")]),
+                  [(KEYFRAMES, "postures_anywhere", 0), (KEYFRAMES, "postures_turned", 0)]),
         Mechanism("sweeps", "swept test of prismatic motion", [(KEYFRAMES, "sweep_moved", float("inf"))]),
         Mechanism("alone", "phases that span the most tried alone before windows", [(KEYFRAMES, "most_stretched", 0)]),
         Mechanism("gaits", "windows started from the switch one gait period back", [(KEYFRAMES, "gait_period", NEVER)]),

@@ -16,16 +16,8 @@ from ..planner.motion.settings import MotionSettings
 from ..seeds import Seed
 from ..skeleton import BoundResult, Configuration, PhasePath, Skeleton, start_configuration
 from .predicted_clearance import clearances
+from .settings import SIMULATION
 from .world import carried
-
-SPREADS = (0.2, 0.4, 0.8)
-"""Standard deviations of the joint values that are tried, around the present ones, radians or metres."""
-DRAWS = 24
-"""How many of each."""
-ROOM = 0.03
-"""Metres that a posture must keep from whatever the robot is not kept to."""
-MOST_PATHS = 4
-"""For so many postures, those with little motion first, a path is looked for."""
 
 
 def way_aside(skeleton: Skeleton, settings: MotionSettings, seed: Seed, budget: Budget) -> PhasePath | None:
@@ -33,7 +25,7 @@ def way_aside(skeleton: Skeleton, settings: MotionSettings, seed: Seed, budget: 
     it, at rest at both ends; None where none is found. Raises OutOfTime."""
     start = start_configuration(skeleton.problem)
     found = [(goal, motion) for goal, motion in _postures(skeleton, start, seed) if _has_room(skeleton, goal)]
-    for goal, _ in sorted(found, key=lambda pair: pair[1])[:MOST_PATHS]:
+    for goal, _ in sorted(found, key=lambda pair: pair[1])[:SIMULATION.evasion_paths]:
         switches = BoundResult("seq", True, 0.0, 0.0, 0, [start, goal], [], [])
         path = sequence_path(skeleton, switches, settings, seed, budget, thorough=False)
         if path.feasible:
@@ -47,7 +39,7 @@ def _postures(skeleton: Skeleton, start: Configuration, seed: Seed) -> Iterator[
     random = seed.child("postures").random()
     moving = sorted(involved(skeleton, 0))
     own = {name: pose[None, :] for name, pose in start.bodies.items() if not problem.world.bodies[name].movable}
-    for spread in np.repeat(SPREADS, DRAWS):
+    for spread in np.repeat(SIMULATION.evasion_spreads, SIMULATION.evasion_draws):
         joints = {name: state[None, 7:].copy() for name, state in start.modules.items()}
         for name in moving:
             limits = np.array([(j.lower, j.upper) for j in problem.world.modules[name].type.joints]).reshape(-1, 2)
@@ -65,7 +57,7 @@ def _has_room(skeleton: Skeleton, configuration: Configuration) -> bool:
     """Whether the modules that move are clear of all bodies but those that they are kept to now."""
     problem = skeleton.problem
     moving, kept = involved(skeleton, 0), _kept(problem, skeleton)
-    near = clearances(problem.world, configuration, ROOM)
+    near = clearances(problem.world, configuration, SIMULATION.evasion_room)
     return not any(module in moving and body not in kept for module, body in near)
 
 

@@ -22,7 +22,7 @@ from .predicted_clearance import clearances, deepest, nearest
 from .scene_prediction import displaced, foreseen_problem
 from .sensing import SAME_TIME
 from .settings import SIMULATION
-from .steering import FARTHEST, LEAST, Steering
+from .steering import Steering
 from .world import World
 
 FIRST_GUESS = 2.0
@@ -228,7 +228,8 @@ class Route:
         something."""
         foreseen = self._at_the_end(world, path, since)
         off = steering.off(path, foreseen)
-        found = steering.steered(path, since, foreseen) if LEAST + self.lookout.sensing.sigma < off < FARTHEST else None
+        least = SIMULATION.steer_least + self.lookout.sensing.sigma
+        found = steering.steered(path, since, foreseen) if least < off < SIMULATION.steer_farthest else None
         if found is None:
             return path, off
         rest, own = self._what_is_left(world, found, since)

@@ -68,6 +68,25 @@ class SimulationSettings:
         "Looks before which a body may have changed its way without any look that tells.",
     )
     enough: int = setting(8, "looks", "Looks before such a change that tell the way until then.")
+    evasion_spreads: tuple[float, ...] = setting(
+        (0.2, 0.4, 0.8), "rad or m",
+        "Standard deviations of the joint values that are tried, around the present ones, radians or metres.",
+    )
+    evasion_draws: int = setting(24, "draws", "How many of each.")
+    evasion_room: float = setting(0.03, "m", "Metres that a posture must keep from whatever the robot is not kept to.")
+    evasion_paths: int = setting(
+        4, "paths",
+        "For so many postures, those with little motion first, a path is looked for.",
+    )
+    steer_farthest: float = setting(0.01, "m", "Metres that what is met may be off; beyond, a window is planned anew.")
+    steer_least: float = setting(2e-4, "m", "Metres that make no difference.")
+    steer_met: float = setting(
+        1e-4, "m",
+        "Metres, and radians times `steer_lever`, to which a corrected motion has to meet what it is to meet.",
+    )
+    steer_lever: float = setting(0.1, "m", "Metres: what a radian counts for.")
+    steer_steps: int = setting(3, "steps", "Steps in which a motion is corrected at most.")
+    steer_damping: float = setting(1e-3, "m/rad", "Metres per radian below which joints count as having no effect.")
 
 
 SIMULATION = SimulationSettings()

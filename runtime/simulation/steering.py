@@ -23,19 +23,8 @@ from .braking import at_times, within_limits
 from .settings import SIMULATION
 from .world import carried, moves
 
-FARTHEST = 0.01
-"""Metres that what is met may be off; beyond, a window is planned anew."""
-LEAST = 2e-4
-"""Metres that make no difference."""
-MET = 1e-4
-"""Metres, and radians times LEVER, to which a corrected motion has to meet what it is to meet."""
-LEVER = 0.1
-"""Metres: what a radian counts for."""
-STEPS = 3
 CHANGE = 1e-6
 """Step of the differences by which derivatives are found, radians or metres."""
-DAMPING = 1e-3
-"""Metres per radian below which joints count as having no effect."""
 
 
 class Steering:
@@ -61,9 +50,9 @@ class Steering:
         """The motion that goes on as `path` until `since`, and then meets what is at `foreseen` poses `(7,)` at its
         end; None where its joints cannot do that within their limits."""
         joints = _last(path)
-        for _ in range(STEPS):
+        for _ in range(SIMULATION.steer_steps):
             joints = self._step(joints, foreseen)
-            if _most(self._errors(joints, foreseen)) < MET:
+            if _most(self._errors(joints, foreseen)) < SIMULATION.steer_met:
                 break
         else:
             return None
@@ -80,7 +69,7 @@ class Steering:
             rows[name][row, k] += CHANGE
         errors = self._errors(rows, foreseen).reshape(len(places) + 1, -1)
         jacobian = (errors[1:] - errors[0]).T / CHANGE
-        normal = jacobian.T @ jacobian + DAMPING**2 * np.eye(len(places))
+        normal = jacobian.T @ jacobian + SIMULATION.steer_damping**2 * np.eye(len(places))
         change = np.linalg.solve(normal, -jacobian.T @ errors[0])
         result = {name: values.copy() for name, values in joints.items()}
         for (name, k), value in zip(places, change, strict=True):
@@ -96,7 +85,8 @@ class Steering:
                 return False
         pairs = tuple(kept_pairs(self._problem, self._phase.mode))
         now = {m: state[None, 7:] for m, state in self._before.modules.items()}
-        return _most(_difference(self._relative(pairs, now, {}), self._relative(pairs, joints, {}))) < 0.1 * MET
+        off = _most(_difference(self._relative(pairs, now, {}), self._relative(pairs, joints, {})))
+        return off < 0.1 * SIMULATION.steer_met
 
     def _errors(self, joints: Mapping[str, Array], foreseen: Mapping[str, Array]) -> Array:
         """How far each pair is from where it is to be, `(T, P, 6)`: metres, and radians times LEVER."""
@@ -139,7 +129,7 @@ def _difference(planned: Array, found: Array) -> Array:
     """Translations and, for small turns, rotations times LEVER, `(…, 6)`."""
     turn = compose(inverse(planned), found)[..., 3:]
     angles = 2.0 * turn[..., :3] * np.where(turn[..., 3:] < 0.0, -1.0, 1.0)
-    return np.concatenate([found[..., :3] - planned[..., :3], LEVER * angles], axis=-1)
+    return np.concatenate([found[..., :3] - planned[..., :3], SIMULATION.steer_lever * angles], axis=-1)
 
 
 def _most(errors: Array) -> float:

@@ -11,7 +11,7 @@ from tamplang.runtime.budget import Budget
 from tamplang.runtime.planner.lgp import SolveOptions, motion_settings
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.simulation.braking import waiting
-from tamplang.runtime.simulation.evasion import ROOM, way_aside
+from tamplang.runtime.simulation.evasion import way_aside
 from tamplang.runtime.simulation.failures import Failures
 from tamplang.runtime.simulation.monitor import Lookout
 from tamplang.runtime.simulation.planning import Planner
@@ -101,7 +101,7 @@ def test_a_robot_moves_aside_to_where_it_has_room() -> None:
     assert path is not None
     done = world.carry_out(Interval(skeleton.phases[0].action, world.reached.mode, frozenset(), path, False), 21)
     assert done.joints["c"][0] == pytest.approx(problem.world.modules["c"].joints)
-    assert ("c", "lid") not in clearances(problem.world, world.reached.configuration, ROOM - 5e-3)
+    assert ("c", "lid") not in clearances(problem.world, world.reached.configuration, SIMULATION.evasion_room - 5e-3)
 
 
 def test_what_a_robot_holds_is_looked_at_too() -> None:

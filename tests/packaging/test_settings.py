@@ -31,8 +31,8 @@ ROUNDING = {
 }  # fmt: skip
 """How near two numbers are that count as one, and steps of differences."""
 PENDING = {
-    "infeasibility", "receding_horizon", "run", "posture_samples", "joint_forest", "penalty", "phase_paths",
-    "evasion", "steering", "keyframe_program", "ipopt", "clearance_rows", "closed_chains", "path_program",
+    "infeasibility", "run", "joint_forest", "penalty", "phase_paths",
+    "keyframe_program", "ipopt", "clearance_rows", "closed_chains", "path_program",
     "contact_margins", "exact_shapes", "phase_batch", "rrt_connect", "swept_check", "solves", "initial_guesses",
     "multi_start", "planning", "route", "acceptance", "end_conditions", "time_scaling", "plan_assembly",
     "program", "pddl",

@@ -32,19 +32,6 @@ from .run_tree import grown
 from .settings import RECEDING
 from .window import DONE, INFEASIBLE, PLANNED, Memory, Window, plan_window, remember
 
-HARD = 2
-"""So many refused candidates in one window make the adaptive horizon grow."""
-STARTS = 4
-"""How often a run begins at least before it gives up."""
-MOTIONS = 2
-"""How many motions a beginning gets before it is forbidden; and how often as many windows are undone before more."""
-VISITS = 2
-"""How often windows may start at the same facts."""
-SHOWN = 200
-"""Nodes of a window's search that are kept for drawing."""
-DOUBTS = 2
-"""How often a run that the verifier refuses is planned anew from the window that it blames."""
-
 
 @dataclass(slots=True)
 class _Level:
@@ -139,15 +126,15 @@ class _Run:
         return window
 
     def _keep(self, window: Window) -> None:
-        self.horizon.adapt(window.refused > HARD)
-        if self._seen(window.reached) >= VISITS:
+        self.horizon.adapt(window.refused > RECEDING.hard)
+        if self._seen(window.reached) >= RECEDING.visits:
             self.levels[-1].forbidden.append(_beginning(window))
             self.reason = "loop"
             return
         if self.first_motion is None:
             self.first_motion = self.budget.elapsed
         skeleton = replace(window.skeleton, problem=self.problem)
-        slim = replace(window, problem=self.problem, skeleton=skeleton, tree=window.tree[:SHOWN])
+        slim = replace(window, problem=self.problem, skeleton=skeleton, tree=window.tree[:RECEDING.shown_nodes])
         self.kept.append(_Kept(slim, self.reason))
         self.levels.append(_Level(window.reached))
         self.reason = "horizon"
@@ -171,24 +158,24 @@ class _Run:
             forgotten, level.forbidden = bool(level.forbidden), []
             self.deepest = self.setbacks = 0
             level.failures += 1
-            return forgotten or level.failures < STARTS
+            return forgotten or level.failures < RECEDING.beginnings
         self.undone += 1
         if depth > self.deepest:
             self.deepest, self.setbacks = depth, 0
-        back = min(1 + self.setbacks // MOTIONS, depth)
+        back = min(1 + self.setbacks // RECEDING.motions, depth)
         self.setbacks += 1
         window = self.kept[-back].window
         del self.kept[-back:], self.levels[-back:]
         level = self.levels[-1]
         level.failures += 1
-        if level.failures % MOTIONS == 0:
+        if level.failures % RECEDING.motions == 0:
             level.forbidden.append(_beginning(window))
         return True
 
     def _doubt(self, plan: Plan) -> bool:
         """Undo the windows from the one on that the verifier blames, and keep larger margins from now on; False when
         that was tried before."""
-        if self.doubts >= DOUBTS or plan.verdict is None or not self.kept:
+        if self.doubts >= RECEDING.doubts or plan.verdict is None or not self.kept:
             return False
         self.doubts += 1
         self.done = False

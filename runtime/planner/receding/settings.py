@@ -45,6 +45,19 @@ class HorizonSettings:
         3, "candidates",
         "After so many that are expected to be refused, the one that was refused is tried once more.",
     )
+    hard: int = setting(2, "candidates", "So many refused candidates in one window make the adaptive horizon grow.")
+    beginnings: int = setting(4, "times", "How often a run begins at least before it gives up.")
+    motions: int = setting(
+        2, "times",
+        "How many motions a beginning gets before it is forbidden; and how often as many windows are undone "
+        "before more.",
+    )
+    visits: int = setting(2, "times", "How often windows may start at the same facts.")
+    shown_nodes: int = setting(200, "nodes", "Nodes of a window's search that are kept for drawing.")
+    doubts: int = setting(
+        2, "times",
+        "How often a run that the verifier refuses is planned anew from the window that it blames.",
+    )
 
 
 RECEDING = HorizonSettings()

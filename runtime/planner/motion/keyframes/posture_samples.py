@@ -11,25 +11,8 @@ from .....compiler import poses
 from .....compiler.ir import Module, ModuleType, Pose
 from ....geometry.transforms import compose, cross, inverse, joint_frames, multiply, rotate
 from ....skeleton import Array
+from .settings import KEYFRAMES
 
-ANYWHERE = 128
-"""How many postures are drawn from all that the joints can take …"""
-TURNED = 8
-"""… and how many in which one joint alone leaves its value, for each joint."""
-NEAR = 0.1
-"""Metres from the aim that are near enough: what is nearer is not better."""
-BENT, TILTED = 0.03, 0.2
-"""Metres that a posture may be farther off if its joints are a radian nearer, in the mean, or for the sine of a small
-angle by which it is more upright."""
-STEPS, SLOW, DAMPING = 30, 0.99, 1e-4
-"""Gauss-Newton steps with which a posture is led to its aim at most; they end where one leaves more than this share of
-the miss. What is at a limit and pulled beyond it stays. Square metres that are added to the squares of derivatives."""
-CLOSED = 1e-4
-"""Metres from its aim at which a posture is there."""
-SMALL = 1e-6
-"""Radians or metres by which joints are varied to see which way a hand can go."""
-RANK = 1e-4
-"""A direction in which a hand moves by less, as a share of what it can move at all, is none."""
 IDENTITY = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 UP = (0.0, 0.0, 1.0)
 
@@ -57,10 +40,10 @@ def rooms(module: Module, room: float) -> Array:
 def _draw(values: Array, limits: Array, random: np.random.Generator) -> Array:
     """Postures `(N, n)`: `values` first, then with one joint drawn anew, then with all of them."""
     count = len(values)
-    turned = np.tile(values, (count * TURNED, 1))
-    which = np.repeat(np.arange(count), TURNED)
+    turned = np.tile(values, (count * KEYFRAMES.postures_turned, 1))
+    which = np.repeat(np.arange(count), KEYFRAMES.postures_turned)
     turned[np.arange(len(turned)), which] = random.uniform(limits[0][which], limits[1][which])
-    anywhere = random.uniform(limits[0], limits[1], (ANYWHERE, count))
+    anywhere = random.uniform(limits[0], limits[1], (KEYFRAMES.postures_anywhere, count))
     return np.concatenate([values[None, :], turned, anywhere])
 
 
@@ -78,10 +61,12 @@ def freedom(type_: ModuleType, foot: str, hand: str) -> int:
     random = np.random.default_rng(0)
     lower, upper = np.array([[j.lower, j.upper] for j in type_.joints]).reshape(-1, 2).T
     values = random.uniform(np.maximum(lower, -np.pi), np.minimum(upper, np.pi))
-    moved = _hands(type_, (foot, IDENTITY), hand, np.concatenate([values[None], values + SMALL * np.eye(len(values))]))
+    varied = KEYFRAMES.posture_difference * np.eye(len(values))
+    moved = _hands(type_, (foot, IDENTITY), hand, np.concatenate([values[None], values + varied]))
     turns = multiply(moved[1:, 3:], inverse(moved[:1])[:, 3:])
-    twists = np.concatenate([moved[1:, :3] - moved[:1, :3], 2.0 * turns[:, :3]], axis=1) / SMALL
-    return int(np.linalg.matrix_rank(twists, tol=RANK * max(1.0, float(np.abs(twists).max(initial=0.0)))))
+    twists = np.concatenate([moved[1:, :3] - moved[:1, :3], 2.0 * turns[:, :3]], axis=1) / KEYFRAMES.posture_difference
+    least = KEYFRAMES.posture_rank * max(1.0, float(np.abs(twists).max(initial=0.0)))
+    return int(np.linalg.matrix_rank(twists, tol=least))
 
 
 def reaching(
@@ -92,11 +77,11 @@ def reaching(
     limits = rooms(module, room)
     drawn = _draw(np.clip(values, limits[0], limits[1]), limits, random)
     there = _hands(module.type, stance, aim.effector, drawn)
-    miss = np.maximum(np.abs(np.linalg.norm(there[:, :3] - aim.point, axis=1) - aim.distance), NEAR)
+    miss = np.maximum(np.abs(np.linalg.norm(there[:, :3] - aim.point, axis=1) - aim.distance), KEYFRAMES.posture_near)
     if aim.upright is not None:
-        miss += TILTED * np.linalg.norm(rotate(there[:, 3:], aim.upright) - UP, axis=1)
+        miss += KEYFRAMES.tilted * np.linalg.norm(rotate(there[:, 3:], aim.upright) - UP, axis=1)
     bend = np.abs(drawn - values).sum(axis=1) / max(1, len(values)) * random.uniform(0.0, 1.0, len(drawn))
-    return np.asarray(drawn[int((miss + BENT * bend).argmin())])
+    return np.asarray(drawn[int((miss + KEYFRAMES.bent * bend).argmin())])
 
 
 def closing(module: Module, values: Array, stance: Stance, aim: Aim, room: float) -> Array:
@@ -104,14 +89,14 @@ def closing(module: Module, values: Array, stance: Stance, aim: Aim, room: float
     steps within the limits do."""
     limits = rooms(module, room)
     best, least = values, np.inf
-    for _ in range(STEPS):
+    for _ in range(KEYFRAMES.posture_steps):
         there, slopes = _position_and_slopes(module.type, stance, aim.effector, values)
         miss = there - aim.point
         length = float(np.linalg.norm(miss))
-        if length > SLOW * least:
+        if length > KEYFRAMES.posture_slow * least:
             break
         best, least = values, length
-        if length < CLOSED:
+        if length < KEYFRAMES.posture_closed:
             break
         wish = values - _step(slopes, miss)
         slopes[((values <= limits[0]) & (wish < values)) | ((values >= limits[1]) & (wish > values))] = 0.0
@@ -120,7 +105,7 @@ def closing(module: Module, values: Array, stance: Stance, aim: Aim, room: float
 
 
 def _step(slopes: Array, miss: Array) -> Array:
-    return np.asarray(slopes @ np.linalg.solve(slopes.T @ slopes + DAMPING * np.eye(3), miss))
+    return np.asarray(slopes @ np.linalg.solve(slopes.T @ slopes + KEYFRAMES.posture_damping * np.eye(3), miss))
 
 
 def _position_and_slopes(type_: ModuleType, stance: Stance, effector: str, values: Array) -> tuple[Array, Array]:

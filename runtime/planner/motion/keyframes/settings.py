@@ -55,6 +55,33 @@ class KeyframeSettings:
         "does.",
     )
     most_stretched: int = setting(3, "phases", "At most so many.")
+    postures_anywhere: int = setting(128, "postures", "How many postures are drawn from all that the joints can take …")
+    postures_turned: int = setting(
+        8, "postures",
+        "… and how many in which one joint alone leaves its value, for each joint.",
+    )
+    posture_near: float = setting(0.1, "m", "Metres from the aim that are near enough: what is nearer is not better.")
+    bent: float = setting(
+        0.03, "m/rad",
+        "Metres that a posture may be farther off if its joints are a radian nearer, in the mean.",
+    )
+    tilted: float = setting(0.2, "m", "Or for the sine of a small angle by which it is more upright.")
+    posture_steps: int = setting(30, "steps", "Gauss-Newton steps with which a posture is led to its aim at most.")
+    posture_slow: float = setting(
+        0.99, "1",
+        "They end where one leaves more than this share of the miss. What is at a limit and pulled beyond it "
+        "stays.",
+    )
+    posture_damping: float = setting(1e-4, "m²", "What is added to the squares of derivatives.")
+    posture_closed: float = setting(1e-4, "m", "Metres from its aim at which a posture is there.")
+    posture_difference: float = setting(
+        1e-6, "rad or m",
+        "Radians or metres by which joints are varied to see which way a hand can go.",
+    )
+    posture_rank: float = setting(
+        1e-4, "1",
+        "A direction in which a hand moves by less, as a share of what it can move at all, is none.",
+    )
 
 
 KEYFRAMES = KeyframeSettings()
