@@ -6,7 +6,7 @@
              without values for their parameters (check_logic, check_motion, check_heuristics, module_types, scene)
 4. scene     task + parameters + seed → bodies, modules, facts, goals (scene, placing, initial)
 5. start     the built scene → relaxation, movable bodies, overlaps, unreachable goals; `check` also measures what all
-             modules together may reach (relaxation, check_start, reachability, check_reach)
+             modules together may reach (relaxation, check_start, reachability, check_reach, check_drives)
 6. problem   everything in one frozen `ir.Problem`
 
 Findings of all stages are collected and come out together; SourceError carries them when one is an error.
@@ -22,6 +22,7 @@ from ..langs.reader import read_source
 from ..langs.source import Source
 from . import ir
 from .imports import load_library, load_sources
+from .scenes.check_drives import check_drives
 from .scenes.check_reach import check_reach
 from .scenes.instantiate import instantiate
 from .scenes.lifted import check_declarations
@@ -49,6 +50,7 @@ def check_sources(sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
             problem = instantiate(lifted, task, {}, 0)
             if problem is not None and not lifted.findings.has_errors:
                 check_reach(lifted.findings, problem)
+                check_drives(lifted.findings, problem)
     return lifted.findings.sorted()
 
 

@@ -221,7 +221,7 @@ class TreeBuilder(TermBuilder):
                 )
             case "joint_item":
                 physics = branches(tree, *PHYSICAL)
-                name, call, limits, home, speed, acceleration = _without(children, physics)
+                name, call, limits, home, speed, acceleration, passive = _without(children, physics)
                 motion = self.call(_tree(call))
                 lower, upper = (None, None) if limits is None else self.terms(_tree(limits).children)
                 return s.JointItem(
@@ -233,7 +233,7 @@ class TreeBuilder(TermBuilder):
                     self.maybe_term(home),
                     self.maybe_term(speed),
                     self.maybe_term(acceleration),
-                    False,
+                    passive is not None,
                     physics=self.physics(physics),
                     span=span,
                 )

@@ -308,6 +308,10 @@ CODES: dict[str, CodeInfo] = {
     "W0012": CodeInfo("built into each other", "warning",
         "Two bodies that never move occupy the same space, as a wall that is let into the floor. Nothing comes of it, "
         "unless one of them lies elsewhere than was meant."),
+    "W0013": CodeInfo("joint that nothing can move", "warning",
+        "A joint without a drive moves only while something that drives move holds its module. No rule ever has "
+        "anything do so, by the types of its variables.",
+        "post (open H), [drawn H F]", "post (holding A H), [stable A H]"),
 }
 
 

@@ -9,7 +9,8 @@ import msgspec
 
 FORMAT = "tamplang-plan/2"
 COUPLINGS = "couplings"
-KNOWN_NEEDS = frozenset({COUPLINGS})
+PASSIVE = "passive"
+KNOWN_NEEDS = frozenset({COUPLINGS, PASSIVE})
 """The optional parts of the format that this version understands."""
 NO_LIMIT = 1e9
 """Stands for an infinite limit: JSON has no infinity."""
@@ -44,6 +45,7 @@ class JointRecord(Record, frozen=True, omit_defaults=True):
     speed: float
     acceleration: float = NO_LIMIT
     follows: CouplingRecord | None = None
+    passive: bool = False
 
 
 class EffectorRecord(Record, frozen=True):

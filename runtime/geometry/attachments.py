@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...compiler.ir import Fact, Problem
+from ...compiler.ir import Fact, ModuleType, Problem
 from ...compiler.motion.collision import keeps_pose
 from ...compiler.remembering import remembered
 from ..skeleton import Skeleton
+from .drives import braked
 
 
 def carrier(problem: Problem, name: str) -> str:
@@ -72,9 +73,10 @@ def robots(problem: Problem, mode: frozenset[Fact]) -> Mapping[str, str]:
 
 @remembered(256)
 def clamped(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
-    """The modules that rest while `mode` holds whatever the others do, or may as well: those without joints that are
-    kept to something at rest, and those of which two ends are."""
+    """The modules that rest while `mode` holds whatever the others do, or may as well: those without joints that can
+    move which are kept to something at rest, and those of which two ends are."""
     world = problem.world
+    stiff = {name for name, m in world.modules.items() if _stiff(m.type, braked(problem, mode).get(name))}
     facts = sorted(mode)
     carried = followers(problem, mode)
     rest = {name for name in world.bodies if name not in carried}
@@ -87,11 +89,16 @@ def clamped(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
             for own, other in (pair, pair[::-1]):
                 if carrier(problem, own) in world.modules and carrier(problem, other) in rest:
                     ends.setdefault(carrier(problem, own), set()).add(own)
-        held = {name for name, own in ends.items() if len(own) > 1 or not world.modules[name].type.joints}
+        held = {name for name, own in ends.items() if len(own) > 1 or name in stiff}
         grew = not held <= found
         found |= held
         rest |= held
     return frozenset(found)
+
+
+def _stiff(type_: ModuleType, held: frozenset[int] | None) -> bool:
+    """Whether no joint of a module can move, where those `held` cannot."""
+    return len(type_.joints) == len(held or ())
 
 
 def next_mode(skeleton: Skeleton, phase: int) -> frozenset[Fact]:
@@ -113,5 +120,6 @@ def involved(skeleton: Skeleton, phase: int) -> frozenset[str]:
             touched |= names & problem.world.modules.keys()
     active = {robot[name] for name in touched if name in robot}
     resting = clamped(problem, mode)
-    named = {n for n in touched if n in world.modules and world.modules[n].type.joints}
+    held = braked(problem, mode)
+    named = {n for n in touched if n in world.modules and not _stiff(world.modules[n].type, held.get(n))}
     return frozenset(n for n, first in robot.items() if first in active and (n in named or n not in resting))

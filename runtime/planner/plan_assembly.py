@@ -85,8 +85,9 @@ def plan_of(
 
 def _needs(world: ir.World) -> list[str]:
     """The optional parts of the format that the plan makes use of."""
-    follows = any(j.follows is not None for m in world.modules.values() for j in m.type.joints)
-    return [record.COUPLINGS] if follows else []
+    joints = [j for m in world.modules.values() for j in m.type.joints]
+    follows, passive = any(j.follows is not None for j in joints), any(j.passive for j in joints)
+    return [record.COUPLINGS] * follows + [record.PASSIVE] * passive
 
 
 def _versions() -> dict[str, str]:
@@ -187,6 +188,7 @@ def module_record(module: ir.Module) -> record.ModuleRecord:
             j.name, j.kind, j.parent, list(j.placement), list(j.axis),
             _bounded(j.lower), _bounded(j.upper), _bounded(j.speed), _bounded(j.acceleration),
             None if j.follows is None else record.CouplingRecord(j.follows.leader, j.follows.factor, j.follows.offset),
+            j.passive,
         )
         for j in module.type.joints
     ]  # fmt: skip

@@ -11,6 +11,7 @@ from ..plan import Plan, VerdictRecord
 from .collision import check_collisions
 from .constraints import check_constraints
 from .couplings import check_couplings
+from .drives import check_drives
 from .findings import Findings, place_of
 from .happenings import TooManyCorners, check_breakdowns, check_courses, check_happenings, happenings_of
 from .kinematics import Kinematics, check_kinematics, motion_of
@@ -109,6 +110,7 @@ def _examine(plan: Plan, problem: ir.Problem, findings: Findings) -> VerdictReco
     check_switches(problem, plan, story, sampler.curves, findings)
     check_rates(problem, plan, motion, findings)
     check_couplings(plan, motion, findings)
+    check_drives(problem, plan, story.modes, sampler, findings)
     check_courses(problem, happenings, motion, findings)
     check_breakdowns(problem, plan, motion, sampler.curves, findings)
     try:

@@ -16,6 +16,8 @@ LIMITS: dict[str, float] = {
     "joint_limit_m": 1e-3,
     "coupling_rad": 1e-6,
     "coupling_m": 1e-6,
+    "undriven_rad": 1e-6,
+    "undriven_m": 1e-6,
     "start_m": 1e-6,
     "start_rad": 1e-6,
     "jump_m": 1e-5,
@@ -46,6 +48,7 @@ good plans are given where they come near.
 - joint_limit_rad, joint_limit_m: joint values beyond their limits. On a lever of 1 m as much as penetration_m.
 - coupling_rad, coupling_m: joints against what those that they follow make of them. Rounding to 10 decimals, times the
   factor.
+- undriven_rad, undriven_m: how far joints without drives move in a phase in which nothing drives them. Rounding.
 - start_m, start_rad: the first sample against the scene. Rounding to 10 decimals on the way there.
 - jump_m, jump_rad: between the two samples at a switch. A hundredth of slip_m: a hundred switches slip no more.
 - spline_rad (radians or metres), sample_m, sample_rad: samples against the motion that they draw. Rounding to 10

@@ -61,8 +61,8 @@ def _module_differences(record: ModuleRecord, module: ir.Module) -> list[str]:
             # Files from before there were accelerations do not state them; the motion must keep them all the same.
             numbers = numbers and (a.acceleration == NO_LIMIT or _near([a.acceleration], _bounded(b.acceleration)))
             frame = _near(a.placement, b.placement) and _near(a.axis, b.axis)
-            coupled = _same_coupling(a.follows, b.follows)
-            if not (numbers and frame and coupled and (a.kind, a.parent) == (b.kind, b.parent)):
+            driven = _same_coupling(a.follows, b.follows) and a.passive == b.passive
+            if not (numbers and frame and driven and (a.kind, a.parent) == (b.kind, b.parent)):
                 found.append(f"joint {a.name}")
     return found + _part_differences(record, kind)
 

@@ -9,7 +9,17 @@ from itertools import chain
 
 import numpy as np
 
-from ..plan import COUPLINGS, FORMAT, KNOWN_NEEDS, CouplingRecord, ModuleRecord, Plan, ShapeRecord, SplineRecord
+from ..plan import (
+    COUPLINGS,
+    FORMAT,
+    KNOWN_NEEDS,
+    PASSIVE,
+    CouplingRecord,
+    ModuleRecord,
+    Plan,
+    ShapeRecord,
+    SplineRecord,
+)
 from .findings import Findings
 from .geometry import Array
 from .limits import LIMITS
@@ -54,8 +64,10 @@ def check_structure(plan: Plan, findings: Findings) -> Samples | None:
     for need in plan.needs:
         if need not in KNOWN_NEEDS:
             findings.fail("structure", f"the plan needs {need}, which is not known")
-    if COUPLINGS not in plan.needs and any(j.follows is not None for m in plan.modules for j in m.joints):
-        findings.fail("structure", f"a joint follows another one, but the plan does not say that it needs {COUPLINGS}")
+    joints = [j for m in plan.modules for j in m.joints]
+    for need, has in ((COUPLINGS, any(j.follows for j in joints)), (PASSIVE, any(j.passive for j in joints))):
+        if has and need not in plan.needs:
+            findings.fail("structure", f"the plan has {need} among its joints, but does not say that it needs that")
     frames = sum(1 + len(m.joints) + len(m.effectors) for m in plan.modules) + len({t.name for t in plan.body_tracks})
     if len(plan.times) * frames > MOST_FRAMES:
         message = f"{len(plan.times)} samples of {frames} frames that move: more than {MOST_FRAMES} are not looked at"
@@ -194,7 +206,8 @@ def _couples(module: ModuleRecord, index: int, coupling: CouplingRecord) -> bool
     if not 0 <= coupling.leader < len(module.joints) or not _finite(np.array([coupling.factor, coupling.offset])):
         return False
     leader = module.joints[coupling.leader]
-    return leader.follows is None and leader.kind == module.joints[index].kind and coupling.factor != 0
+    same = (leader.kind, leader.passive) == (module.joints[index].kind, module.joints[index].passive)
+    return leader.follows is None and same and coupling.factor != 0
 
 
 def _check_part(

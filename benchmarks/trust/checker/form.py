@@ -25,6 +25,7 @@ SCHEMA: Record = {
             "name": "text", "kind": "text", "parent": "number", "placement": POSE, "axis": ["number"],
             "lower": "number", "upper": "number", "speed": "number", "acceleration?": "number",
             "follows?": [None, {"leader": "number", "factor": "number", "offset": "number"}],
+            "passive?": "flag",
         }],
         "effectors": [{"name": "text", "joint": "number", "placement": POSE, "shape": [None, SHAPE]}],
         "links": [{"joint": "number", "placement": POSE, "shape": SHAPE}],
@@ -93,7 +94,7 @@ def upgraded(plan: Record) -> Record:
     wrong = next(_unfit(SCHEMA, plan, "plan"), None)
     if wrong is not None:
         raise ValueError(wrong)
-    if set(plan.get("needs") or ()) - {"couplings"}:
+    if set(plan.get("needs") or ()) - {"couplings", "passive"}:
         raise ValueError(f"it needs {plan['needs']!r:.40}")
     for field, known in KNOWN.items():
         if isinstance(plan.get(field), dict) and not set(plan[field]) <= known:

@@ -101,6 +101,7 @@ def _module(module: ir.Module) -> dict[str, Any]:
             "name": j.name, "kind": j.kind, "parent": j.parent, "placement": list(j.placement), "axis": list(j.axis),
             "lower": max(j.lower, -1e9), "upper": min(j.upper, 1e9), "speed": min(j.speed, 1e9),
             "acceleration": min(j.acceleration, 1e9),
+            **({"passive": True} if j.passive else {}),
             **({} if j.follows is None else {"follows": _coupling(j.follows)}),
         }
         for j in kind.joints

@@ -8,6 +8,8 @@ from ....compiler.ir import Problem
 from ....langs.diagnostics import Diagnostic, Label
 from ....langs.source import Span
 from ...budget import unless_spent
+from ...geometry.attachments import carrier
+from ...geometry.drives import braked
 from ...plan import RefusalRecord, VerdictRecord
 from ...skeleton import Breach, Skeleton, Violation
 from ..bounds.verdicts import Conflict
@@ -98,6 +100,7 @@ class Refusals:
         labels = (Label(rule.span, "the rule of this action"),) if rule is not None and rule.span else ()
         earlier = ", ".join(str(p.action) for p in skeleton.phases[conflict.first : conflict.last])
         notes = [f"straight after {earlier}{where}"] if earlier else []
+        notes += self._still(skeleton, conflict)
         if count > 1:
             notes.append(f"this was met in {count} such sequences; the smallest miss is shown")
         return Diagnostic(
@@ -107,6 +110,19 @@ class Refusals:
             labels if span else (),
             note="; ".join(notes) or None,
         )
+
+    def _still(self, skeleton: Skeleton, conflict: Conflict) -> list[str]:
+        """What a row that is missed asks of modules whose joints have no drive and are held by their brakes."""
+        if not conflict.violations or conflict.violations[0].kind != Breach.ROW:
+            return []
+        worst = conflict.violations[0]
+        held = braked(self.problem, skeleton.phases[worst.phase].mode)
+        told = []
+        for name in dict.fromkeys(carrier(self.problem, n) for n in worst.names[1:]):
+            joints = [self.problem.world.modules[name].type.joints[i].name for i in sorted(held.get(name, ()))]
+            if joints:
+                told.append(f"{', '.join(joints)} of {name} cannot move: no drive, and nothing with drives holds it")
+        return told
 
     def _reason(self, conflict: Conflict) -> str:
         if not conflict.violations:

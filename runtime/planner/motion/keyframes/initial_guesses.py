@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import permutations
 
@@ -10,9 +10,10 @@ import numpy as np
 
 from .....compiler import poses
 from .....compiler.extents import box_sides
-from .....compiler.ir import Body, Fact, Module, Pose, Problem
+from .....compiler.ir import Body, Effector, Fact, Module, Pose, Problem
 from .....compiler.motion.collision import bounding_radius, keeps_pose
 from ....geometry.attachments import followers
+from ....geometry.drives import braked
 from ....skeleton import Array, Configuration, Skeleton
 from .placement_samples import outline, places
 from .posture_samples import Aim, Stance, closing, freedom, reaching, rooms
@@ -75,10 +76,13 @@ class Guess:
         slot = self.current.bodies.get(name)
         return to_tuple(self.current.modules[name][:7] if slot is None else slot)
 
-    def _shake(self) -> None:
+    def _shake(self, held: Mapping[str, frozenset[int]]) -> None:
         for name, slot in self.current.modules.items():
             lower, upper = rooms(self.problem.world.modules[name], LIMIT)
+            still = [7 + i for i in held.get(name, ())]
+            kept = slot[still]
             slot[7:] = np.clip(slot[7:] + self.noise * self.random.normal(size=len(lower)), lower, upper)
+            slot[still] = kept
 
     def _above(self, base: str, lift: float, turn: tuple[float, float, float, float]) -> Pose:
         body = self.problem.world.bodies[base]
@@ -100,7 +104,7 @@ class Guess:
         carried = followers(self.problem, mode)
         before = {name: self.feet.get(name) or self._pose(name) for pair in self._relations(mode) for name in pair}
         self.current = self.current.copy()
-        self._shake()
+        self._shake(braked(self.problem, mode))
         stances = self._stand(mode, carried, before)
         placed = set(stances)
         feet = self._set_down(phase, carried, before, list(stances.values()), placed)
@@ -156,6 +160,11 @@ class Guess:
             for name, other in permutations(literal[1:], 2):
                 hand = held.get(name, "") if name in world.bodies else name
                 found = world.effector(hand)
+                handle = self._handle(other)
+                if found and handle is not None and found[0].name != handle[0].name:
+                    radii = sum(bounding_radius(e.shape) for e in (found[1], handle[1]) if e.shape)
+                    aim = Aim(found[1].name, np.array(self._pose(other)[:3]), radii)
+                    aims.setdefault(found[0].name, aim)
                 if not found or other not in world.bodies:
                     continue
                 thing = name if name in world.bodies else other
@@ -168,12 +177,17 @@ class Guess:
                 aims.setdefault(found[0].name, aim)
         return aims
 
+    def _handle(self, name: str) -> tuple[Module, Effector] | None:
+        """An effector of a module with joints that have no drive, such as a door's: it waits to be taken hold of."""
+        found = self.problem.world.effector(name)
+        return found if found and any(j.passive for j in found[0].type.joints) else None
+
     def _turn_to(self, aims: dict[str, Aim], stances: dict[str, Stance], feet: dict[str, Pose]) -> None:
         """Joint values from which modules that stand on their own and cannot turn as they like come near to their aims.
         A foot that is set down gets there, and is turned as this posture turns it: the next one starts from there."""
         for name, stance in stances.items():
             module, slot, aim = self.problem.world.modules[name], self.current.modules[name], aims.get(name)
-            if aim is None or aim.effector == stance[0]:
+            if aim is None or aim.effector == stance[0] or any(j.passive for j in module.type.joints):
                 continue
             if not self.wide and freedom(module.type, stance[0], aim.effector) >= ANY:
                 continue

@@ -12,6 +12,7 @@ from .....compiler.motion.collision import Pair, contacts, keeps_pose, pair, sta
 from .....compiler.motion.permanent import permanent
 from ....budget import Budget
 from ....geometry.attachments import carrier, followers, involved, next_mode
+from ....geometry.drives import braked
 from ....skeleton import Array, Configuration, Skeleton
 from ..collision.clearance_rows import ClearanceGroup
 from ..collision.pairs_in_phases import Collisions, Margins, refresh
@@ -58,8 +59,8 @@ class SwitchProgram:
         self.layout = Layout(self.problem.world, start, _settled(moving, end) if end else None)
         if free:
             self.layout.free_start(self._moved_before(first))
-        for names in moving:
-            self.layout.add_slice(names)
+        for phase, names in zip(self.phases, moving, strict=True):
+            self.layout.add_slice(names, braked(self.problem, skeleton.phases[phase].mode))
         self._features = Features(self.problem, self.layout)
         if free:
             self._standing()

@@ -2,12 +2,14 @@
 
 The vector z of a program is its constants followed by its unknowns. A slot is a stretch of z: a module's pose and
 joint values `(7 + n,)` or a body's pose `(7,)`. Joints that follow others have no unknowns of their own: where a slot
-is unknown, their places are those of their leaders. Slice 0 is the state before the first phase.
+is unknown, their places are those of their leaders; those of joints that keep their values are the ones of the slice
+before. Slice 0 is the state before the first phase.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +28,10 @@ def followed(type_: ModuleType) -> bool:
     return any(j.follows is not None for j in type_.joints)
 
 
-def free_entries(type_: ModuleType) -> Indices:
-    """The entries of a module's slot but for the values of joints that follow others."""
-    return np.array([*range(7), *(7 + i for i, j in enumerate(type_.joints) if j.follows is None)])
+def _leading(type_: ModuleType) -> Indices:
+    """For each entry of a module's slot itself, or that of the joint that it follows."""
+    joints = [i if j.follows is None else j.follows.leader for i, j in enumerate(type_.joints)]
+    return np.array([*range(7), *(7 + i for i in joints)])
 
 
 class Layout:
@@ -42,7 +45,7 @@ class Layout:
         self.names = [name for name, _ in parts]
         self.sizes = {name: len(value) for name, value in parts}
         self._types = {m.name: m.type for m in world.modules.values()}
-        self._free = {name: free_entries(m.type) for name, m in world.modules.items() if followed(m.type)}
+        self._leaders = {name: _leading(m.type) for name, m in world.modules.items() if followed(m.type)}
         self._places: dict[int, Indices] = {}
         self.modules = [name for name, _ in modules]
         self.bodies = [name for name, _ in bodies]
@@ -62,38 +65,45 @@ class Layout:
         self.end = at
         self.slices: list[dict[str, int]] = [dict(self._pinned[0])]
 
-    def _allocate(self, offsets: dict[str, int], free: Iterable[str]) -> None:
+    def _allocate(
+        self, offsets: dict[str, int], free: Iterable[str], held: Mapping[str, frozenset[int]] = MappingProxyType({})
+    ) -> None:
         chosen = frozenset(free)
         for name in self.names:
             if name in chosen:
+                places = self._spread(name, held.get(name, frozenset()))
                 offsets[name] = self.end
-                if name in self._free:
-                    self._places[self.end] = self.end + self._spread(name)
-                    self.end += len(self._free[name])
-                else:
-                    self.end += self.sizes[name]
+                if places is not None:
+                    self._places[self.end] = places
+                self.end += self.sizes[name] if places is None else len(np.unique(places[places >= self.end]))
 
-    def _spread(self, name: str) -> Indices:
-        """For each entry of a module's slot its place among those that are free; a follower has its leader's."""
-        joints, free = self._types[name].joints, self._free[name]
-        leaders = [i if j.follows is None else j.follows.leader for i, j in enumerate(joints)]
-        return np.searchsorted(free, [*range(7), *(7 + i for i in leaders)])
+    def _spread(self, name: str, held: frozenset[int]) -> Indices | None:
+        """The places of a slot that begins at the end of z; None where they follow each other."""
+        leaders = self._leaders.get(name)
+        if leaders is None and not held:
+            return None
+        entries = np.arange(self.sizes[name]) if leaders is None else leaders
+        kept = np.isin(entries, [7 + i for i in held])
+        own = np.unique(entries[~kept])
+        before = self.slot(len(self.slices) - 1, name)
+        return np.where(kept, before[entries], self.end + np.searchsorted(own, entries))
 
     def joints(self, name: str) -> Indices:
         """The entries of a module's slot that are values of joints which follow no other."""
-        free = self._free.get(name)
-        return np.arange(7, self.sizes[name]) if free is None else free[7:]
+        leaders = self._leaders.get(name)
+        return np.arange(7, self.sizes[name]) if leaders is None else np.unique(leaders)[7:]
 
     def free_start(self, free: Iterable[str]) -> None:
         """Make these slots of slice 0 unknowns too; before any slice is added."""
         self._allocate(self.slices[0], free)
 
-    def add_slice(self, free: Iterable[str]) -> int:
-        """Append a slice in which `free` have slots of their own and all else is where it was. Returns its number."""
+    def add_slice(self, free: Iterable[str], held: Mapping[str, frozenset[int]] = MappingProxyType({})) -> int:
+        """Append a slice in which `free` have slots of their own and all else is where it was, as are the joints of
+        modules that are `held`, by their indices. Returns its number."""
         offsets, chosen = dict(self.slices[-1]), frozenset(free)
         pinned = self._pinned.get(len(self.slices), {})
         offsets |= {name: at for name, at in pinned.items() if name in chosen}
-        self._allocate(offsets, chosen - pinned.keys())
+        self._allocate(offsets, chosen - pinned.keys(), held)
         self.slices.append(offsets)
         return len(self.slices) - 1
 
@@ -121,8 +131,8 @@ class Layout:
         for slice_ in sorted(configurations, reverse=True):
             values = configurations[slice_].modules | configurations[slice_].bodies
             for name in self.names:
-                free = self._free.get(name, slice(None))
-                z[self.slot(slice_, name)[free]] = values[name][free]
+                leaders = self._leaders.get(name)
+                z[self.slot(slice_, name)] = values[name] if leaders is None else values[name][leaders]
         return z[self.first_unknown :]
 
     def unpack(self, unknowns: Array, slice_: int) -> Configuration:
@@ -131,7 +141,7 @@ class Layout:
         values = {name: z[self.slot(slice_, name)] for name in self.names}
         for name, value in values.items():
             value[3:7] /= np.linalg.norm(value[3:7])
-            if name in self._free:
+            if name in self._leaders:
                 value[7:] = coupled(self._types[name].joints, value[7:])
         bodies = {name: pose.copy() for name, pose in self.resting.items()}
         bodies |= {name: values[name] for name in self.bodies}

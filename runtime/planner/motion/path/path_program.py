@@ -13,6 +13,7 @@ from .....compiler.ir import Problem
 from .....compiler.motion.collision import Pair, PhaseContacts, contacts, taper
 from ....budget import Budget
 from ....geometry.attachments import followers, involved, next_mode
+from ....geometry.drives import braked
 from ....seeds import Seed
 from ....skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton
 from ..collision.clearance_rows import ClearanceGroup
@@ -59,9 +60,10 @@ class PathProgram:
         for k, phase in enumerate(self.phases):
             carried = followers(self.problem, skeleton.phases[phase].mode)
             active = involved(skeleton, phase) | self._displaced(switches[k], switches[k + 1]) | carried
+            held = braked(self.problem, skeleton.phases[phase].mode)
             self.moving.append(active)
             for _ in range(self.count):
-                self.layout.add_slice(active)
+                self.layout.add_slice(active, held)
         self._features = Features(self.problem, self.layout)
         self._literals()
         self._groups = self._all_groups()

@@ -9,14 +9,17 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import lru_cache
+from types import MappingProxyType
 
 import numpy as np
 
 from .....compiler.ir import Function, ModuleType, Problem, Shape, Var, Vec3
 from .....compiler.motion.collision import keeps_pose, pose_matrix
+from ....geometry.drives import braked
 from ....geometry.transforms import quaternions
 from ....skeleton import Array, Configuration, Phase
 
@@ -140,8 +143,12 @@ def joint_values(tree: PhaseTree, configuration: Configuration) -> Array:
     return np.array([configuration.modules[module][7 + j] for module, j in tree.variables])
 
 
-def mount_module(tree: PhaseTree, module: str, type_: ModuleType, entry: int, mount: Mount) -> None:
-    """Hang a module into the forest by its frame `entry`, and turn its joint tree round to start there."""
+def mount_module(
+    tree: PhaseTree, module: str, type_: ModuleType, entry: int, mount: Mount,
+    held: Mapping[int, float] = MappingProxyType({}),
+) -> None:  # fmt: skip
+    """Hang a module into the forest by its frame `entry`, and turn its joint tree round to start there. Joints that are
+    `held` at a value have no node."""
     links = tree.links[module] = {entry: mount}
     columns: dict[int, int] = {}
     queue = deque([entry])
@@ -154,6 +161,11 @@ def mount_module(tree: PhaseTree, module: str, type_: ModuleType, entry: int, mo
             align, placement = _to_axis(joint.axis), pose_matrix(joint.placement)
             node, local = links[at]
             outward = ahead == index
+            if index in held:
+                moved = placement @ align @ _motion(joint.kind, held[index]) @ align.T
+                links[ahead] = (node, local @ (moved if outward else inverse(moved)))
+                queue.append(ahead)
+                continue
             sign, before = (1.0, local @ placement @ align) if outward else (-1.0, local @ align)
             leader = index
             if joint.follows is not None:
@@ -285,6 +297,7 @@ def phase_tree(problem: Problem, index: int, phase: Phase, start: Configuration,
     """The forest of phase `index` that leads from one switch configuration to the next; constants between modules
     and objects are their poses at its start. Raises UnsupportedPhase."""
     scene = Scene(problem, index, phase, start, end)
+    brakes = braked(problem, phase.mode)
     tree = PhaseTree(index)
     mounts: dict[str, dict[int, Mount]] = {}
     queue: deque[tuple[str, str]] = deque()
@@ -304,7 +317,8 @@ def phase_tree(problem: Problem, index: int, phase: Phase, start: Configuration,
             tree.bodies[owner] = mount
             mounts[owner] = {-1: mount}
         else:
-            mount_module(tree, owner, scene.world.modules[owner].type, scene.joint(name), mount)
+            held = {i: float(start.modules[owner][7 + i]) for i in brakes.get(owner, ())}
+            mount_module(tree, owner, scene.world.modules[owner].type, scene.joint(name), mount, held)
             mounts[owner] = tree.links[owner]
         queue.extend((own, other) for own, other, to in scene.edges[owner] if to not in scene.rest)
     tree.obstacles = _obstacles(scene)
