@@ -264,6 +264,12 @@ class TermBuilder:
 def _condition_help(tree: Branch) -> str | None:
     if tree.data == "name":
         return f"a literal stands in parentheses: `({tree.children[0]} …)`"
-    if tree.data == "call":
-        return f"a literal is written `({tree.children[0]} X Y)`, its arguments separated by blanks"
+    if tree.data in ("call", "vector"):
+        words = [str(c if isinstance(c, Token) else c.children[0]) for c in tree.children if _is_word(c)]
+        shown = " ".join(words) if len(words) == len(tree.children) else f"{words[0] if words else 'p'} X Y"
+        return f"a literal is written `({shown})`, its arguments separated by blanks"
     return None
+
+
+def _is_word(child: Child) -> bool:
+    return isinstance(child, Token) or (isinstance(child, Tree) and child.data == "name")

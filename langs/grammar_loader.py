@@ -35,7 +35,7 @@ def parser() -> lark.Lark:
     text = grammar_text()
     version = f"{lark.__version__} {sys.version}"
     key = hashlib.sha256(f"{version}\n{text}".encode()).hexdigest()[:24]
-    file = _cache_folder() / f"grammar-{key}.bin"
+    file = cache_folder() / f"grammar-{key}.bin"
     loaded = load_cached(file)
     if loaded is not None:
         return loaded
@@ -44,7 +44,8 @@ def parser() -> lark.Lark:
     return built
 
 
-def _cache_folder() -> Path:
+def cache_folder() -> Path:
+    """Where what can be made again is kept."""
     root = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
     return Path(root) / "tamplang"
 

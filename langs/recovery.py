@@ -244,9 +244,12 @@ class Recovery:
         before = self.reads[-1].token if self.reads else None
         if found is None:
             return
-        unit = None if before is None else complaints.unknown_unit(self.source, before, found)
-        if unit is not None:
-            yield Repair(0, len(self.reads), (), found.end_pos or 0, unit)
+        words = [(len(self.reads), found), *((i, self.reads[i].token) for i in range(len(self.reads) - 1, -1, -1)[:1])]
+        for index, word in words:
+            number = self.reads[index - 1].token if index > 0 else None
+            unit = None if number is None else complaints.unknown_unit(self.source, number, word)
+            if unit is not None:
+                yield Repair(0, index, (), word.end_pos or 0, unit)
         if before is not None and before == ",":
             yield Repair(1, len(self.reads) - 1, (), found.start_pos or 0, complaints.dangling(self.source, before), 3)
 
