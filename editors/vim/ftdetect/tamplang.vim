@@ -1,0 +1,1 @@
+au BufRead,BufNewFile *.tamp set filetype=tamplang
