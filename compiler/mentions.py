@@ -93,6 +93,7 @@ class _Reader:
         self._declared = ""
         self._kind = ""
         self._effectors: set[str] = set()
+        self._joints: set[str] = set()
         self._special: dict[str, Callable[[Branch], None]] = {
             "import": self._import, "placement_decl": self._placement, "parameter": self._variables,
             "binder": self._variables, "single": self._variables, "named_type": self._types,
@@ -101,7 +102,7 @@ class _Reader:
             "previous": self._previous, "flag": self._flag, "effector_item": self._effector,
             "joint_item": self._joint, "body_item": self._body, "robot_on": self._robot, "robot_at": self._robot,
             "scene_use": self._use, "guide_use": self._use, "option": self._option,
-            "breakdown_item": self._breakdown,
+            "breakdown_item": self._breakdown, "holds": self._holds, "coupling_item": self._coupling,
         }  # fmt: skip
 
     def read(self, node: Child) -> None:
@@ -163,12 +164,20 @@ class _Reader:
         self._define(kind, name, tree, what)
         self._declared, self._kind = str(name), what
         self._effectors = {str(_first_name(e)) for e in tree.find_data("effector_item")}
+        self._joints = {str(_first_name(j)) for j in tree.find_data("joint_item")}
         with self._scope():
             if what == "type" and len(tree.children) > 1 and isinstance(tree.children[1], Token):
                 self._note("type", tree.children[1])
             self._inside(tree.children)
+            self._bearer(tree)
         self._declared = self._kind = ""
-        self._effectors = set()
+        self._effectors, self._joints = set(), set()
+
+    def _bearer(self, tree: Branch) -> None:
+        """The manner behind `borne` of a motion predicate."""
+        names = [c for c in tree.children if isinstance(c, Token) and c.type == "NAME"]
+        if tree.data == "motion_decl" and len(names) > 1:
+            self._note("word", names[-1])
 
     def _placement(self, tree: Branch) -> None:
         with self._scope():
@@ -225,6 +234,8 @@ class _Reader:
                 return
         if name in self._effectors:
             self._note("effector", token, self._declared)
+        elif name in self._joints:
+            self._note("joint", token, self._declared)
         elif self._kind in ("scene", "task"):
             self._note("object", token, self._declared)
         else:
@@ -266,6 +277,14 @@ class _Reader:
 
     def _joint(self, tree: Branch) -> None:
         self._define("joint", _token(tree, 0), tree, "joint", self._declared)
+        self._inside(tree.children[1:])
+
+    def _coupling(self, tree: Branch) -> None:
+        self._note("joint", _token(tree, 0), self._declared)
+        self._inside(tree.children[1:])
+
+    def _holds(self, tree: Branch) -> None:
+        self._note("word", _token(tree, 0))
         self._inside(tree.children[1:])
 
     def _body(self, tree: Branch) -> None:

@@ -35,6 +35,7 @@ def vim() -> str:
     groups: dict[str, list[str]] = {}
     for word, told in WORDS.items():
         groups.setdefault(told.group, []).append(word)
+    units = _vim(UNITS).replace("/", "\\/")
     names = {"declaration": "Structure", "part": "Statement", "clause": "Statement", "modifier": "StorageClass"}
     lines = [
         '" Vim syntax of tamplang. Written by editors/generate.py; do not change it by hand.',
@@ -53,7 +54,7 @@ def vim() -> str:
         r"syn match tampPredicate /(\@1<=\h\w*\%(\%(\s\+[A-Za-z0-9_.\[\]]\+\)*)\)\@=/",
         r"syn match tampMotion /\[\@1<=\h\w*\%(\%(\s\+[A-Za-z0-9_.\[\]]\+\)\+\]\)\@=/",
         r"syn match tampNumber /\<\d\+\%(\.\d\+\)\?\%([eE][+-]\?\d\+\)\?"
-        rf"\%(\s*\%({_vim(UNITS)}\)\%(\/s\%(^2\)\?\)\?\>\)\?/",
+        rf"\%(\s*\%({units}\)\%(\/s\%(^2\)\?\)\?\>\)\?/",
         r'syn region tampString start=/"/ end=/"/ oneline',
         r"syn match tampComment /#.*$/ contains=tampTodo",
         r"syn match tampDoc /##.*$/",

@@ -62,6 +62,14 @@ WORDS: Mapping[str, Word] = {
     "of": Word("clause", "the modules of a chain"),
     "chain": Word("clause", "maximal lines of modules that a predicate links, each from both its ends"),
     "in": Word("clause", "the values that a variable, parameter or joint may take"),
+    "mass": Word("clause", "what a part or body weighs"),
+    "density": Word("clause", "mass per volume, where no mass is given"),
+    "torque": Word("clause", "the greatest torque of a joint that turns"),
+    "force": Word("clause", "the greatest force of a joint that slides"),
+    "bearing": Word("clause", "the greatest load that the bearing of a joint takes"),
+    "rotor": Word("clause", "the inertia of a joint's motor as the joint feels it"),
+    "holds": Word("clause", "how strongly an end or body holds, in a manner such as `pad` or `dock`"),
+    "borne": Word("modifier", "the manner in which the pair of a motion predicate holds; `nothing` bears nothing"),
     "static": Word("modifier", "no rule changes the predicate"),
     "symmetric": Word("modifier", "both orders of the arguments mean the same"),
     "functional": Word("modifier", "for each value of the parameter it holds at most once"),
@@ -85,6 +93,8 @@ RESERVED = ("and", "or", "not", "if", "then", "else", "exists", "forall", "ANY")
 """The words that are never names."""
 UNITS = {
     "m": "length", "cm": "length", "mm": "length", "rad": "angle", "deg": "angle", "s": "time", "min": "time",
+    "kg": "mass", "g": "mass", "N": "force", "kN": "force", "N m": "torque", "kN m": "torque",
+    "kg/m^3": "density", "kg m^2": "inertia",
 }  # fmt: skip
 TYPES: Mapping[str, str] = {
     "object": "anything with a pose and a shape",

@@ -10,7 +10,8 @@ import re
 from collections.abc import Iterable, Iterator
 
 from .compiler.builtins import FUNCTIONS
-from .langs.words import JOINTS, RESERVED, SHAPES, TYPES, UNITS, WORDS
+from .langs.grammar_loader import grammar_text
+from .langs.words import JOINTS, RESERVED, SHAPES, TYPES, WORDS
 
 NAME = r"[A-Za-z_]\w*"
 CLASSES = (
@@ -23,13 +24,19 @@ def alternatives(words: Iterable[str]) -> str:
     return "|".join(sorted(words, key=lambda w: (-len(w), w)))
 
 
+def _number() -> str:
+    """The grammar's own pattern of a number with its unit, its groups without marks."""
+    line = re.search(r"^NUMBER: /(.*)/$", grammar_text(), re.MULTILINE)
+    assert line is not None
+    return re.sub(r"(?<!\\)\((?!\?)", "(?:", line[1])
+
+
 def rules() -> list[tuple[str, tuple[str, ...]]]:
     """Patterns in order of precedence, with the class of each of their groups. None goes beyond a line."""
     groups: dict[str, list[str]] = {}
     for word, told in WORDS.items():
         groups.setdefault(told.group, []).append(word)
-    unit = alternatives(u for u, kind in UNITS.items() if kind in ("length", "angle"))
-    number = rf"[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?(?:[ \t]*(?:(?:{unit})(?:/s(?:\^2)?)?|s|min)(?!\w))?"
+    number = _number()
     free = rf"(?!(?:{alternatives(RESERVED)})(?!\w)){NAME}"
     argument = r"(?:[\w.]|\[[^\[\]]*\])+"
     built_in = alternatives({*FUNCTIONS, *SHAPES, *JOINTS})
