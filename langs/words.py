@@ -70,6 +70,7 @@ WORDS: Mapping[str, Word] = {
     "rotor": Word("clause", "the inertia of a joint's motor as the joint feels it"),
     "holds": Word("clause", "how strongly an end or body holds, in a manner such as `pad` or `dock`"),
     "borne": Word("modifier", "the manner in which the pair of a motion predicate holds; `nothing` bears nothing"),
+    "passive": Word("modifier", "the joint has no drive: it moves only while something driven holds it"),
     "static": Word("modifier", "no rule changes the predicate"),
     "symmetric": Word("modifier", "both orders of the arguments mean the same"),
     "functional": Word("modifier", "for each value of the parameter it holds at most once"),
