@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..langs import syntax
 from ..langs.diagnostics import Diagnostic
 from ..langs.source import Source
+from .apart import apart
 from .foreign import Files, Missing
+from .xml_texts import XmlError, refuse_document_types
 
 if TYPE_CHECKING:
     from .hulls import Array
@@ -24,6 +27,8 @@ BULGE = 0.01
 """A mesh whose hull is larger by less than this share passes for convex."""
 FORMATS = (".stl", ".obj", ".ply", ".dae")
 """Endings of meshes that are one file: what lies in several cannot go with a plan."""
+LONG = 500_000
+"""Bytes of a file that takes a twentieth of a second to read: larger ones are read apart."""
 OBJ_LINES = (b"v", b"vt", b"vn", b"f")
 """How the lines of an OBJ begin that tell its shape. Others name files of materials, which nobody shall open."""
 
@@ -60,6 +65,8 @@ def load_mesh(
 
     try:
         points, triangles = read_mesh(path, files.read(path))
+    except XmlError as reason:
+        return None, [Diagnostic("E0515", f"{path}: {reason}", where.span)]
     except Missing as reason:
         message = str(reason).replace("there is no file", "there is no mesh file", 1)
         return None, [Diagnostic("E0515", message, where.span, help=reason.help)]
@@ -79,22 +86,31 @@ def load_mesh(
 
 def read_mesh(path: str, content: bytes, scale: Sequence[float] = (1.0, 1.0, 1.0)) -> tuple[Array, Array]:
     """Points (M, 3) and triangles (T, 3) of the mesh that a file of one of `FORMATS` holds. Raises ValueError or
-    RuntimeError when it cannot be read or is empty."""
-    import coal
+    RuntimeError when it cannot be read or is empty, and XmlError where it declares a document type."""
     import numpy as np
 
     ending = Path(path).suffix.lower()
     if ending not in FORMATS:
         raise ValueError(f"it is none of {', '.join(FORMATS)}")
+    if ending == ".dae":
+        refuse_document_types(content)
     with tempfile.TemporaryDirectory(prefix="tamplang-") as folder:
         file = Path(folder) / f"mesh{ending}"
         file.write_bytes(_shape_alone(content) if ending == ".obj" else content)
-        mesh = coal.MeshLoader().load(str(file), np.array(scale, dtype=float))
-    triangles = [[t[0], t[1], t[2]] for t in map(mesh.tri_indices, range(mesh.num_tris))]
-    points = np.array(mesh.vertices(), dtype=float).reshape(-1, 3)
-    if not triangles or not np.isfinite(points).all():
-        raise ValueError("it holds no triangles" if not triangles else "a corner is not finite")
-    return points, np.array(triangles)
+        loaded = partial(_loaded, file, scale)
+        points, triangles = apart(loaded) if len(content) > LONG else loaded()
+    if not len(triangles) or not np.isfinite(points).all():
+        raise ValueError("a corner is not finite" if len(triangles) else "it holds no triangles")
+    return points, triangles
+
+
+def _loaded(file: Path, scale: Sequence[float]) -> tuple[Array, Array]:
+    import coal
+    import numpy as np
+
+    mesh = coal.MeshLoader().load(str(file), np.array(scale, dtype=float))
+    triangles = np.array([[t[0], t[1], t[2]] for t in map(mesh.tri_indices, range(mesh.num_tris))])
+    return np.array(mesh.vertices(), dtype=float).reshape(-1, 3), triangles
 
 
 def _shape_alone(content: bytes) -> bytes:

@@ -80,6 +80,8 @@ def _hull_for_mesh(
         scale = three(mesh, "scale") if mesh.get("scale") else (1.0, 1.0, 1.0)
         points, _ = read_mesh(file, files.read(file), scale)
         made, middle, simpler = convex_shape(points)
+    except XmlError as reason:
+        return Diagnostic("E0515", f'the mesh file "{name}" of {path}: {reason}', module.urdf.span)
     except (Missing, ValueError, RuntimeError, HullError):
         return Diagnostic("E0515", f'the mesh file "{name}" of {path} cannot be read', module.urdf.span)
     geometry.remove(mesh)

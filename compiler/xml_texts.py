@@ -8,11 +8,15 @@ declare, such as an entity that stands for others, belongs into a model.
 from __future__ import annotations
 
 import re
+from functools import partial
 from xml.etree import ElementTree
 from xml.parsers import expat
 
 DEEPEST = 100
 """Elements inside each other. A link needs 5; what is far deeper was made to harm who walks down."""
+BLOCK = 1_000_000
+"""Bytes that are read between two looks at the time."""
+_DOCUMENT_TYPE = re.compile(rb"<!\s*(DOCTYPE|ENTITY)", re.IGNORECASE)
 _DECLARATION = re.compile(r"\s*<\?xml[^>]*\?>")
 _HIDDEN = re.compile(r"<!\[CDATA\[.*?\]\]>|<!--.*?-->", re.DOTALL)
 
@@ -48,18 +52,33 @@ def read_xml(text: str) -> ElementTree.Element:
         depth -= 1
         builder.end(tag)
 
-    def refuse(*_: object) -> None:
-        raise XmlError(f"a document type, and entities with it, are not allowed{_from(parser)}")
-
     parser.StartElementHandler, parser.EndElementHandler = begin, end
     parser.CharacterDataHandler = builder.data
-    parser.StartDoctypeDeclHandler = refuse
+    parser.StartDoctypeDeclHandler = partial(_refuse, parser)
     try:
         parser.Parse(_HIDDEN.sub(_blanks, _DECLARATION.sub(_blanks, text, count=1)).encode(), True)
     except (expat.ExpatError, UnicodeEncodeError):
         raise XmlError(f"this is not XML{_from(parser)}") from None
     root: ElementTree.Element = builder.close()
     return root
+
+
+def refuse_document_types(content: bytes) -> None:
+    """Raises XmlError where an XML file, in whatever encoding, declares a document type. Whether it is XML is not
+    asked."""
+    parser = expat.ParserCreate()
+    parser.StartDoctypeDeclHandler = partial(_refuse, parser)
+    try:
+        for start in range(0, len(content), BLOCK):
+            parser.Parse(content[start : start + BLOCK], False)
+    except (expat.ExpatError, ValueError):
+        # Other readers may go on where this one gives up.
+        if _DOCUMENT_TYPE.search(content.replace(b"\0", b"")):
+            raise XmlError("a document type, and entities with it, are not allowed") from None
+
+
+def _refuse(parser: expat.XMLParserType, *_: object) -> None:
+    raise XmlError(f"a document type, and entities with it, are not allowed{_from(parser)}")
 
 
 def _blanks(match: re.Match[str]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import secrets
+import signal
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -12,6 +13,8 @@ from pathlib import Path
 
 NO_UNNAMED = (errno.EOPNOTSUPP, errno.EISDIR, errno.EINVAL, errno.ENOENT)
 """What systems say that have no files without a name."""
+INTERRUPTS = (signal.SIGINT, signal.SIGALRM, signal.SIGTERM)
+"""What has to wait while a file is overwritten."""
 
 
 def write_atomically(path: str | Path, content: bytes) -> None:
@@ -135,9 +138,12 @@ def _overwrite(target: str, content: bytes) -> None:
         except OSError:
             os.ftruncate(file, before)
             raise
-        done = 0
-        while done < len(content):
-            done += os.pwrite(file, content[done:], done)
-        os.ftruncate(file, len(content))
+        done, mask = 0, signal.pthread_sigmask(signal.SIG_BLOCK, INTERRUPTS)
+        try:
+            while done < len(content):
+                done += os.pwrite(file, content[done:], done)
+            os.ftruncate(file, len(content))
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
     finally:
         os.close(file)

@@ -84,10 +84,11 @@ class Budget:
 def ending(loop: Callable[[], str]) -> str:
     """The status that `loop` ends with; "budget" when it runs out of time, "memory" when it runs out of memory,
     "interrupted" after Ctrl-C. What follows is not interrupted by the guard, but in `unless_spent`."""
-    from .guard import answered
+    from .guard import answered, looking
 
     try:
-        return loop()
+        with looking():
+            return loop()
     except (OutOfTime, MemoryError, RuntimeError) as error:
         if not (isinstance(error, OutOfTime) or is_out_of_memory(error)):
             raise

@@ -56,13 +56,15 @@ class Guard(Budget):
         self._closes = False
         self._rests = False
         self._interrupted = False
+        self.loops = 0
+        """How many loops are under way that look at their budget themselves."""
         self.optional = 0
         """How many pieces of work are under way that may be left out."""
 
     @property
     def seconds_of_work(self) -> float:
         """When the work is interrupted."""
-        return math.inf if self.seconds is None else self.seconds + GRACE
+        return math.inf if self.seconds is None else self.seconds + (GRACE if self.loops else 0.0)
 
     @property
     def closed(self) -> bool:
@@ -122,15 +124,23 @@ def answered() -> None:
 @contextmanager
 def interruptible() -> Iterator[None]:
     """Around work that may be left out where the time for what follows the work is spent."""
-    guard = _guards[-1] if _guards else None
-    if guard is None:
-        yield
-        return
+    guard = _guards[-1] if _guards else Guard(None, None)
     guard.optional += 1
     try:
         yield
     finally:
         guard.optional -= 1
+
+
+@contextmanager
+def looking() -> Iterator[None]:
+    """Around a loop that looks at its budget itself, and knows best how to end."""
+    guard = _guards[-1] if _guards else Guard(None, None)
+    guard.loops += 1
+    try:
+        yield
+    finally:
+        guard.loops -= 1
 
 
 def closing() -> None:
@@ -163,6 +173,7 @@ def guarded(seconds: float | None, memory: int | None, started: float | None = N
         guard.rest()
         _guards.remove(guard)
         signal.setitimer(signal.ITIMER_REAL, *timer)
+        signal.signal(signal.SIGALRM, signal.SIG_IGN)  # what another thread has not taken yet is gone with it
         signal.signal(signal.SIGALRM, handler)
         sys.unraisablehook = hook
         resource.setrlimit(resource.RLIMIT_DATA, limits)

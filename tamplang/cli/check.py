@@ -56,12 +56,19 @@ def _found(files: Sequence[Path], seconds: float, memory: int | None) -> tuple[l
 
 @click.command()
 @FILES
+@limit_options
 @click.option("--check", "only_check", is_flag=True, help="Change nothing; end with status 1 if a file would change.")
-def fmt(files: tuple[Path, ...], only_check: bool) -> int:
+def fmt(files: tuple[Path, ...], only_check: bool, seconds: float, memory: int | None) -> int:
     """Lay out each FILE in the one standard way."""
-    changed = [file for file in files if _format(file, only_check)]
-    for file in changed:
-        click.echo(f"{'would change' if only_check else 'changed'}: {file}", err=True)
+    changed = []
+    try:
+        with limited(seconds, memory, "laying out files") as guard:
+            for file in files:
+                guard.doing = f"laying out {file}"
+                changed += [file] if _format(file, only_check) else []
+    finally:
+        for file in changed:
+            click.echo(f"{'would change' if only_check else 'changed'}: {file}", err=True)
     return ExitStatus.SOURCE_ERRORS if changed and only_check else ExitStatus.DONE
 
 

@@ -16,6 +16,8 @@ from ....skeleton import Array
 from .joint_forest import Mount, Obstacle, PhaseTree
 
 Indices = NDArray[np.intp]
+MOST_PAIRS = 500_000
+"""So many pairs are looked at at once: a tenth of a second, and what a process can hold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,18 +169,30 @@ class Meetings:
         for group in groups:
             alone[group] = False
         plain = np.flatnonzero(alone)
-        first, second = (plain[side] for side in np.triu_indices(len(plain), 1))
-        meets, found = [], [np.column_stack([first, second])[self.meet(first, second)]] if len(plain) else []
+        meets, found = [], [np.zeros((0, 2), np.intp)]
+        for rows in _blocks(len(plain), len(plain)):
+            first, second = np.nonzero(rows[:, None] < np.arange(len(plain)))
+            first, second = plain[rows[first]], plain[second]
+            found.append(np.column_stack([first, second])[self.meet(first, second)])
         others = np.ones(len(self._balls), bool)
         for group in groups:
             others[group] = False
-            first, second = (side.reshape(-1) for side in np.meshgrid(np.flatnonzero(others), group, indexing="ij"))
-            possible = self.meet(first, second).reshape(-1, len(group))
-            every = np.asarray(possible.all(axis=1))
-            meets.append(tuple(np.flatnonzero(others)[every].tolist()))
-            left = (possible & ~every[:, None]).reshape(-1)
-            found.append(np.column_stack([first, second])[left])
-        return np.concatenate([np.zeros((0, 2), np.intp), *found]), meets
+            rest, whole = np.flatnonzero(others), list[int]()
+            for rows in _blocks(len(rest), len(group)):
+                first, second = (side.reshape(-1) for side in np.meshgrid(rest[rows], group, indexing="ij"))
+                possible = self.meet(first, second).reshape(-1, len(group))
+                every = np.asarray(possible.all(axis=1))
+                whole += rest[rows][every].tolist()
+                left = (possible & ~every[:, None]).reshape(-1)
+                found.append(np.column_stack([first, second])[left])
+            meets.append(tuple(whole))
+        return np.concatenate(found), meets
+
+
+def _blocks(rows: int, width: int) -> Iterator[Indices]:
+    """The rows of a table of pairs in blocks of at most some MOST_PAIRS."""
+    step = max(1, MOST_PAIRS // max(1, width))
+    return (np.arange(start, min(rows, start + step)) for start in range(0, rows, step))
 
 
 def _one_robot(kinds: NDArray[np.intp], joints: int) -> NDArray[np.bool_]:
