@@ -335,7 +335,9 @@ def breakdown_changed(draft: Draft) -> None:
         case 1:
             failed["kind"] = "gone" if failed["kind"] == "locked" else "locked"
         case _:
-            failed["module"] = next(m["name"] for m in draft.data["modules"] if m["name"] != failed["module"])
+            others = [m["name"] for m in draft.data["modules"] if m["name"] != failed["module"]]
+            need(others)
+            failed["module"] = others[0]
 
 
 @kind(false=True)
