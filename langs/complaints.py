@@ -184,11 +184,14 @@ def _indent(line: str) -> int:
 
 
 def _gap(source: Source, before: Sequence[Token], found: Token) -> Span:
-    """The character behind the last token before a gap, or the found token where there is none."""
+    """The character behind the last token before a gap, or the found token where there is none; at the end of the
+    file, the place behind its last character."""
     if not before:
         return span_of(source.path, found)
     last = span_of(source.path, before[-1])
-    return Span(last.file, last.end, last.end + 1, last.end_line, last.end_column, last.end_line, last.end_column + 1)
+    width = min(1, len(source.text) - last.end)
+    end = last.end + width, last.end_line, last.end_column + width
+    return Span(last.file, last.end, end[0], last.end_line, last.end_column, end[1], end[2])
 
 
 def bare_literal(source: Source, words: Sequence[Token]) -> Diagnostic:

@@ -6,6 +6,7 @@ import msgspec
 
 from .plan import (
     FORMAT,
+    NO_LIMIT,
     BodyRecord,
     BodyTrackRecord,
     BoundRecord,
@@ -107,10 +108,16 @@ class Plan1(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     complete: bool = True
 
 
+class EarlyPlan(Plan, frozen=True):
+    """A plan from before joints had limits of acceleration: its file states none. The motion has to keep those of its
+    module types all the same."""
+
+
 def upgraded(old: Plan1) -> Plan:
     """The same plan in today's format."""
     statistics = old.statistics
-    return Plan(
+    stated = all(joint.acceleration != NO_LIMIT for module in old.modules for joint in module.joints)
+    return (Plan if stated else EarlyPlan)(
         format=FORMAT,
         versions=old.versions,
         task=_task(old.task),

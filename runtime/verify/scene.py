@@ -8,6 +8,7 @@ import numpy as np
 
 from ...compiler import ir
 from ..plan import NO_LIMIT, BodyRecord, CouplingRecord, ModuleRecord, Plan, ShapeRecord
+from ..plan_upgrade import EarlyPlan
 from .findings import Findings
 
 TOLERANCE = 1e-9
@@ -24,7 +25,7 @@ def check_scene(plan: Plan, problem: ir.Problem, findings: Findings) -> bool:
         findings.fail("scene", f"the plan's things are not those of the scene: {differing}")
         return False
     for module in plan.modules:
-        for what in _module_differences(module, world.modules[module.name]):
+        for what in _module_differences(module, world.modules[module.name], isinstance(plan, EarlyPlan)):
             findings.fail("scene", f"{what} of {module.name} differs from the scene", between=[module.name])
     for body in plan.bodies:
         for what in _body_differences(body, world.bodies[body.name]):
@@ -46,7 +47,8 @@ def _bounded(*values: float) -> list[float]:
     return [min(max(v, -NO_LIMIT), NO_LIMIT) for v in values]
 
 
-def _module_differences(record: ModuleRecord, module: ir.Module) -> list[str]:
+def _module_differences(record: ModuleRecord, module: ir.Module, early: bool) -> list[str]:
+    """In which parts a module of the plan is not that of the scene; `early` plans need not state accelerations."""
     kind = module.type
     found = [] if record.type == kind.name else ["the type"]
     if not _near(record.pose, module.pose):
@@ -58,8 +60,8 @@ def _module_differences(record: ModuleRecord, module: ir.Module) -> list[str]:
     else:
         for a, b in zip(record.joints, kind.joints, strict=True):
             numbers = _near([a.lower, a.upper, a.speed], _bounded(b.lower, b.upper, b.speed))
-            # Files from before there were accelerations do not state them; the motion must keep them all the same.
-            numbers = numbers and (a.acceleration == NO_LIMIT or _near([a.acceleration], _bounded(b.acceleration)))
+            unstated = early and a.acceleration == NO_LIMIT
+            numbers = numbers and (unstated or _near([a.acceleration], _bounded(b.acceleration)))
             frame = _near(a.placement, b.placement) and _near(a.axis, b.axis)
             driven = _same_coupling(a.follows, b.follows) and a.passive == b.passive
             if not (numbers and frame and driven and (a.kind, a.parent) == (b.kind, b.parent)):

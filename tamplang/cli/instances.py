@@ -10,6 +10,7 @@ import re
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,18 +32,21 @@ MAX_INSTANCES = 100_000
 _RANGE = re.compile(r"([+-]?\d{1,18})\s*\.\.\s*([+-]?\d{1,18})", re.ASCII)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Program:
-    """A program without errors: its own text first, then what it imports, and the name of the task."""
+    """A program without errors: its own text first, then what it imports; the meshes and URDFs that these name, by
+    path; and the name of the task."""
 
     sources: tuple[Source, ...]
+    files: Mapping[str, bytes]
     task: str
 
-    @property
+    @cached_property
     def digest(self) -> str:
-        """A hash of all texts."""
+        """A hash of all texts and files."""
         texts = json.dumps([source.text for source in self.sources])
-        return hashlib.sha256(texts.encode()).hexdigest()[:16]
+        files = [hashlib.sha256(content).hexdigest() for content in self.files.values()]
+        return hashlib.sha256("".join([texts, *files]).encode()).hexdigest()[:16]
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +80,8 @@ def read_program(file: Path, task: str | None) -> Program:
     lifted = check_declarations(*load_sources([read_source(file)]))
     if lifted.findings.has_errors:
         raise SourceError(lifted.findings.sorted())
-    return Program(tuple(lifted.library.sources), choose_task(lifted.library, task).name)
+    library = lifted.library
+    return Program(tuple(library.sources), dict(library.foreign), choose_task(library, task).name)
 
 
 def read_values(program: Program, texts: Mapping[str, Sequence[str]]) -> dict[str, dict[str, float | int]]:
@@ -84,7 +89,7 @@ def read_values(program: Program, texts: Mapping[str, Sequence[str]]) -> dict[st
 
     Raises UsageError on unknown names, unfit values and parameters left without any.
     """
-    task = load_sources(program.sources)[0].tasks[program.task]
+    task = load_sources(program.sources, program.files)[0].tasks[program.task]
     found: dict[str, dict[str, float | int]] = {name: {} for name in texts}
     firsts = {name: several[0] for name, several in texts.items()}
     parameter_values(task, firsts)
@@ -194,7 +199,9 @@ def _solved(instance: Instance, guard: Guard) -> tuple[dict[str, Any], bytes | N
 
     worked = time.process_time()
     program = instance.program
-    problem, _ = compile_sources(program.sources, program.task, instance.parameters, instance.seed)
+    problem, _ = compile_sources(
+        program.sources, program.task, instance.parameters, instance.seed, program.files
+    )
     compiled = guard.elapsed
     guard.doing = "planning"
     guard.seconds = total(instance.options.get("time"), problem.options.time, SECONDS)

@@ -113,3 +113,12 @@ def test_sound_declarations_beside_faulty_ones_are_kept() -> None:
 def test_many_mistakes_are_all_named() -> None:
     text = "".join(f"rule r{i}(A: effector) {{\n    pre   (a A) (b A)\n}}\n" for i in range(30))
     assert [d.span.line for d in mistakes(text) if d.span] == [2 + 3 * i for i in range(30)]
+
+
+@pytest.mark.parametrize("text", TEXTS[::4])
+def test_every_place_lies_inside_its_file_wherever_that_ends(text: str) -> None:
+    for end in range(1, min(len(text), 2000), 37):
+        for cut in (text[:end], text[:end].rstrip()):
+            for found in mistakes(cut):
+                for span in (found.span, *(label.span for label in found.labels)):
+                    assert span is not None and 0 <= span.start <= span.end <= len(cut), (cut[-30:], found)

@@ -12,6 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from tamplang.cli import run
+from tamplang.cli.instances import instances, read_program, solve_instance
+
 from .conftest import CLIMB, ROOT, SMALL, lines, session, start, sweep, sweep_here, timeless, wait_until
 
 
@@ -80,6 +83,27 @@ def test_instances_that_cannot_be_solved_are_told(tmp_path: Path) -> None:
     assert json.loads(out)["status"] == "unsolved"
     assert [group["solved"] for group in json.loads(out)["groups"]] == [0, 1]
     assert "error: " in err or "infeasible" in err
+
+
+LIT = """predicate (lit)
+rule light() { pre not (lit) post (lit) }
+task t() { object b: hull("b.obj") at (0, 0, 1 m) goal (lit) }
+"""
+
+
+def test_another_mesh_is_another_program_and_goes_with_the_work(tmp_path: Path) -> None:
+    program, mesh, results = tmp_path / "lit.tamp", tmp_path / "b.obj", tmp_path / "t.sweep.jsonl"
+    program.write_text(LIT, encoding="utf-8")
+    for height in (1, 1, 2):
+        corners = f"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 {height}\n"
+        mesh.write_text(corners + "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", encoding="utf-8")
+        assert run(["sweep", str(program), "--out", str(results)]) == 0
+    first, second = lines(results)
+    assert first["source"] != second["source"] and first["status"] == second["status"] == "solved"
+    read = read_program(program, None)
+    mesh.unlink()
+    (instance,) = instances(read, {}, [0], {}, with_plan=False)
+    assert solve_instance(instance)[0]["status"] == "solved"
 
 
 def test_the_end_of_the_time_is_told_with_a_code(tmp_path: Path) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from pathlib import Path
 
 import msgspec
 import numpy as np
@@ -11,6 +13,8 @@ import pytest
 from tamplang.compiler import ir
 from tamplang.compiler.pipeline import compile_text
 from tamplang.runtime.plan import Plan
+from tamplang.runtime.plan_files import read_plan
+from tamplang.runtime.plan_upgrade import EarlyPlan
 from tamplang.runtime.verify import check, verify
 
 from .motions import Maker
@@ -86,9 +90,22 @@ def test_a_file_from_before_there_were_accelerations_is_judged_by_the_task() -> 
     data = msgspec.to_builtins(wave())
     for joint in data["modules"][0]["joints"]:
         del joint["acceleration"]
-    old = msgspec.convert(data, Plan)
+    old = msgspec.convert(data, EarlyPlan)
     assert check(old, limited(acceleration=0.3)).verified
     assert {f.kind for f in check(old, limited(acceleration=0.2)).failures} == {"joint_acceleration_rad_s2"}
+    new = check(msgspec.convert(data, Plan), limited(acceleration=0.3))
+    assert ("scene", "joint j7 of c differs from the scene") in [(f.kind, f.message) for f in new.failures]
+
+
+def test_only_files_of_format_1_may_lack_accelerations(tmp_path: Path) -> None:
+    data = json.loads((Path(__file__).parent / "format_1.plan.json").read_text(encoding="utf-8"))
+    for early in (False, True):
+        for module in data["modules"]:
+            for joint in module["joints"]:
+                joint.pop("acceleration") if early else None
+        (tmp_path / "plan.json").write_text(json.dumps(data), encoding="utf-8")
+        plan = read_plan(tmp_path / "plan.json")
+        assert isinstance(plan, EarlyPlan) is early and verify(plan).verified
 
 
 def test_samples_on_the_way_at_another_time_are_refused() -> None:
