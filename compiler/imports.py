@@ -16,9 +16,10 @@ from ..langs.source import Source
 from .checks.findings import Findings
 from .foreign import Files, beside, portable
 from .library import Library, build_library
+from .mesh_bodies import MeshBody
 from .mesh_files import load_mesh, mesh_calls
 from .standard import EXTENSION, STANDARD, STANDARD_FOLDER
-from .urdf_files import load_urdf, urdf_path
+from .urdf_files import MeshName, load_urdf, urdf_path
 
 
 class _Loader:
@@ -34,6 +35,7 @@ class _Loader:
         self.sources: dict[str, Source] = {}
         self.files: dict[str, syntax.File] = {}
         self.models: dict[str, Source] = {}
+        self.meshes: dict[MeshName, MeshBody | None] = {}
         self.convex: set[str] = set()
         self.diagnostics: list[Diagnostic] = []
         self.unfit: list[Diagnostic] = []
@@ -62,9 +64,10 @@ class _Loader:
         path = urdf_path(importer.path, module)
         if path not in self.models:
             self.names[path] = urdf_path(self.names[importer.path], module)
-            found, diagnostics = load_urdf(path, module, self.names, self.foreign)
-            self.unfit += diagnostics
-            self.models.update({} if found is None else {path: found})
+            found = load_urdf(path, module, self.names, self.foreign)
+            self.unfit += found.diagnostics
+            self.meshes |= found.meshes
+            self.models.update({} if found.source is None else {path: found.source})
 
     def read_mesh(self, importer: Source, call: syntax.Call, name: syntax.Text) -> None:
         path = beside(importer.path, name.value)
@@ -190,7 +193,8 @@ def load_sources(
         findings.add(diagnostic)
     texts = tuple(loader.sources.values()), tuple(loader.models.values())
     names = portable(loader.names, loader.standard, STANDARD)
-    library = build_library(*texts, tuple(loader.files.values()), loader.foreign.kept, names, findings)
+    files_read = tuple(loader.files.values())
+    library = build_library(*texts, loader.meshes, files_read, loader.foreign.kept, names, findings)
     return library, findings, parsed
 
 

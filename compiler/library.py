@@ -10,6 +10,8 @@ from ..langs import syntax
 from ..langs.source import Source, Span
 from . import ir
 from .checks.findings import Findings
+from .mesh_bodies import MeshBody
+from .urdf_files import MeshName
 
 BUILT_IN_TYPES: Mapping[str, str | None] = {"object": None, "effector": "object", "module": None}
 VALUE_TYPE_NAMES = ("int", "real", "length", "angle", "time", "speed", "mass", "density", "force", "torque", "inertia")
@@ -43,11 +45,12 @@ class Signature:
 @dataclass(frozen=True, slots=True)
 class Library:
     """Parsed files, the main one first, and their declarations. `models` are the texts that module types and shapes
-    come from: URDFs with hulls for meshes, and the corners of meshes. `foreign` holds the files that they were read
-    from; `names` tells how sources and these files, by path, are called on any machine."""
+    come from: URDFs, and the corners of meshes; `meshes` are the bodies for the meshes of URDFs. `foreign` holds the
+    files that they were read from; `names` tells how sources and these files, by path, are called on any machine."""
 
     sources: tuple[Source, ...]
     models: tuple[Source, ...]
+    meshes: Mapping[MeshName, MeshBody | None]
     files: tuple[syntax.File, ...]
     foreign: Mapping[str, bytes]
     names: Mapping[str, str]
@@ -121,8 +124,8 @@ class _Tables:
 
 
 def build_library(
-    sources: tuple[Source, ...], models: tuple[Source, ...], files: tuple[syntax.File, ...],
-    foreign: Mapping[str, bytes], names: Mapping[str, str], findings: Findings,
+    sources: tuple[Source, ...], models: tuple[Source, ...], meshes: Mapping[MeshName, MeshBody | None],
+    files: tuple[syntax.File, ...], foreign: Mapping[str, bytes], names: Mapping[str, str], findings: Findings,
 ) -> Library:  # fmt: skip
     """The tables of `files`. Reports names declared twice, built-in names declared again, unknown parents of types and
     types that are below themselves."""
@@ -135,6 +138,7 @@ def build_library(
     return Library(
         sources,
         models,
+        meshes,
         files,
         foreign,
         names,

@@ -22,6 +22,10 @@ from .xml_texts import XmlError, refuse_document_types
 if TYPE_CHECKING:
     from .hulls import Array
 
+class Empty(ValueError):
+    """A mesh without triangles."""
+
+
 MESH_CALLS = ("mesh", "hull")
 BULGE = 0.01
 """A mesh whose hull is larger by less than this share passes for convex."""
@@ -92,6 +96,8 @@ def read_mesh(path: str, content: bytes, scale: Sequence[float] = (1.0, 1.0, 1.0
     ending = Path(path).suffix.lower()
     if ending not in FORMATS:
         raise ValueError(f"it is none of {', '.join(FORMATS)}")
+    if _holds_nothing(ending, content):
+        raise Empty("it holds no triangles")
     if ending == ".dae":
         refuse_document_types(content)
     with tempfile.TemporaryDirectory(prefix="tamplang-") as folder:
@@ -99,8 +105,10 @@ def read_mesh(path: str, content: bytes, scale: Sequence[float] = (1.0, 1.0, 1.0
         file.write_bytes(_shape_alone(content) if ending == ".obj" else content)
         loaded = partial(_loaded, file, scale)
         points, triangles = apart(loaded) if len(content) > LONG else loaded()
-    if not len(triangles) or not np.isfinite(points).all():
-        raise ValueError("a corner is not finite" if len(triangles) else "it holds no triangles")
+    if not len(triangles):
+        raise Empty("it holds no triangles")
+    if not np.isfinite(points).all():
+        raise ValueError("a corner is not finite")
     return points, triangles
 
 
@@ -111,6 +119,16 @@ def _loaded(file: Path, scale: Sequence[float]) -> tuple[Array, Array]:
     mesh = coal.MeshLoader().load(str(file), np.array(scale, dtype=float))
     triangles = np.array([[t[0], t[1], t[2]] for t in map(mesh.tri_indices, range(mesh.num_tris))])
     return np.array(mesh.vertices(), dtype=float).reshape(-1, 3), triangles
+
+
+def _holds_nothing(ending: str, content: bytes) -> bool:
+    """Whether a file is sound and has no triangle, which the loader tells no other way than that it is broken."""
+    if ending == ".stl":
+        if content.lstrip().startswith(b"solid") and b"endsolid" in content:
+            return b"facet" not in content
+        return len(content) >= 84 and content[80:84] == b"\0\0\0\0"
+    words = [line.split(None, 1)[0] for line in content.splitlines() if line.split()]
+    return ending == ".obj" and all(w.startswith(b"#") or (w in (*OBJ_LINES, b"o", b"g") and w != b"f") for w in words)
 
 
 def _shape_alone(content: bytes) -> bytes:

@@ -1,7 +1,6 @@
-"""URDF files that module types are taken from, read beside the file that names them.
+"""URDF files that module types are taken from, and the meshes that they name, read beside the file that names them.
 
-Meshes among the collision shapes are replaced by their hulls when the file is read, so that the text alone says
-everything. A plan carries URDF and meshes as they are, and a verifier builds the same module without the disk.
+A plan carries URDF and meshes as they are, and a verifier builds the same module without the disk.
 """
 
 from __future__ import annotations
@@ -9,21 +8,34 @@ from __future__ import annotations
 import math
 import posixpath
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from xml.etree import ElementTree
 
 from ..langs import syntax
-from ..langs.diagnostics import Diagnostic, SourceError
+from ..langs.diagnostics import Diagnostic, Label, SourceError
 from ..langs.reader import source_of
 from ..langs.source import Source
 from .foreign import Files, Missing, beside
 from .ir import Vec3
-from .mesh_files import read_mesh
-from .poses import Quaternion, roll_pitch_yaw, rotate
-from .xml_texts import XmlError, decoded, read_xml
+from .mesh_bodies import MeshBody, NoBody, mesh_body
+from .poses import Quaternion, roll_pitch_yaw
+from .xml_texts import XmlError, decoded, read_xml, span_of
 
 ABOVE = 32
 """How many folders above a URDF are searched for a package."""
+MeshName = tuple[str, str, str]
+"""A mesh of a URDF: the path of the URDF, its `filename` and its `scale`."""
+
+
+@dataclass(slots=True)
+class UrdfFile:
+    """The text of a URDF, None where there is none, the bodies of its meshes, and what is wrong with the files. A mesh
+    without a body has None."""
+
+    source: Source | None = None
+    meshes: dict[MeshName, MeshBody | None] = field(default_factory=dict)
+    diagnostics: list[Diagnostic] = field(default_factory=list)
 
 
 def urdf_path(importer: str, module: syntax.ModuleDecl) -> str:
@@ -32,75 +44,64 @@ def urdf_path(importer: str, module: syntax.ModuleDecl) -> str:
     return beside(importer, module.urdf.value)
 
 
-def load_urdf(
-    path: str, module: syntax.ModuleDecl, names: dict[str, str], files: Files
-) -> tuple[Source | None, list[Diagnostic]]:
-    """The text at `path`, with hulls for meshes, and what is wrong with the files. `names` is told how the meshes are
-    called on any machine."""
+def load_urdf(path: str, module: syntax.ModuleDecl, names: dict[str, str], files: Files) -> UrdfFile:
+    """The file at `path`. `names` is told how the meshes are called on any machine."""
     assert module.urdf is not None
-    where = module.urdf.span
+    where, found = module.urdf.span, UrdfFile()
     try:
-        source = source_of(path, decoded(files.read(path)))
+        found.source = source_of(path, decoded(files.read(path)))
     except Missing as reason:
         message = str(reason).replace("there is no file", "there is no URDF file", 1)
-        return None, [Diagnostic("E0513", message, where, help=reason.help)]
+        found.diagnostics.append(Diagnostic("E0513", message, where, help=reason.help))
     except SourceError as error:
-        return None, [Diagnostic("E0513", f"{path}: {error.diagnostics[0].message}", where)]
-    if "<mesh" not in source.text:
-        return source, []
+        found.diagnostics.append(Diagnostic("E0513", f"{path}: {error.diagnostics[0].message}", where))
+    if found.source is not None and "<mesh" in found.source.text:
+        _load_meshes(found, found.source, Label(where, "read for this module"), names, files)
+    return found
+
+
+def _load_meshes(found: UrdfFile, source: Source, label: Label, names: dict[str, str], files: Files) -> None:
+    """The bodies of all meshes among the collision shapes."""
     try:
         root = read_xml(source.text)
     except XmlError:
-        return source, []
-    newer = quaternions_count(root)
-    hulls = (_hull_for_mesh(path, c, newer, module, names, files) for c in root.findall("link/collision"))
-    diagnostics = [d for d in hulls if d is not None]
-    return Source(path, ElementTree.tostring(root, encoding="unicode")), diagnostics
+        return
+    for mesh in root.findall("link/collision/geometry/mesh"):
+        key = mesh_name(source.path, mesh)
+        if key not in found.meshes:
+            found.meshes[key] = None
+            for code, message in _load_mesh(found, key, names, files):
+                found.diagnostics.append(Diagnostic(code, message, span_of(source, mesh), (label,)))
 
 
-def _hull_for_mesh(
-    path: str, collision: ElementTree.Element, newer: bool, module: syntax.ModuleDecl, names: dict[str, str],
-    files: Files,
-) -> Diagnostic | None:  # fmt: skip
-    """Put the hull in place of a mesh, and move the element's origin to the middle of the box around it."""
-    from .hulls import HullError, convex_shape
+def mesh_name(path: str, mesh: ElementTree.Element) -> MeshName:
+    """What a mesh of the URDF at `path` is called in `UrdfFile.meshes`."""
+    return path, mesh.get("filename", ""), " ".join(mesh.get("scale", "1 1 1").split())
 
-    assert module.urdf is not None
-    geometry = collision.find("geometry")
-    mesh = None if geometry is None else geometry.find("mesh")
-    if geometry is None or mesh is None:
-        return None
-    name = mesh.get("filename", "")
+
+def _load_mesh(found: UrdfFile, key: MeshName, names: dict[str, str], files: Files) -> Iterator[tuple[str, str]]:
+    """Reads the body of a mesh into `found`; gives codes and messages."""
+    path, name, scale_text = key
     places = list(_mesh_places(path, name))
-    chosen = files.first(places)
+    chosen = files.first([place for place, _ in places])
     if chosen is None:
-        return Diagnostic("E0515", f'there is no mesh file "{name}" for {path}', module.urdf.span)
-    file, names[places[chosen]] = places[chosen], list(_mesh_places(names[path], name))[chosen]
+        yield "E0515", f'there is no mesh file "{name}"'
+        return
+    file, fits = places[chosen]
+    names[file] = list(_mesh_places(names[path], name))[chosen][0]
+    beside_package = "" if fits else f"; no folder of the name of its package holds it, so {file} is taken"
     try:
-        scale = three(mesh, "scale") if mesh.get("scale") else (1.0, 1.0, 1.0)
-        points, _ = read_mesh(file, files.read(file), scale)
-        made, middle, simpler = convex_shape(points)
-    except XmlError as reason:
-        return Diagnostic("E0515", f'the mesh file "{name}" of {path}: {reason}', module.urdf.span)
-    except (Missing, ValueError, RuntimeError, HullError):
-        return Diagnostic("E0515", f'the mesh file "{name}" of {path} cannot be read', module.urdf.span)
-    geometry.remove(mesh)
-    geometry.append(ElementTree.Element("convex", points=_text(made.size)))
-    origin = collision.find("origin")
-    if origin is None:
-        origin = ElementTree.SubElement(collision, "origin")
-    try:
-        place, turn = three(origin, "xyz"), turned(origin, newer)
-    except ValueError:
-        return None
-    shift = rotate(turn, middle)
-    origin.set("xyz", _text(p + s for p, s in zip(place, shift, strict=True)))
-    how = "by a simple body around it" if simpler else "by its hull"
-    return Diagnostic("W0006", f'the mesh "{name}" is replaced {how}', module.urdf.span)
-
-
-def _text(values: Iterable[float]) -> str:
-    return " ".join(map(repr, values))
+        x, y, z = map(float, scale_text.split())
+        body = mesh_body(file, files.read(file), (x, y, z))
+    except NoBody as reason:
+        yield "W0010", f'the mesh "{name}" is left out: {reason}'
+        return
+    except (Missing, XmlError, ValueError, RuntimeError) as reason:
+        help = f": {reason}" if isinstance(reason, Missing | XmlError) else ""
+        yield "E0515", f'the mesh file "{name}" cannot be read{help}'
+        return
+    found.meshes[key] = body
+    yield "W0006", f'the mesh "{name}" is replaced by {body.told()}{beside_package}'
 
 
 def three(element: ElementTree.Element | None, name: str) -> Vec3:
@@ -110,12 +111,8 @@ def three(element: ElementTree.Element | None, name: str) -> Vec3:
     return x, y, z
 
 
-FIRST_WITH_QUATERNIONS = "1.1"
-"""The version of URDF from which on `quat_xyzw` counts."""
-
-
-def quaternions_count(robot: ElementTree.Element) -> bool:
-    """Whether a `quat_xyzw` is read; a file that names no version is of 1.0, where it is passed over."""
+def at_least_1_1(robot: ElementTree.Element) -> bool:
+    """Whether `quat_xyzw` and `capsule` count; a file that names no version is of 1.0, where they do not."""
     version = re.fullmatch(r"([0-9]{1,4})\.([0-9]{1,4})", robot.get("version", "").strip())
     return version is not None and (int(version[1]), int(version[2])) >= (1, 1)
 
@@ -139,12 +136,13 @@ def turned(origin: ElementTree.Element | None, newer: bool) -> Quaternion:
     return x, y, z, w
 
 
-def _mesh_places(path: str, name: str) -> Iterator[str]:
-    """Where the file of a mesh may be; `package://NAME/…` is looked for in the folders above the URDF."""
-    package = name.removeprefix("package://")
+def _mesh_places(path: str, name: str) -> Iterator[tuple[str, bool]]:
+    """Where the file of a mesh may be, and whether that is where its name says; `package://NAME/…` is looked for in the
+    folders above the URDF, first under NAME."""
+    package = name.removeprefix("package://").removeprefix("model://")
     if package == name:
-        yield beside(path, name.removeprefix("file://"))
+        yield beside(path, name.removeprefix("file://")), True
         return
-    for inside in (package, package.partition("/")[2]):
+    for inside, fits in ((package, True), (package.partition("/")[2], False)):
         for above in range(ABOVE):
-            yield posixpath.normpath(beside(path, posixpath.join("../" * above, inside)))
+            yield posixpath.normpath(beside(path, posixpath.join("../" * above, inside))), fits

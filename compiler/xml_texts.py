@@ -12,6 +12,8 @@ from functools import partial
 from xml.etree import ElementTree
 from xml.parsers import expat
 
+from ..langs.source import Source, Span
+
 DEEPEST = 100
 """Elements inside each other. A link needs 5; what is far deeper was made to harm who walks down."""
 BLOCK = 1_000_000
@@ -22,7 +24,32 @@ _HIDDEN = re.compile(r"<!\[CDATA\[.*?\]\]>|<!--.*?-->", re.DOTALL)
 
 
 class XmlError(Exception):
-    """The text cannot be read; the message says why and where."""
+    """The text cannot be read; the message says why, `line` and `column` say where."""
+
+    def __init__(self, message: str, line: int, column: int) -> None:
+        super().__init__(message)
+        self.line, self.column = line, column
+
+    def span(self, source: Source) -> Span:
+        """Where, in the text that was read: one character."""
+        starts = [0, *(m.end() for m in re.finditer("\n", source.text))]
+        start = min(starts[min(self.line, len(starts)) - 1] + self.column - 1, len(source.text))
+        return Span(source.path, start, start + 1, self.line, self.column, self.line, self.column + 1)
+
+
+class PlacedElement(ElementTree.Element):
+    """An element that knows where it begins in its text, in characters from 0."""
+
+    start = 0
+
+
+def span_of(source: Source, element: ElementTree.Element) -> Span:
+    """The opening tag of an element that `read_xml` gave for the text of `source`."""
+    start = element.start if isinstance(element, PlacedElement) else 0
+    end = source.text.find(">", start) + 1 or len(source.text)
+    line, end_line = (source.text.count("\n", 0, place) + 1 for place in (start, end))
+    column, end_column = (place - source.text.rfind("\n", 0, place) for place in (start, end))
+    return Span(source.path, start, end, line, column, end_line, end_column)
 
 
 def decoded(content: bytes) -> bytes:
@@ -35,17 +62,27 @@ def decoded(content: bytes) -> bytes:
 
 
 def read_xml(text: str) -> ElementTree.Element:
-    """The root element. Names keep their prefixes, whether they are declared or not. Raises XmlError."""
-    builder, depth = ElementTree.TreeBuilder(), 0
+    """The root element; each tells its place (`span_of`). Names keep their prefixes, whether they are declared or not.
+    Raises XmlError."""
+    builder, depth = ElementTree.TreeBuilder(element_factory=PlacedElement), 0
     parser = expat.ParserCreate("utf-8")
     parser.ordered_attributes = False
+    try:
+        content = _HIDDEN.sub(_blanks, _DECLARATION.sub(_blanks, text, count=1)).encode()
+    except UnicodeEncodeError:
+        raise XmlError("this is not XML", 1, 1) from None
+    last = (0, 0)
 
     def begin(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal depth
+        nonlocal depth, last
         depth += 1
         if depth > DEEPEST:
-            raise XmlError(f"elements are nested too deeply{_from(parser)}")
-        builder.start(tag, attributes)
+            raise _error(parser, "elements are nested too deeply from here on")
+        element = builder.start(tag, attributes)
+        now = parser.CurrentByteIndex
+        last = now, last[1] + len(content[last[0] : now].decode(errors="ignore"))
+        if isinstance(element, PlacedElement):
+            element.start = last[1]
 
     def end(tag: str) -> None:
         nonlocal depth
@@ -56,9 +93,9 @@ def read_xml(text: str) -> ElementTree.Element:
     parser.CharacterDataHandler = builder.data
     parser.StartDoctypeDeclHandler = partial(_refuse, parser)
     try:
-        parser.Parse(_HIDDEN.sub(_blanks, _DECLARATION.sub(_blanks, text, count=1)).encode(), True)
-    except (expat.ExpatError, UnicodeEncodeError):
-        raise XmlError(f"this is not XML{_from(parser)}") from None
+        parser.Parse(content, True)
+    except expat.ExpatError:
+        raise _error(parser, "this is not XML from here on") from None
     root: ElementTree.Element = builder.close()
     return root
 
@@ -74,17 +111,17 @@ def refuse_document_types(content: bytes) -> None:
     except (expat.ExpatError, ValueError):
         # Other readers may go on where this one gives up.
         if _DOCUMENT_TYPE.search(content.replace(b"\0", b"")):
-            raise XmlError("a document type, and entities with it, are not allowed") from None
+            raise _error(parser, "a document type, and entities with it, are not allowed") from None
 
 
 def _refuse(parser: expat.XMLParserType, *_: object) -> None:
-    raise XmlError(f"a document type, and entities with it, are not allowed{_from(parser)}")
+    raise _error(parser, "a document type, and entities with it, are not allowed")
+
+
+def _error(parser: expat.XMLParserType, message: str) -> XmlError:
+    return XmlError(message, parser.ErrorLineNumber, parser.ErrorColumnNumber + 1)
 
 
 def _blanks(match: re.Match[str]) -> str:
     """Blanks in place of a comment, so that all else keeps its line and column."""
     return match[0] if match[0].startswith("<![") else re.sub(r"[^\n]", " ", match[0])
-
-
-def _from(parser: expat.XMLParserType) -> str:
-    return f" from line {parser.ErrorLineNumber}, column {parser.ErrorColumnNumber + 1} on"

@@ -222,12 +222,13 @@ class TreeBuilder(TermBuilder):
             case "joint_item":
                 physics = branches(tree, *PHYSICAL)
                 name, call, limits, home, speed, acceleration, passive = _without(children, physics)
-                motion = self.call(_tree(call))
+                motion = None if call is None else self.call(_tree(call))
+                named = isinstance(name, Token) and name.type == "STRING"
                 lower, upper = (None, None) if limits is None else self.terms(_tree(limits).children)
                 return s.JointItem(
-                    str(name),
-                    motion.function,
-                    motion.args,
+                    str(name)[1:-1] if named else str(name),
+                    None if motion is None else motion.function,
+                    () if motion is None else motion.args,
                     lower,
                     upper,
                     self.maybe_term(home),

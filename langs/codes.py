@@ -230,8 +230,9 @@ CODES: dict[str, CodeInfo] = {
         "The file of a module from a URDF is missing, or is not XML with one `robot`.",
         'module arm from urdf "amr.urdf" { … }', 'module arm from urdf "arm.urdf" { … }'),
     "E0514": CodeInfo("unfit URDF", "scene",
-        "The links of a URDF form one tree, its joints are revolute, continuous, prismatic or fixed, with limits, and "
-        "its collision shapes are box, sphere, cylinder, capsule or mesh."),
+        "The links of a URDF form one tree. Revolute and prismatic joints have limits, in the file or in the module.",
+        'module arm from urdf "arm.urdf" { effector A: "tip" }',
+        'module arm from urdf "arm.urdf" { joint elbow in -90 deg .. 90 deg effector A: "tip" }'),
     "E0515": CodeInfo("mesh not found", "scene",
         "The file of a mesh, of a body or in a URDF, is missing or cannot be read.",
         'object b: mesh("bracket.slt") at (0, 0, 0)', 'object b: mesh("bracket.stl", 1 mm) at (0, 0, 0)'),
@@ -299,8 +300,8 @@ CODES: dict[str, CodeInfo] = {
         "Even if all modules of the scene joined to one chain, as long as can be, no rule could bring about what the "
         "goal asks for; or it asks for more at once than the modules can do. `solve` proves it."),
     "W0010": CodeInfo("passed over in a URDF", "warning",
-        "A collision shape without volume, such as a box without height, is left out. A `quat_xyzw` counts from "
-        "version 1.1 of URDF on, as other readers have it.",
+        "A collision shape without volume, or of an unknown kind, is left out. `quat_xyzw` and `capsule` count from "
+        "version 1.1 of URDF on, as other readers have it. A joint without a way between its limits is fixed.",
         '<robot name="arm">', '<robot name="arm" version="1.1">'),
     "W0011": CodeInfo("damaged results", "warning",
         "Some lines in the results file of a sweep hold no result. They stay where they are; the instances that have "

@@ -50,10 +50,10 @@ class EffectorItem(PhysicalNode):
 class JointItem(PhysicalNode):
     """`joint j2: revolute(y) in -120 deg .. 120 deg home 0.6 rad speed 2 rad/s acceleration 5 rad/s^2`, or with
     vectors of two lengths as limits `joint drive: planar(x, y) in (-5 m, -5 m) .. (5 m, 5 m)`; `passive` behind it
-    where the joint has no drive."""
+    where the joint has no drive. One that another file describes has no kind: `joint "left" in 0 rad .. 1 rad`."""
 
     name: str
-    kind: str
+    kind: str | None
     axes: tuple[Term, ...]
     lower: Term | None
     upper: Term | None

@@ -96,6 +96,10 @@ class Findings:
         """Whether an error lies inside one of `spans`."""
         return any(self._first_from(span) < span.end for span in spans)
 
+    def errors_in(self, files: Iterable[str]) -> bool:
+        """Whether an error lies in one of `files`."""
+        return any(self._starts.get(file) for file in files)
+
     def _first_from(self, span: Span) -> float:
         """Where the first error behind the start of `span` starts."""
         starts = self._starts.get(span.file, [])

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 from ..ir import Pose
 from ..poses import compose, make, orientation, rotate
-from ..urdf_files import quaternions_count, three, turned
+from ..urdf_files import three, turned
 from .records import Inertial
 
 HEAVIEST = 1e6
@@ -25,28 +25,27 @@ class UnfitInertia(Exception):
         self.code, self.help = "E0514", help
 
 
-def read_inertials(robot: ElementTree.Element, frames: Mapping[str, tuple[int, Pose]]) -> dict[str, Inertial]:
-    """What links state, by their names. `frames` tell the joint that carries a link, and the link's frame on it.
-    Raises UnfitInertia."""
-    found = {}
-    for link in robot.findall("link"):
-        element, name = link.find("inertial"), link.get("name", "")
-        if element is None:
-            continue
-        mass = _number(element.find("mass"), "value", name)
-        if mass == 0.0:
-            continue
-        if not 0.0 < mass <= HEAVIEST:
-            raise UnfitInertia(f"link `{name}` has a mass of {mass:g} kg", "a mass is positive, up to 1e6 kg")
-        origin = element.find("origin")
-        try:
-            place = make(three(origin, "xyz"), turned(origin, quaternions_count(robot)))
-        except ValueError as error:
-            raise UnfitInertia(f"the inertial of link `{name}` has no place: {error}") from None
-        joint, frame = frames[name]
-        whole = compose(frame, place)
-        found[name] = Inertial(joint, mass, whole[:3], _turned(_moments(element, name), whole))
-    return found
+def read_inertial(
+    link: ElementTree.Element, frames: Mapping[str, tuple[int, Pose]], newer: bool
+) -> Inertial | None:
+    """What a link states. `frames` tell the joint that carries a link, and the link's frame on it; `newer` that
+    quaternions count. Raises UnfitInertia."""
+    element, name = link.find("inertial"), link.get("name", "")
+    if element is None:
+        return None
+    mass = _number(element.find("mass"), "value", name)
+    if mass == 0.0:
+        return None
+    if not 0.0 < mass <= HEAVIEST:
+        raise UnfitInertia(f"link `{name}` has a mass of {mass:g} kg", "a mass is positive, up to 1e6 kg")
+    origin = element.find("origin")
+    try:
+        place = make(three(origin, "xyz"), turned(origin, newer))
+    except ValueError as error:
+        raise UnfitInertia(f"the inertial of link `{name}` has no place: {error}") from None
+    joint, frame = frames[name]
+    whole = compose(frame, place)
+    return Inertial(joint, mass, whole[:3], _turned(_moments(element, name), whole))
 
 
 def _moments(element: ElementTree.Element, name: str) -> list[list[float]]:

@@ -42,6 +42,10 @@ def lower_joint(
     """The joints that `item` stands for: the first is carried by joint `parent` at `offset` (metres) and gets the index
     `first`, each further one is carried by the one before. One that `follows` another has its home value and its drive
     from there. None where values are missing or wrong."""
+    if item.kind is None:
+        help = f"write `joint {item.name}: revolute(z) in …`"
+        context.findings.report("E0508", item.span, f"joint `{item.name}` has no kind", help=help)
+        return None
     if item.kind not in DEFAULT_SPEED:
         where = context.findings.word(item.span, item.kind)
         help = did_you_mean(item.kind, DEFAULT_SPEED) or "joints are revolute, prismatic or planar"
@@ -53,13 +57,13 @@ def lower_joint(
     kind = ANGLE if item.kind == "revolute" else LENGTH
     planar = item.kind == "planar"
     limits = _planar_limits(context, scope, item) if planar else _limits(context, scope, item, kind, follows)
-    speed = _rate(context, scope, item, "speed", RATES[kind])
-    acceleration = _rate(context, scope, item, "acceleration", RATES[RATES[kind]])
+    speed = joint_rate(context, scope, item, "speed", RATES[kind])
+    acceleration = joint_rate(context, scope, item, "acceleration", RATES[RATES[kind]])
     if axes is None or limits is None or speed is None or acceleration is None:
         return None
     greatest = (speed, acceleration)
-    said = stated(context, scope, item, BEARS[item.kind], f"a {item.kind} joint")
-    drive = _drive(said)
+    said = stated(context, scope, item, BEARS[item.kind or ""], f"a {item.kind} joint")
+    drive = drive_of(said)
     if not planar:
         place = make(offset, STRAIGHT)
         return [ir.Joint(item.name, item.kind, parent, place, axes[0], *limits[0], *greatest, item.passive, **drive)]
@@ -85,7 +89,7 @@ def lower_joint(
     ]
 
 
-def _drive(said: Stated) -> dict[str, Any]:
+def drive_of(said: Stated) -> dict[str, Any]:
     """What a joint states of its drive, as fields of the joint. Where nothing is said, nothing is limited."""
     torque, bearing = (math.inf if value is None else value for value in (said.torque, said.bearing))
     fields = {"mass": said.mass or 0.0, "torque": torque, "bearing": bearing, "rotor": said.rotor or 0.0}
@@ -113,7 +117,7 @@ def _cross(a: ir.Vec3, b: ir.Vec3) -> ir.Vec3:
 def _axes(context: Context, item: syntax.JointItem) -> list[ir.Vec3] | None:
     found = [_axis(t, negative=item.kind != "planar") for t in item.axes]
     axes = [a for a in found if a is not None]
-    if len(axes) == len(found) == AXIS_COUNT[item.kind] and len(set(axes)) == len(axes):
+    if len(axes) == len(found) == AXIS_COUNT[item.kind or ""] and len(set(axes)) == len(axes):
         return axes
     where = item.axes[0].span if item.axes else item.span
     if item.kind == "planar":
@@ -200,11 +204,11 @@ def _planar_limits(context: Context, scope: Scope, item: syntax.JointItem) -> li
     return both if all(_fit(context, item, *limits) for limits in both) else None
 
 
-def _rate(context: Context, scope: Scope, item: syntax.JointItem, what: str, wanted: Kind) -> float | None:
+def joint_rate(context: Context, scope: Scope, item: syntax.JointItem, what: str, wanted: Kind) -> float | None:
     """The greatest `what` of the joint, "speed" or "acceleration", in SI; None where it is wrong or not known yet."""
     term = item.speed if what == "speed" else item.acceleration
     if term is None:
-        return DEFAULTS[what][item.kind]
+        return DEFAULTS[what][item.kind or ""]
     typed = check_term(context, scope, term)
     if not typed.kind.known:
         return None

@@ -50,7 +50,8 @@ class Lifted:
         """Whether nothing that `task` is built of has errors."""
         library = self.library
         parts = [*library.scenes.values(), *library.modules.values(), *library.placements, task]
-        return self.parsed and self.context.expands and not self.findings.errors_within(d.span for d in parts)
+        sound = not self.findings.errors_in(m.path for m in library.models)
+        return sound and self.parsed and self.context.expands and not self.findings.errors_within(d.span for d in parts)
 
     @property
     def logic_is_sound(self) -> bool:

@@ -93,12 +93,14 @@ def _from_urdf(context: Context, scope: Scope, module: syntax.ModuleDecl, name: 
         elif isinstance(item, syntax.EffectorItem):
             end = _urdf_end(context, scope, item)
             ends += [end] if end is not None else []
-        elif not isinstance(item, syntax.CouplingItem):
-            context.findings.report("E0508", item.span, "joints and links of this module come from its URDF")
+        elif not isinstance(item, syntax.CouplingItem) and not (isinstance(item, syntax.JointItem) and not item.kind):
+            help = f"write `joint {item.name} in …`" if isinstance(item, syntax.JointItem) else None
+            message = "joints and links of this module come from its URDF"
+            context.findings.report("E0508", item.span, message, help=help)
     path = urdf_path(module.span.file, module)
     source = next((s for s in context.library.models if s.path == path), None)
     complete = source is not None and len(ends) == sum(isinstance(i, syntax.EffectorItem) for i in module.items)
-    built = build_urdf(context, module, source, ends, name) if source is not None and complete else None
+    built = build_urdf(context, scope, module, source, ends, name) if source is not None and complete else None
     joints = None if built is None else text_couplings(context, scope, module.items, built.joints)
     return None if built is None or joints is None else BuiltModule(replace(built, joints=joints), tuple(facts))
 

@@ -1,34 +1,31 @@
-"""Module types from URDF texts: Pinocchio reads the tree of joints and links, the collision shapes come from the text.
+"""Module types from URDF texts: the tree of links becomes joints, shapes and effectors.
 
-The module frame is the root link. Fixed joints vanish into the links that they join.
+The module frame is the root link. Fixed joints vanish into the links that they join. Joints stand in the order in which
+other readers have them: from the root on, and by name where a link carries several.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
-from copy import deepcopy
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 from ...langs import syntax
 from ...langs.source import Source
 from .. import ir
 from ..checks.context import Context
+from ..checks.names import Scope
 from ..physics.masses import shape_volume
 from ..physics.statements import Stated as Weights
-from ..physics.urdf_inertials import UnfitInertia, read_inertials
-from ..poses import Quaternion, compose, make, unit
-from ..urdf_files import FIRST_WITH_QUATERNIONS, quaternions_count, three, turned
-from ..xml_texts import XmlError, read_xml
+from ..physics.urdf_inertials import UnfitInertia, read_inertial
+from ..poses import compose, make
+from ..urdf_files import mesh_name
 from .couplings import BadCoupling, Stated, couple
-from .joints import DEFAULT_ACCELERATION, DEFAULT_SPEED
+from .urdf_joints import JointBuilder
+from .urdf_reading import Reading, UrdfJoint
 
-if TYPE_CHECKING:
-    import pinocchio
-
-KINDS = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic", "fixed": "fixed"}
+SIZES = {"sphere": ("radius",), "cylinder": ("radius", "length"), "capsule": ("radius", "length")}
+FIRST_WITH_CAPSULES = "1.1"
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,230 +39,6 @@ class End:
     said: Weights
 
 
-class _Unfit(Exception):
-    """The URDF cannot be a module; the message says why."""
-
-    def __init__(self, code: str, message: str, help: str | None = None) -> None:
-        super().__init__(message)
-        self.code, self.help = code, help
-
-
-def build_urdf(
-    context: Context, module: syntax.ModuleDecl, source: Source, ends: Sequence[End], name: str
-) -> ir.ModuleType | None:
-    """The module type of a URDF text with the effectors `ends`; None after reporting what is unfit."""
-    assert module.urdf is not None
-    try:
-        robot = _read(source)
-        model = _model(robot)
-        joints = _coupled(robot, _joints(robot, model))
-        frames = _link_frames(model)
-        inertials = read_inertials(robot, frames)
-        newer, drawn = quaternions_count(robot), robot.findall("link")
-        found = [s for link in drawn for s in _shapes(link, frames, newer, link.get("name", "") in inertials)]
-    except (_Unfit, UnfitInertia) as mistake:
-        context.findings.report(mistake.code, module.urdf.span, f"{source.path}: {mistake}", help=mistake.help)
-        return None
-    links = [s for s in found if isinstance(s, _LinkShape)]
-    _warn(context, module, robot, [s for s in found if isinstance(s, str)])
-    placed = [_effector(context, end, frames, links) for end in ends]
-    taken = [p[1] for p in placed if p is not None]
-    kept = tuple(s.link for s in links if s not in taken)
-    weights = tuple(inertials.values())
-    effectors = tuple(p[0] for p in placed if p is not None)
-    return ir.ModuleType(name, joints, effectors, kept, weights) if len(effectors) == len(ends) else None
-
-
-def _warn(context: Context, module: syntax.ModuleDecl, robot: ElementTree.Element, bodiless: Sequence[str]) -> None:
-    """What is not read as it may have been meant."""
-    where = context.findings.word(module.span, module.name)
-    told = [f"{s} has no volume and is left out" for s in bodiless]
-    if not quaternions_count(robot) and any(e.get("quat_xyzw") for e in robot.iter("origin")):
-        version = robot.get("version", "1.0")
-        told.append(f'`quat_xyzw` does not count in version {version} of URDF, only in `<robot version="1.1">`')
-    if told:
-        context.findings.report("W0010", where, "; ".join(told))
-
-
-# --- the text ------------------------------------------------------------------------------------------------------
-
-
-def _read(source: Source) -> ElementTree.Element:
-    """The checked text: one tree of links by joints of known kinds, with limits."""
-    try:
-        robot = read_xml(source.text)
-    except XmlError as error:
-        raise _Unfit("E0513", str(error)) from None
-    if robot.tag != "robot":
-        raise _Unfit("E0513", f"a URDF is one `robot`, not `{robot.tag}`")
-    links = [e.get("name", "") for e in robot.findall("link")]
-    joints = robot.findall("joint")
-    names = [*links, *(j.get("name", "") for j in joints)]
-    for kind, listed in (("link", links), ("joint", names[len(links) :])):
-        twice = next((n for n in listed if listed.count(n) > 1), None)
-        if twice is not None:
-            raise _Unfit("E0514", f"two {kind}s are named `{twice}`")
-    children = [_check_joint(j, links, quaternions_count(robot)) for j in joints]
-    roots = [n for n in links if n not in children]
-    twice = next((n for n in children if children.count(n) > 1), None)
-    if twice is not None:
-        raise _Unfit("E0514", f"link `{twice}` hangs on two joints")
-    if len(roots) != 1:
-        listing = ", ".join(f"`{r}`" for r in roots) or "none"
-        raise _Unfit("E0514", f"a module has one root link, here there are {len(roots)}: {listing}")
-    return robot
-
-
-def _check_joint(joint: ElementTree.Element, links: Sequence[str], newer: bool) -> str:
-    """The child link of a joint, which must be of a known kind, with fitting limits."""
-    name, kind = joint.get("name", ""), joint.get("type", "")
-    if kind not in KINDS:
-        raise _Unfit("E0514", f"joint `{name}` is of type `{kind}`", "joints are " + ", ".join(KINDS))
-    for end in ("parent", "child"):
-        element = joint.find(end)
-        link = "" if element is None else element.get("link", "")
-        if link not in links:
-            raise _Unfit("E0514", f"joint `{name}` has no {end} link `{link}`")
-    _three(joint.find("origin"), "xyz")
-    _turn(joint.find("origin"), newer)
-    axis = joint.find("axis")
-    if kind != "fixed" and axis is not None and unit(_three(axis, "xyz")) is None:
-        raise _Unfit("E0514", f"the axis of joint `{name}` is zero")
-    if KINDS[kind] == "prismatic" or kind == "revolute":
-        limit = joint.find("limit")
-        if limit is None or not _number(limit, "lower", "0") < _number(limit, "upper", "0"):
-            raise _Unfit("E0514", f"joint `{name}` lacks limits with lower < upper")
-    return link
-
-
-def _number(element: ElementTree.Element, name: str, default: str | None = None) -> float:
-    text = element.get(name, default)
-    try:
-        value = float(text or "")
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise _Unfit("E0514", f"`{name}` of a `{element.tag}` is not a number: {text}")
-    return value
-
-
-def _three(element: ElementTree.Element | None, name: str) -> ir.Vec3:
-    try:
-        found = three(element, name)
-    except ValueError:
-        found = (math.nan,) * 3
-    if not all(map(math.isfinite, found)):
-        raise _Unfit("E0514", f"`{name}` of an `origin`, `axis` or `box` is not three numbers")
-    return found
-
-
-def _turn(origin: ElementTree.Element | None, newer: bool) -> Quaternion:
-    try:
-        found = turned(origin, newer)
-    except ValueError as error:
-        raise _Unfit("E0514", f"an `origin` is turned by what is no rotation: {error}") from None
-    return found
-
-
-# --- kinematics ----------------------------------------------------------------------------------------------------
-
-
-def _model(robot: ElementTree.Element) -> pinocchio.Model:
-    """Pinocchio's model of the tree; what only draws or weighs is left out."""
-    import pinocchio
-
-    bare = ElementTree.Element("robot", name=robot.get("name", "robot"))
-    if quaternions_count(robot):
-        bare.set("version", FIRST_WITH_QUATERNIONS)
-    for element in robot:
-        if element.tag == "link":
-            bare.append(ElementTree.Element("link", name=element.get("name", "")))
-        elif element.tag == "joint":
-            bare.append(deepcopy(element))
-    for joint in bare.iter("joint"):
-        for mimic in joint.findall("mimic"):
-            joint.remove(mimic)
-        for limit in joint.iter("limit"):
-            limit.attrib = {"effort": "1", "velocity": "0", **limit.attrib}
-    try:
-        return pinocchio.buildModelFromXML(ElementTree.tostring(bare, encoding="unicode"))
-    except (ValueError, RuntimeError) as error:
-        raise _Unfit("E0514", f"Pinocchio refuses it: {error}") from None
-
-
-def _pose(placement: pinocchio.SE3) -> ir.Pose:
-    import pinocchio
-
-    x, y, z, qx, qy, qz, qw = (float(v) for v in pinocchio.SE3ToXYZQUAT(placement))
-    return x, y, z, qx, qy, qz, qw
-
-
-def _link_frames(model: pinocchio.Model) -> dict[str, tuple[int, ir.Pose]]:
-    """The joint that carries each link, -1 for the root, and the link's frame on it."""
-    import pinocchio
-
-    body = pinocchio.FrameType.BODY
-    return {f.name: (int(f.parentJoint) - 1, _pose(f.placement)) for f in model.frames if f.type == body}
-
-
-def _joints(robot: ElementTree.Element, model: pinocchio.Model) -> tuple[ir.Joint, ...]:
-    declared = {j.get("name", ""): j for j in robot.findall("joint")}
-    made = []
-    for index in range(1, model.njoints):
-        element = declared[model.names[index]]
-        kind = KINDS[element.get("type", "")]
-        limit = element.find("limit")
-        lower, upper = -2 * math.pi, 2 * math.pi
-        if element.get("type") != "continuous" and limit is not None:
-            lower, upper = _number(limit, "lower", "0"), _number(limit, "upper", "0")
-        speed = 0.0 if limit is None else _number(limit, "velocity", "0")
-        acceleration = 0.0 if limit is None else _number(limit, "acceleration", "0")
-        effort = 0.0 if limit is None else _number(limit, "effort", "0")
-        axis = element.find("axis")
-        made.append(
-            ir.Joint(
-                model.names[index],
-                kind,
-                int(model.parents[index]) - 1,
-                _pose(model.jointPlacements[index]),
-                (1.0, 0.0, 0.0) if axis is None else unit(_three(axis, "xyz")) or (1.0, 0.0, 0.0),
-                lower,
-                upper,
-                0.0 if lower <= 0 <= upper else (lower + upper) / 2,
-                speed if speed > 0 else DEFAULT_SPEED[kind],
-                acceleration if acceleration > 0 else DEFAULT_ACCELERATION[kind],
-                torque=effort if effort > 0 else math.inf,
-            )
-        )
-    return tuple(made)
-
-
-def _coupled(robot: ElementTree.Element, joints: tuple[ir.Joint, ...]) -> tuple[ir.Joint, ...]:
-    """The joints with those that `mimic` others; where 0 is outside what followers leave a joint, it starts in the
-    middle of that."""
-    stated, kinds = {}, {j.get("name", ""): j.get("type") for j in robot.findall("joint")}
-    for element in robot.findall("joint"):
-        name, mimic = element.get("name", ""), element.find("mimic")
-        if mimic is None or kinds[name] == "fixed":
-            continue
-        leader, factor = mimic.get("joint", ""), _number(mimic, "multiplier", "1")
-        if leader not in kinds or kinds[leader] == "fixed":
-            what = "there is no such joint" if leader not in kinds else "which is fixed"
-            raise _Unfit("E0521", f"joint `{name}` follows `{leader}` by `mimic`: {what}", "give it the type fixed")
-        if factor == 0:
-            raise _Unfit("E0521", f"joint `{name}` follows `{leader}` 0 times", "give it the type fixed")
-        stated[name] = Stated(leader, factor, _number(mimic, "offset", "0"))
-    try:
-        made = couple(joints, stated)
-        homes = [j if j.lower <= j.home <= j.upper else replace(j, home=(j.lower + j.upper) / 2) for j in made]
-        return couple([h if j.follows is None else j for h, j in zip(homes, made, strict=True)], {})
-    except BadCoupling as mistake:
-        raise _Unfit("E0521", str(mistake), mistake.help) from None
-
-
-# --- shapes --------------------------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, slots=True)
 class _LinkShape:
     """A collision shape of the link `name`."""
@@ -274,44 +47,162 @@ class _LinkShape:
     link: ir.Link
 
 
-def _shapes(
-    link: ElementTree.Element, frames: Mapping[str, tuple[int, ir.Pose]], newer: bool, weighed: bool
-) -> Iterator[_LinkShape | str]:
-    """The collision shapes of a link; of those without a body, such as a box without height, what they are. Those of a
-    link that is `weighed` by its inertial have no weight of their own."""
+Frames = Mapping[str, tuple[int, ir.Pose]]
+"""The joint that carries each link, -1 for the root, and the link's frame on it."""
+
+
+def build_urdf(
+    context: Context, scope: Scope, module: syntax.ModuleDecl, source: Source, ends: Sequence[End], name: str
+) -> ir.ModuleType | None:
+    """The module type of a URDF text with the effectors `ends`; None after reporting all that is unfit."""
+    reading = Reading(context, module, source)
+    robot = reading.root()
+    if robot is None:
+        return None
+    links, declared = reading.tree(robot)
+    items = {i.name: i for i in module.items if isinstance(i, syntax.JointItem) and i.kind is None}
+    known = [j.name for j in declared]
+    for item in items.values():
+        if item.name not in known and reading.sound:
+            context.findings.unknown("E0117", "joint", item.name, context.findings.word(item.span, item.name), known)
+    builder = JointBuilder(context, scope, reading, items)
+    free, frames, complete = _kinematics(builder, next(iter(links), ""), declared)
+    joints = _coupled(reading, free, declared) if complete else None
+    found = {n: _inertial(reading, link, frames) for n, link in links.items() if n in frames}
+    weights = {n: inertial for n, inertial in found.items() if inertial is not None}
+    shapes = [s for n in found for s in _shapes(reading, links[n], frames, n in weights)]
+    if not reading.sound or joints is None:
+        return None
+    placed = [_effector(context, end, frames, shapes) for end in ends]
+    taken = [p[1] for p in placed if p is not None]
+    kept = tuple(s.link for s in shapes if s not in taken)
+    effectors = tuple(p[0] for p in placed if p is not None)
+    if len(effectors) < len(ends):
+        return None
+    return ir.ModuleType(name, joints, effectors, kept, tuple(weights.values()))
+
+
+def _inertial(reading: Reading, link: ElementTree.Element, frames: Frames) -> ir.Inertial | None:
+    """What a link says of its weight."""
+    try:
+        return read_inertial(link, frames, reading.newer)
+    except UnfitInertia as mistake:
+        where = link.find("inertial")
+        reading.fault(link if where is None else where, str(mistake), mistake.help, mistake.code)
+        return None
+
+
+def _kinematics(
+    builder: JointBuilder, root: str, declared: Sequence[UrdfJoint]
+) -> tuple[list[ir.Joint], dict[str, tuple[int, ir.Pose]], bool]:
+    """The joints, the frames of the links as far as they hang on the root, and whether nothing lacks. A joint with a
+    fault carries its links as if it were fixed, so that what is wrong with them is told as well."""
+    below: dict[str, list[UrdfJoint]] = {}
+    for joint in sorted(declared, key=lambda j: j.name, reverse=True):
+        below.setdefault(joint.parent, []).append(joint)
+    joints: list[ir.Joint] = []
+    frames: dict[str, tuple[int, ir.Pose]] = {root: (-1, ir.IDENTITY)}
+    complete, waiting = True, list(below.get(root, []))
+    while waiting:
+        joint = waiting.pop()
+        carrier, frame = frames[joint.parent]
+        moved = builder.build(joint, carrier, len(joints), frame)
+        if moved is None:
+            complete = False
+            frames[joint.child] = carrier, compose(frame, joint.origin)
+        else:
+            joints += moved.joints
+            frames[joint.child] = (len(joints) - 1 if moved.joints else carrier), moved.frame
+        waiting += [j for j in below.get(joint.child, []) if j.child not in frames]
+    return joints, frames, complete
+
+
+def _coupled(
+    reading: Reading, joints: Sequence[ir.Joint], declared: Sequence[UrdfJoint]
+) -> tuple[ir.Joint, ...] | None:
+    """The joints with those that `mimic` others; where 0 is outside what followers leave a joint, it starts in the
+    middle of that. None after a fault."""
+    stated, moving, known = dict[str, Stated](), {j.name for j in joints}, {j.name for j in declared}
+    elements = {j.name: j.element.find("mimic") for j in declared if j.name in moving}
+    for name, mimic in elements.items():
+        if mimic is None:
+            continue
+        leader, factor = mimic.get("joint", ""), reading.number(mimic, "multiplier", "1")
+        offset = reading.number(mimic, "offset", "0")
+        if leader not in moving or factor == 0:
+            what = "which is fixed" if leader in known else "there is no such joint"
+            message = f"joint `{name}` follows `{leader}` " + ("0 times" if factor == 0 else f"by `mimic`: {what}")
+            reading.fault(mimic, message, "give it the type fixed", "E0521")
+        elif factor is not None and offset is not None:
+            stated[name] = Stated(leader, factor, offset)
+    if not reading.sound:
+        return None
+    try:
+        made = couple(joints, stated)
+        homes = [j if j.lower <= j.home <= j.upper else replace(j, home=(j.lower + j.upper) / 2) for j in made]
+        return couple([h if j.follows is None else j for h, j in zip(homes, made, strict=True)], {})
+    except BadCoupling as mistake:
+        blamed = elements.get(mistake.joint)
+        where = blamed if blamed is not None else declared[0].element
+        reading.fault(where, str(mistake), mistake.help, "E0521")
+        return None
+
+
+# --- shapes --------------------------------------------------------------------------------------------------------
+
+
+def _shapes(reading: Reading, link: ElementTree.Element, frames: Frames, weighed: bool) -> Iterator[_LinkShape]:
+    """The collision shapes of a link. Those that have no volume, or are unknown, are left out with a warning; those of
+    a link that is `weighed` by its inertial have no weight of their own."""
     name = link.get("name", "")
     joint, frame = frames[name]
     for collision in link.findall("collision"):
-        place = make(_three(collision.find("origin"), "xyz"), _turn(collision.find("origin"), newer))
-        geometry = collision.find("geometry")
-        forms = [] if geometry is None else list(geometry)
-        if len(forms) != 1:
-            raise _Unfit("E0514", f"a collision element of link `{name}` has no shape")
-        shape = _shape(name, forms[0])
-        if shape.kind != "convex" and min(shape.size) == 0:
-            yield f"the {shape.kind} of link `{name}`"
-        else:
-            yield _LinkShape(name, ir.Link(joint, compose(frame, place), shape, 0.0 if weighed else None))
+        forms = [form for geometry in collision.findall("geometry") for form in geometry]
+        place = reading.place(collision)
+        if place is None:
+            continue
+        if not forms:
+            reading.warn(collision, f"a collision element of link `{name}` has no shape and is left out")
+            continue
+        made = _shape(reading, name, forms[0])
+        if made is not None:
+            shape, middle = made
+            shift, own = make(middle, (0.0, 0.0, 0.0, 1.0)), 0.0 if weighed else None
+            yield _LinkShape(name, ir.Link(joint, compose(frame, compose(place, shift)), shape, own))
 
 
-def _shape(link: str, form: ElementTree.Element) -> ir.Shape:
-    if form.tag == "convex":
-        return ir.Shape("convex", tuple(map(float, form.get("points", "").split())))
+def _shape(reading: Reading, link: str, form: ElementTree.Element) -> tuple[ir.Shape, ir.Vec3] | None:
+    """A shape and where its frame is in that of the element."""
+    origin = (0.0, 0.0, 0.0)
+    if form.tag == "convex":  # what files of plans of format 1 have in place of meshes
+        return ir.Shape("convex", tuple(map(float, form.get("points", "").split()))), origin
+    if form.tag == "mesh":
+        body = reading.context.library.meshes.get(mesh_name(reading.source.path, form))
+        return None if body is None else (ir.Shape("convex", body.size), body.middle)
+    if form.tag == "capsule" and not reading.newer:
+        reading.warn(form, f"`capsule` does not count before version {FIRST_WITH_CAPSULES} of URDF and is left out")
+        return None
     if form.tag == "box":
-        size: tuple[float, ...] = _three(form, "size")
-    elif form.tag in ("sphere", "capsule", "cylinder"):
-        size = tuple(_number(form, n) for n in ("radius", "length")[: 1 if form.tag == "sphere" else 2])
-    elif form.tag == "mesh":
-        raise _Unfit("E0515", f"the mesh of link `{link}` was not found")
+        size: tuple[float | None, ...] | None = reading.three(form, "size")
+    elif form.tag in SIZES:
+        size = tuple(reading.number(form, n) for n in SIZES[form.tag])
     else:
-        raise _Unfit("E0514", f"link `{link}` has a collision shape `{form.tag}`")
-    if min(size) < 0:
-        raise _Unfit("E0514", f"the {form.tag} of link `{link}` has a size of {min(size):g} m")
-    return ir.Shape(form.tag, size)
+        reading.warn(form, f"link `{link}` has a collision shape `{form.tag}`, which is left out")
+        return None
+    if size is None or None in size:
+        return None
+    sizes = tuple(s for s in size if s is not None)
+    if min(sizes) < 0:
+        reading.fault(form, f"the {form.tag} of link `{link}` has a size of {min(sizes):g} m")
+    elif min(sizes) == 0:
+        reading.warn(form, f"the {form.tag} of link `{link}` has no volume and is left out")
+    else:
+        return ir.Shape(form.tag, sizes), origin
+    return None
 
 
 def _effector(
-    context: Context, end: End, frames: Mapping[str, tuple[int, ir.Pose]], shapes: Sequence[_LinkShape]
+    context: Context, end: End, frames: Frames, shapes: Sequence[_LinkShape]
 ) -> tuple[ir.Effector, _LinkShape | None] | None:
     """The effector, and the shape of its link that it takes over where it has none of its own."""
     link = end.item.link

@@ -121,9 +121,10 @@ def test_mesh_becomes_its_hull(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
         rule light() { pre not (lit) post (lit) }
         task t() { arm a: at (0, 0, 0) goal (lit) }""")
     problem, warnings = compile_problem("task.tamp")
-    assert [(w.code, w.message) for w in warnings] == [
-        ("W0006", 'the mesh "package://arm/meshes/wedge.stl" is replaced by its hull')
-    ]
+    told = 'the mesh "package://arm/meshes/wedge.stl" is replaced by its hull'
+    taken = "no folder of the name of its package holds it, so meshes/wedge.stl is taken"
+    assert [(w.code, w.message) for w in warnings] == [("W0006", f"{told}; {taken}")]
+    assert warnings[0].span is not None and warnings[0].span.file == "arm.urdf"
     (link,) = problem.world.modules["a"].type.links
     assert link.shape.kind == "convex" and box_sides(link.shape) == pytest.approx((0.2, 0.4, 0.6))
     assert len(link.shape.size) == 3 * 4
