@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 from ...langs import syntax
 from .. import ir
@@ -80,7 +81,7 @@ class JointBuilder:
             return None
         limit = joint.element.find("limit")
         effort = 0.0 if limit is None else self.reading.number(limit, "effort", "0")
-        drive = {"torque": effort if effort is not None and effort > 0 else math.inf}
+        drive: dict[str, Any] = {"torque": effort if effort is not None and effort > 0 else math.inf}
         if item is not None and item.physics:
             own_drive = drive_of(stated(self.context, self.scope, item, BEARS[kind], f"a {kind} joint"))
             drive = own_drive | (drive if math.isinf(own_drive["torque"]) else {})
