@@ -85,6 +85,7 @@ class JointBuilder:
         if item is not None and item.physics:
             own_drive = drive_of(stated(self.context, self.scope, item, BEARS[kind], f"a {kind} joint"))
             drive = own_drive | (drive if math.isinf(own_drive["torque"]) else {})
+        drive["passive"] = item is not None and item.passive
         place = (parent, placement, joint.axis)
         made = ir.Joint(joint.name, kind, *place, lower, upper, home, rates[0], rates[1], **drive)
         return Moved((made,), HERE)
