@@ -51,6 +51,9 @@ CODES: dict[str, CodeInfo] = {
     "E0017": CodeInfo("range without end", "syntax",
         "A range has two ends. What counts the modules of a chain ends with its length.",
         "k: 1 ..", "k: 1 .. length(c)"),
+    "E0018": CodeInfo("plan instead of program", "file",
+        "`tamplang verify` checks a plan file and `tamplang report` draws it; `check` and `solve` read programs.",
+        "tamplang solve climb.plan.json", "tamplang solve climb.tamp"),
     "E0101": CodeInfo("unknown name", "name",
         "No variable, parameter or object of this name can be seen here.",
         "goal (held targt)", "goal (held target)"),
@@ -313,6 +316,20 @@ CODES: dict[str, CodeInfo] = {
         "A joint without a drive moves only while something that drives move holds its module. No rule ever has "
         "anything do so, by the types of its variables.",
         "post (open H), [drawn H F]", "post (holding A H), [stable A H]"),
+    "W0014": CodeInfo("length without unit", "warning",
+        "A plain number where a length is meant counts in metres. Better say so.",
+        "sphere(0.04)", "sphere(4 cm)"),
+    "W0015": CodeInfo("rule without effect", "warning",
+        "A rule without `post` changes nothing, so that no plan needs it.",
+        "rule r(A: effector) { pre (support A) }", "rule r(A: effector) { pre (support A) post not (support A) }"),
+    "W0016": CodeInfo("declares nothing", "warning",
+        "The file holds only blanks and comments, so that nothing can be solved and nobody can import anything.",
+        "# climb", "type base < object"),
+    "W0017": CodeInfo("end faces into its module", "warning",
+        "An effector faces along z unless its `normal` says otherwise, and the links behind it go along z, too: the "
+        "first end of a module usually needs `normal (0, 0, -1)`.",
+        "effector A: sphere(5 cm)\nlink 40 cm: capsule(4 cm)",
+        "effector A: sphere(5 cm) normal (0, 0, -1)\nlink 40 cm: capsule(4 cm)"),
 }
 
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+import re
 import stat
 
 from .diagnostics import Diagnostic, SourceError, did_you_mean
 from .source import Source
 
 MAX_BYTES = 1_000_000
+_PLAN = re.compile(r"\s*\{\s*\"")
+"""How JSON begins, and no program does."""
 
 
 def read_source(path: str | os.PathLike[str]) -> Source:
@@ -37,6 +40,9 @@ def source_of(shown: str, content: bytes) -> Source:
     except UnicodeDecodeError as e:
         line = content.count(b"\n", 0, e.start) + 1
         raise _refusal("E0014", f"`{shown}` is not UTF-8 text: wrong byte in line {line}", "save it as UTF-8") from None
+    if _PLAN.match(text):
+        help = f"`tamplang verify {shown}` checks it, `tamplang report {shown} -o page.html` draws it"
+        raise _refusal("E0018", f"`{shown}` is a plan or other JSON, not a program", help)
     if not text.strip():
         raise _refusal("E0013", f"`{shown}` is empty", "`tamplang new NAME` writes a first task")
     return Source(shown, text.replace("\r\n", "\n").replace("\r", "\n"))

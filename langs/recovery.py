@@ -17,6 +17,7 @@ from lark import Lark, Token
 from . import complaints
 from .automaton import Automaton, Stack, Unreadable
 from .diagnostics import Diagnostic
+from .habits import habit
 from .source import Source
 
 PLACEHOLDER = "?"
@@ -151,6 +152,7 @@ class Recovery:
         if isinstance(found, Unreadable):
             yield from self._unreadable(found)
         else:
+            yield from self._habits(found)
             yield from self._keywords(found)
             yield from self._bare_literal(found)
             insertions = list(self._insertions(found))
@@ -161,6 +163,13 @@ class Recovery:
             yield from (r for r in insertions if r.keep < len(self.reads))
             yield from self._omissions(found)
         yield from self._skipped_lines(found)
+
+    def _habits(self, found: Token | None) -> Iterator[Repair]:
+        """What is usual in other languages."""
+        tokens = [r.token for r in self.reads]
+        meant = None if found is None else habit(self.source, self.automaton, tokens, found)
+        if meant is not None:
+            yield Repair(0, meant.keep, meant.feed, meant.position, meant.diagnostic)
 
     def _recent(self, found: Token | None) -> Iterator[tuple[int, Token, Stack]]:
         """The mistake and the tokens before it, nearest first."""

@@ -37,6 +37,19 @@ def check_usage(
         _check_fires(context, rule, added, stated)
     _check_read(context, rules, derived, added)
     _check_parameters(context)
+    _check_empty(context)
+
+
+def _check_empty(context: Context) -> None:
+    """Files and rules that do nothing."""
+    main = context.library.files[0]
+    if not main.declarations:
+        start = Span(main.path, 0, 0, 1, 1, 1, 1)
+        context.findings.report("W0016", start, "this file declares nothing", help="`tamplang new NAME` writes a task")
+    for rule in context.library.rules.values():
+        if not rule.post:
+            where = context.findings.word(rule.span, rule.name)
+            context.findings.report("W0015", where, f"rule `{rule.name}` changes nothing", help="add `post (…)`")
 
 
 Pattern = tuple[bool, str, tuple[str | None, ...]]

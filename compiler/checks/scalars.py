@@ -25,6 +25,10 @@ def expect_kind(
     if not typed.kind.known or not kind.known or typed.kind == kind or typed.is_zero:
         return True
     if typed.kind == NUMBER and kind == LENGTH and (lenient or typed.literal):
+        if typed.literal:
+            text = context.findings.text(term.span)
+            help = f"give it a unit, such as `{text} m`"
+            context.findings.report("W0014", term.span, f"{what} has no unit and counts in metres", help=help)
         return True
     code = "E0203" if typed.kind.is_scalar and kind.is_scalar else "E0208"
     help = None

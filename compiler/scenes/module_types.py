@@ -66,6 +66,7 @@ def check_modules(context: Context) -> None:
         entries = parameter_entries(context, module.parameters)
         build_module(context, module, Scope("scene", entries), module.name)
         _check_names(context, module)
+        _check_first_end(context, module)
 
 
 def build_module(context: Context, module: syntax.ModuleDecl, scope: Scope, name: str) -> BuiltModule | None:
@@ -117,6 +118,19 @@ def _urdf_end(context: Context, scope: Scope, item: syntax.EffectorItem) -> End 
     if place is None or (form is None and item.shape is not None):
         return None
     return End(item, kind, place, form, said)
+
+
+def _check_first_end(context: Context, module: syntax.ModuleDecl) -> None:
+    """Warn of an end at the beginning of a module that faces along the module instead of away from it."""
+    first = next((i for i in module.items if isinstance(i, syntax.EffectorItem | syntax.LinkItem)), None)
+    if not isinstance(first, syntax.EffectorItem) or first.normal is not None or first.at is not None:
+        return
+    behind = [i for i in module.items if isinstance(i, syntax.LinkItem)]
+    if behind and not isinstance(behind[0].length, syntax.Vector | syntax.Negate):
+        where = context.findings.word(first.span, first.name)
+        context.findings.report(
+            "W0017", where, f"`{first.name}` faces along its module, not away from it", help="add `normal (0, 0, -1)`"
+        )
 
 
 def _add_items(
