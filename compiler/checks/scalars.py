@@ -26,9 +26,8 @@ def expect_kind(
         return True
     if typed.kind == NUMBER and kind == LENGTH and (lenient or typed.literal):
         if typed.literal:
-            text = context.findings.text(term.span)
-            help = f"give it a unit, such as `{text} m`"
-            context.findings.report("W0014", term.span, f"{what} has no unit and counts in metres", help=help)
+            hint = f"give it a unit, such as `{context.findings.text(term.span)} m`"
+            context.findings.report("W0014", term.span, f"{what} has no unit and counts in metres", help=hint)
         return True
     code = "E0203" if typed.kind.is_scalar and kind.is_scalar else "E0208"
     help = None
