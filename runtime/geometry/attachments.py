@@ -72,6 +72,19 @@ def robots(problem: Problem, mode: frozenset[Fact]) -> Mapping[str, str]:
 
 
 @remembered(256)
+def looped(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
+    """The modules of robots that are fixed to what rests more than once while `mode` holds: their joints close a loop,
+    in which none moves alone."""
+    world, carried, robot = problem.world, followers(problem, mode), robots(problem, mode)
+    anchors: dict[str, set[str]] = {}
+    for pair in (keeps_pose(problem, literal) for literal in sorted(mode)):
+        for own, other in (pair, pair[::-1]) if pair else ():
+            if carrier(problem, own) in robot and other in world.bodies and other not in carried:
+                anchors.setdefault(robot[carrier(problem, own)], set()).add(own)
+    return frozenset(name for name, first in robot.items() if len(anchors.get(first, ())) > 1)
+
+
+@remembered(256)
 def clamped(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     """The modules that rest while `mode` holds whatever the others do, or may as well: those without joints that can
     move which are kept to something at rest, and those of which two ends are."""

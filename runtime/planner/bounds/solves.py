@@ -73,6 +73,7 @@ class Solves:
             return Judgement(True, paths=[])
         result = self._sequence_path(first, sequence, thorough=False)
         blamed = [{v.phase for v in result.violations}]
+        held: set[frozenset[int]] = set()
         mends = MENDS if len(skeleton) > KEYFRAMES.longest_whole else ()
         for draw in (*mends, *range(1, RESAMPLES + 1)):
             if result.feasible:
@@ -81,7 +82,10 @@ class Solves:
             if isinstance(draw, Mend):
                 again = self._mended(skeleton, sequence, result, draw)
             else:
-                again, path = self._attempt(skeleton, sequence, result, draw, len(first))
+                failed = frozenset(v.phase for v in result.violations)
+                still = failed not in held
+                held.add(failed)
+                again, path = self._attempt(skeleton, sequence, result, draw, len(first), still)
             if not again.feasible:
                 continue
             sequence = again
@@ -112,23 +116,26 @@ class Solves:
         self._count("seq", result.feasible)
         return result
 
-    def _drawn(self, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int) -> Attempt:
-        """The attempt after P_seqPath between the switch poses of `sequence` was refused."""
+    def _drawn(
+        self, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int, still: bool
+    ) -> Attempt:
+        """The attempt after P_seqPath between the switch poses of `sequence` was refused: the phases that were refused
+        are to move little where that was not tried yet (`still`), else their switches are shaken."""
         failed = sorted({v.phase for v in refused.violations})
         draw = self.seed.child("attempt", attempt)
-        if attempt == 1:
+        if still:
             warm = unmoved(sequence.configurations, failed)[1:]
         else:
             warm = resampled(sequence.configurations, failed, draw.child("start"))[1:]
         return Attempt(self.settings, draw, self.tries, warm, motions)
 
     def _attempt(
-        self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int
+        self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int, still: bool
     ) -> tuple[BoundResult, BoundResult | None]:
         """P_seq once more, and P_seqPath too where another process has come to it already."""
         if len(skeleton) > KEYFRAMES.longest_whole:
             return self._sequence(skeleton, self.seed.child("attempt", attempt), None, tries=self.tries), None
-        drawn = self._drawn(sequence, refused, attempt, motions)
+        drawn = self._drawn(sequence, refused, attempt, motions, still)
         if not self.ahead.expects(skeleton, drawn):
             return self._sequence(skeleton, drawn.draw, drawn.warm, tries=self.tries), None
         self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
@@ -144,7 +151,7 @@ class Solves:
     ) -> None:
         """An attempt, if the same phases are refused as before."""
         if self.ahead.helps and attempt <= RESAMPLES and len(skeleton) <= KEYFRAMES.longest_whole:
-            self.ahead.expect(skeleton, self._drawn(sequence, refused, attempt, motions), self.budget)
+            self.ahead.expect(skeleton, self._drawn(sequence, refused, attempt, motions, False), self.budget)
 
     def _path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult:
         """P_path, with bounded effort."""

@@ -12,7 +12,7 @@ from .....compiler import poses
 from .....compiler.extents import box_sides
 from .....compiler.ir import Body, Effector, Fact, Module, Pose, Problem
 from .....compiler.motion.collision import bounding_radius, keeps_pose
-from ....geometry.attachments import followers
+from ....geometry.attachments import followers, looped
 from ....geometry.drives import braked
 from ....skeleton import Array, Configuration, Skeleton
 from .placement_samples import outline, places
@@ -55,12 +55,14 @@ class Guess:
 
     def __init__(
         self, skeleton: Skeleton, start: Configuration, random: np.random.Generator, noise: float, wide: bool = False,
+        steady: bool = False,
     ) -> None:  # fmt: skip
         self.problem: Problem = skeleton.problem
         self.skeleton = skeleton
         self.random = random
         self.noise = noise
         self.wide = wide
+        self.steady = steady
         self.current = start.copy()
         self.feet: dict[str, Pose] = {}
         self.places = places(skeleton)
@@ -76,13 +78,15 @@ class Guess:
         slot = self.current.bodies.get(name)
         return to_tuple(self.current.modules[name][:7] if slot is None else slot)
 
-    def _shake(self, held: Mapping[str, frozenset[int]]) -> None:
+    def _shake(self, mode: frozenset[Fact]) -> None:
+        closed = looped(self.problem, mode) if self.steady else frozenset[str]()
+        held = braked(self.problem, mode)
         for name, slot in self.current.modules.items():
             lower, upper = rooms(self.problem.world.modules[name], LIMIT)
-            still = [7 + i for i in held.get(name, ())]
-            kept = slot[still]
-            slot[7:] = np.clip(slot[7:] + self.noise * self.random.normal(size=len(lower)), lower, upper)
-            slot[still] = kept
+            shaken = np.clip(slot[7:] + self.noise * self.random.normal(size=len(lower)), lower, upper)
+            still = [*held.get(name, ())]
+            shaken[still] = slot[7:][still]
+            slot[7:] = slot[7:] if name in closed else shaken
 
     def _above(self, base: str, lift: float, turn: tuple[float, float, float, float]) -> Pose:
         body = self.problem.world.bodies[base]
@@ -104,7 +108,7 @@ class Guess:
         carried = followers(self.problem, mode)
         before = {name: self.feet.get(name) or self._pose(name) for pair in self._relations(mode) for name in pair}
         self.current = self.current.copy()
-        self._shake(braked(self.problem, mode))
+        self._shake(mode)
         stances = self._stand(mode, carried, before)
         placed = set(stances)
         feet = self._set_down(phase, carried, before, list(stances.values()), placed)
@@ -218,12 +222,13 @@ class Guess:
 
 def guess(
     skeleton: Skeleton, phases: Sequence[int], start: Configuration, random: np.random.Generator, noise: float,
-    wide: bool = False,
+    wide: bool = False, steady: bool = False,
 ) -> list[Configuration]:  # fmt: skip
     """Guesses for the switches of `phases`, by the poses of feet and `noise` radians on every joint. Modules that stand
     on their own and cannot turn as they like, with `wide` all that stand on their own, take postures from anywhere
-    within their limits that come near to what they are to meet."""
-    maker = Guess(skeleton, start, random, noise, wide)
+    within their limits that come near to what they are to meet. With `steady` modules that close a loop stay as they
+    are: noise opens it, and what closes it again is often a posture to which no path leads."""
+    maker = Guess(skeleton, start, random, noise, wide, steady)
     return [maker.advance(phase) for phase in phases]
 
 

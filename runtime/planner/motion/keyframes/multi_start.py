@@ -7,9 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .....compiler.motion.collision import keeps_pose
 from ....budget import Budget
-from ....geometry.attachments import carrier, followers, robots
+from ....geometry.attachments import looped
 from ....skeleton import BoundResult, Configuration, Skeleton, Violation
 from ..nlp.augmented_lagrangian import Options
 from ..settings import MotionSettings
@@ -96,18 +95,19 @@ class Span:
             )  # fmt: skip
         return self._programs[frozen]
 
-    def _guess(self, wide: bool) -> list[Configuration]:
+    def _guess(self, wide: bool, steady: bool) -> list[Configuration]:
         """All slices, the state before included."""
         if not self.free:
             phases = range(self.first, self.last + 1)
-            return [self.start, *guess(self.skeleton, phases, self.start, self.random, NOISE, wide)]
+            return [self.start, *guess(self.skeleton, phases, self.start, self.random, NOISE, wide, steady)]
         phases = range(self.last + 1)
-        return guess(self.skeleton, phases, self.start, self.random, NOISE, wide)[self.first - 1 :]
+        return guess(self.skeleton, phases, self.start, self.random, NOISE, wide, steady)[self.first - 1 :]
 
     def search(self, warm: Sequence[Configuration] | None, tries: int) -> BoundResult:
         """Attempt after attempt, from `warm` first. Until one has succeeded so, a new guess is solved without
-        collisions, which shows whether the span is out of reach, and from there with them. Once one has failed so,
-        guesses take postures from anywhere: what fails from one kind of posture may be in reach from another."""
+        collisions, which shows whether the span is out of reach, and from there with them. The first guess and its
+        repair are steady. Once one has failed without collisions, guesses take postures from anywhere: what fails from
+        one kind of posture may be in reach from another."""
         best = nearest = None
         loose: list[float] = []
         full: list[float] = []
@@ -115,7 +115,8 @@ class Span:
             if number >= tries and (warm is not None or not self.reached):
                 break
             switches = self._program(number % 2 == 0)
-            slices = [self.start, *warm] if warm is not None and number == 0 else self._guess(bool(loose))
+            given = warm is not None and number == 0
+            slices = [self.start, *(warm or ())] if given else self._guess(bool(loose), number < REPAIR)
             if best is not None and number % REPAIR == 1:
                 slices = _repair(switches, best.configurations, slices)
             elif (warm is None or number > 0) and not self.reached:
@@ -177,11 +178,4 @@ def judged_alone(skeleton: Skeleton, phase: int) -> bool:
     is fixed to the world more than once: starts at random seldom close its loops, and what holds looks refused."""
     if phase == 0:
         return True
-    problem, mode = skeleton.problem, skeleton.phases[phase].mode
-    world, carried, robot = problem.world, followers(problem, mode), robots(problem, mode)
-    anchors: dict[str, set[str]] = {}
-    for pair in (keeps_pose(problem, literal) for literal in sorted(mode)):
-        for own, other in (pair, pair[::-1]) if pair else ():
-            if carrier(problem, own) in robot and other in world.bodies and other not in carried:
-                anchors.setdefault(robot[carrier(problem, own)], set()).add(own)
-    return all(len(own) < 2 for own in anchors.values())
+    return not looped(skeleton.problem, skeleton.phases[phase].mode)

@@ -32,6 +32,9 @@ CLOSURE = 1e-8
 ACCURATE = 1e-4
 PROJECTIONS = 40
 """Accuracy and iterations with which starts are put onto closure."""
+SHRINKS = 0.5
+"""A spline along closure drifts 16 times less with twice the slices; one that does not even halve its drift jumps from
+one posture to another, and more slices do not help."""
 NEARER = 1.5
 """By how much the margin grows when slices are clear but what lies between them is not."""
 
@@ -118,13 +121,13 @@ def accepted(
         if factor > 1:
             finer = _denser(skeleton, phase, path, before, after, settings, factor, budget)
         motion = dense(problem, mode, finer, before)
-        drift = slip(problem, mode, motion, before)
+        coarser, drift = drift, slip(problem, mode, motion, before)
         found = [*steps(problem, phase, finer)]
-        if drift <= SLIP and not found:
+        if (drift <= SLIP and not found) or drift > max(SLIP, SHRINKS * coarser):
             break
     if drift > SLIP:
         found.append(Violation(phase, Breach.DRIFT, (), drift, "m"))
-    if settings.collisions:
+    elif settings.collisions:
         found += clashes(problem, phase, contacts(skeleton)[phase], motion, before, settings.slices)
     return finer, sorted(found, key=lambda v: -v.amount)
 
