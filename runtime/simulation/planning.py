@@ -17,7 +17,7 @@ from ..planner.motion.keyframes.sequence import solve_sequence
 from ..planner.motion.settings import MotionSettings
 from ..planner.receding.mid_run_state import start
 from ..planner.receding.settings import RECEDING
-from ..planner.receding.window import PLANNED, plan_window, remember
+from ..planner.receding.window import INFEASIBLE, PLANNED, plan_window, remember
 from ..planner.search.stepper import Inapplicable, Stepper
 from ..seeds import Seed
 from ..skeleton import BoundResult, Breach, Phase, PhasePath, Skeleton, beginning
@@ -27,7 +27,11 @@ SHORTER = ((2, -0.005), (2, -0.01))
 """After a first try while things move: so many actions, as what comes later may be in reach by then, and so
 many metres added to margins, as a robot that stands a little off may be nearer to things than it should."""
 FEW_CANDIDATES = 6
-"""Ways that a search in mid-run judges: as a rule the first one is taken (benchmarks/horizon.py)."""
+"""Ways that a search judges where the run can give way and search again a moment later: as a rule the first one is
+taken (benchmarks/horizon.py)."""
+REDRAWS = 3
+"""How often a window is drawn anew where nothing leads on and giving way does not help, before the run is stuck (not
+measured: each takes as long as the first search)."""
 FARTHER = 3
 """Actions that are looked at beyond others for every time that the run has been in the same state before: it goes in
 circles when what is refused lies behind what it looks at."""
@@ -50,19 +54,31 @@ class Window:
 
 class Planner:
     """Plans windows for one run. `status` says, after no way was found, why: "stuck" or "infeasible"; `refusals`
-    explain it. `failures` counts windows that were not found, one after the other: the next tries are others.
-    `hasty` searches, in mid-run, judge few ways. `returns` says how often the run has been in the present state
+    explain it. `failures` counts windows that were not found, one after the other: the next tries are others, and
+    `redraws` those among them after which nothing could be done but that. `hasty` searches judge few ways. `returns` says how often the run has been in the present state
     before: the more often, the farther P_seq looks. `blamed` maps bodies that were in the way of the first phase of
     the last one to the modules that they stopped."""
 
     def __init__(self, options: SolveOptions) -> None:
         self.options = options
         self.status = "running"
-        self.failures = 0
+        self.failures = self.redraws = 0
         self.returns = 0
         self.hasty = False
         self.blamed: dict[str, str] = {}
         self.refusals: Refusals | None = None
+
+    def succeeded(self) -> None:
+        """A window was found: the next failure is a first one."""
+        self.failures = self.redraws = 0
+
+    def may_redraw(self) -> bool:
+        """Whether a window that was not found is to be drawn anew, with other numbers."""
+        if self.status == INFEASIBLE or self.redraws == REDRAWS:
+            return False
+        self.redraws += 1
+        self.failures += 1
+        return True
 
     def known_way(
         self, problem: ir.Problem, actions: Sequence[ir.Action], horizon: int, moving: frozenset[str], wider: float,
@@ -104,10 +120,11 @@ class Planner:
         memory = remember(problem, self.options, budget)
         memory.bounds.settings = memory.bounds.settings.wider(wider + (SHORTER[-1][1] if moving else 0.0))
         count = SHORTER[0][0] if moving else horizon
-        candidates = FEW_CANDIDATES if self.hasty else RECEDING.candidates
         found = plan_window(
-            problem, start(problem), self.options, count, budget, memory, lookahead=seen, candidates=candidates
-        )
+            problem, start(problem), self.options, count, budget, memory, lookahead=seen,
+            seed=Seed(self.options.seed).child("search", self.failures),
+            candidates=FEW_CANDIDATES if self.hasty else RECEDING.candidates,
+        )  # fmt: skip
         if found.status != PLANNED:
             self.status, self.refusals = found.status, memory.refusals
             return None

@@ -82,8 +82,8 @@ class Route:
         return None
 
     def another_way(self, world: World) -> Window | None:
-        """A window on a way that is searched anew."""
-        self.planner.hasty = bool(self.way) or world.time > 0.0
+        """A window on a way that is searched anew, in haste where the scene may have moved on a moment later."""
+        self.planner.hasty = bool(world.on_course) and world.time > 0.0 and not self.planner.redraws
         window = self._timed(world, FIRST_GUESS, search=True)
         self.way = window.actions if window is not None else self.way
         return window

@@ -109,10 +109,12 @@ class Run:
                 return "solved"
             window = self._plan(reason)
             if window is not None:
-                self._route.planner.failures = 0
+                self._route.planner.succeeded()
                 reason = self._follow(window)
             elif self._gave_way():
                 reason = "nothing led on"
+            elif self._route.planner.may_redraw():
+                reason = "drawn anew"
             else:
                 return self._no_way()
 
