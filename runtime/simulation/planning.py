@@ -55,9 +55,9 @@ class Window:
 class Planner:
     """Plans windows for one run. `status` says, after no way was found, why: "stuck" or "infeasible"; `refusals`
     explain it. `failures` counts windows that were not found, one after the other: the next tries are others, and
-    `redraws` those among them after which nothing could be done but that. `hasty` searches judge few ways. `returns` says how often the run has been in the present state
-    before: the more often, the farther P_seq looks. `blamed` maps bodies that were in the way of the first phase of
-    the last one to the modules that they stopped."""
+    `redraws` those among them after which nothing else could be done. `hasty` searches judge few ways. `returns` says
+    how often the run has been in the present state before: the more often, the farther P_seq looks. `blamed` maps
+    bodies that were in the way of the first phase of the last one to the modules that they stopped."""
 
     def __init__(self, options: SolveOptions) -> None:
         self.options = options
