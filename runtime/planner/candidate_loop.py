@@ -14,6 +14,7 @@ from ...compiler.symbolic.successors import Successors
 from ..budget import Budget
 from ..skeleton import Skeleton
 from .bounds.multi_bound import EXPECTED, Bounds
+from .bounds.settings import BOUNDS
 from .bounds.verdicts import Judgement
 from .conflicts.infeasibility import Refusals
 from .search.best_first import Candidate, SkeletonSearch
@@ -34,7 +35,9 @@ class CandidateLoop:
             self.search = SkeletonSearch(problem, Successors(problem), method, budget, node_limit)
             self.strain = Strain(self.search.successors)
             self.penalties = Surcharge(self.strain)
-        self.again = False
+        self.rounds = 0
+        self.paths_refused = False
+        """Whether some candidate had switches, but was refused a motion between them."""
 
     def proposals(
         self, propose: Callable[[], Candidate | None], go_on: Callable[[], bool], most: int | None = None
@@ -49,11 +52,15 @@ class CandidateLoop:
                 return
 
     def readmit(self) -> bool:
-        """Once, where every candidate was refused: all of them may come again, and bounds try harder. Whether that lets
-        the search go on."""
-        if self.search.status != "exhausted" or self.again or not self.search.readmit():
+        """Where every candidate was refused: those that P_seq refused may come again once, and bounds try harder, with
+        other numbers; where some had switches but no motion between them, all may, a few times. Whether that lets the
+        search go on."""
+        most = BOUNDS.readmissions if self.paths_refused else 1
+        if self.search.status != "exhausted" or self.rounds >= most:
             return False
-        self.again = True
+        if not self.search.readmit() and not (self.paths_refused and self.search.readmit()):
+            return False
+        self.rounds += 1
         self.bounds.try_harder()
         return True
 
@@ -69,10 +76,11 @@ class CandidateLoop:
             if conflict.bound != EXPECTED:
                 self.refusals.add(replace(skeleton, problem=self.refusals.problem), conflict)
                 self.penalties.refused(candidate.numbers, conflict.first, conflict.last)
-            for_good = conflict.bound not in ("seq", EXPECTED)
-            anywhere = not self.again and not for_good and 0 < conflict.last < self.remembered
+            paths = conflict.bound not in ("seq", EXPECTED)
+            self.paths_refused |= paths
+            anywhere = not self.rounds and not paths and 0 < conflict.last < self.remembered
             from_start = conflict.from_start and not anywhere
-            self.search.forbid_actions(candidate, conflict.first, conflict.last, from_start, for_good)
+            self.search.forbid_actions(candidate, conflict.first, conflict.last, from_start, 1 if paths else 0)
         if self.penalties.weight and not judgement.accepted:
             self.search.charge(self.penalties)
         return judgement

@@ -22,6 +22,7 @@ from ..planner.search.stepper import Inapplicable, Stepper
 from ..seeds import Seed
 from ..skeleton import BoundResult, Breach, Phase, PhasePath, Skeleton, beginning
 from .scene_prediction import concerned
+from .settings import SIMULATION
 
 SHORTER = ((2, -0.005), (2, -0.01))
 """After a first try while things move: so many actions, as what comes later may be in reach by then, and so
@@ -29,9 +30,6 @@ many metres added to margins, as a robot that stands a little off may be nearer 
 FEW_CANDIDATES = 6
 """Ways that a search judges where the run can give way and search again a moment later: as a rule the first one is
 taken (benchmarks/horizon.py)."""
-REDRAWS = 3
-"""How often a window is drawn anew where nothing leads on and giving way does not help, before the run is stuck (not
-measured: each takes as long as the first search)."""
 FARTHER = 3
 """Actions that are looked at beyond others for every time that the run has been in the same state before: it goes in
 circles when what is refused lies behind what it looks at."""
@@ -74,7 +72,7 @@ class Planner:
 
     def may_redraw(self) -> bool:
         """Whether a window that was not found is to be drawn anew, with other numbers."""
-        if self.status == INFEASIBLE or self.redraws == REDRAWS:
+        if self.status == INFEASIBLE or self.redraws == SIMULATION.redraws:
             return False
         self.redraws += 1
         self.failures += 1

@@ -39,6 +39,10 @@ class SimulationSettings:
     far: float = setting(0.2, "m", "Metres beyond which distances are of no interest.")
     horizon: int = setting(4, "actions", "Actions that get their motion in one window, where nothing else is said.")
     latency: float = setting(0.25, "s", "Simulated seconds that planning a window takes, where nothing else is said.")
+    redraws: int = setting(
+        3, "times",
+        "How often a window is drawn anew where nothing leads on and giving way does not help, before a run is stuck.",
+    )
     same_place: float = setting(1e-4, "m", "Metres that make no difference.")
     put_away: float = setting(
         2e-3, "m",

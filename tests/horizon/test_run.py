@@ -128,6 +128,13 @@ def test_a_run_is_the_same_every_time(stairs: Plan) -> None:
     assert [w.reason for w in again.windows] == [w.reason for w in stairs.windows]
 
 
+def test_what_is_left_of_a_robot_searches_on_where_the_first_ways_are_refused() -> None:
+    """With this seed more than six ways are refused before one with locked joints is found."""
+    result = load(EXAMPLES / "failing_module.tamp", "failing_module", seed=4).run(seed=4)
+    verdict = result.record.verdict
+    assert result.status == "solved" and verdict is not None and verdict.verified
+
+
 @pytest.mark.parametrize("name", ["failing_module", "leaving_module"])
 def test_the_others_finish_the_task(name: str) -> None:
     result = load(EXAMPLES / "failing_module.tamp", name, n="2").run()
@@ -163,7 +170,7 @@ task human() {
         object item[i]: box(0.06 m, 0.06 m, 0.06 m) on table at (0, 0.15 m * (i - 1.5))
         fact (grippable item[i])
     }
-    disturb item[1] by (5 cm, 8 cm, 0) at 2 s
+    disturb item[1] by (5 cm, -8 cm, 0) at 2 s
     moves goal_tray along (8 cm, -3 cm, 0) at 6 mm/s and back
     crawler c: A on pedestal
     goal  (on goal_tray item[1]), (on goal_tray item[2])
@@ -171,8 +178,9 @@ task human() {
 """
 
 
-@pytest.mark.parametrize("seed", [0, 2])
+@pytest.mark.parametrize("seed", [0, 1])
 def test_things_that_a_human_moves_come_to_a_tray_that_drifts(seed: int) -> None:
+    """The push leads away from where the hand is: nobody gets out of the way of 9 cm at once."""
     result = Task(compile_text(PUSHED, "human.tamp", "human", seed=seed)[0]).run(seed=seed)
     record = result.record
     assert result.status == "solved" and record.verdict is not None and record.verdict.verified

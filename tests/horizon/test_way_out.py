@@ -117,3 +117,22 @@ def test_what_a_robot_holds_is_looked_at_too() -> None:
     found = nearest(world.problem, now, phase, path, {"lid": sunk})
     assert found["target", "lid"] == pytest.approx(-0.02, abs=1e-6) and ("c", "target") not in found
     assert deepest(world.problem, now, phase, path, {"lid": sunk}) == pytest.approx(0.02, abs=1e-6)
+
+
+def test_windows_that_failed_are_drawn_anew_a_few_times_with_other_numbers() -> None:
+    world = world_with_a_lid(0.3)
+    planner = route_in(world).planner
+
+    def drawn() -> np.ndarray:
+        window = planner.new_way(world.problem, 1, frozenset(), 0.0, Budget(None))
+        assert window is not None
+        return window.paths[0].modules["c"]
+
+    first, again = drawn(), drawn()
+    assert np.array_equal(first, again), "the same numbers give the same motion"
+    assert all(planner.may_redraw() for _ in range(SIMULATION.redraws)) and not planner.may_redraw()
+    assert not np.allclose(first, drawn())
+    planner.succeeded()
+    assert np.array_equal(first, drawn()) and planner.may_redraw()
+    planner.status = "infeasible"
+    assert not planner.may_redraw(), "what is proved is not tried again"

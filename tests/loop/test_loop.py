@@ -12,15 +12,20 @@ from tamplang.compiler.pipeline import compile_problem, compile_text
 from tamplang.compiler.symbolic.strain import Strain
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.planner.conflicts.infeasibility import describe
+from tamplang.runtime.planner.bounds.multi_bound import Bounds
+from tamplang.runtime.planner.bounds.settings import BOUNDS
+from tamplang.runtime.planner.candidate_loop import CandidateLoop
+from tamplang.runtime.planner.conflicts.infeasibility import Refusals, describe
 from tamplang.runtime.planner.conflicts.nogoods import Experience
 from tamplang.runtime.planner.lgp import SolveOptions, solve
 from tamplang.runtime.planner.motion.nlp.program import DIVERGED
+from tamplang.runtime.planner.motion.settings import MotionSettings
 from tamplang.runtime.planner.search.best_first import SkeletonSearch
 from tamplang.runtime.planner.search.learned_penalties import Surcharge
 from tamplang.runtime.planner.search.settings import SEARCH
 from tamplang.runtime.planner.search.skeleton_replay import build_skeleton
 from tamplang.runtime.planner.search.slack_maximisation import roomier
+from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Breach, Phase, Violation
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
@@ -42,6 +47,12 @@ task gap(gap: length = 3 m) {
 def _search(n: int) -> SkeletonSearch:
     problem, _ = compile_problem(EXAMPLES / "climb.tamp", None, {"n": str(n), "crawlers": "2"}, 0)
     return SkeletonSearch(problem, Successors(problem), "astar", Budget(30.0))
+
+
+def _loop() -> CandidateLoop:
+    problem, _ = compile_problem(EXAMPLES / "climb.tamp", None, {"n": "2"}, 0)
+    bounds = Bounds(problem, MotionSettings(), "path", Seed(0), Budget(None), lambda stage, message: None)
+    return CandidateLoop(problem, "astar", Budget(None), bounds, Refusals(problem))
 
 
 def test_a_roomier_plan_costs_the_same_and_strains_less() -> None:
@@ -95,7 +106,7 @@ def test_a_quick_refusal_from_the_start_gets_a_second_try_but_a_plan_that_was_fo
     search = _search(8)
     refused = search.next()
     assert refused is not None
-    search.forbid_actions(refused, 0, 1, from_start=True, for_good=False)
+    search.forbid_actions(refused, 0, 1, from_start=True)
     other = search.next()
     assert other is not None and other.numbers[:2] != refused.numbers[:2]
     search.forbid_plan(other)
@@ -108,6 +119,33 @@ def test_a_quick_refusal_from_the_start_gets_a_second_try_but_a_plan_that_was_fo
         seen.append(again.numbers)
         search.forbid_plan(again)
     assert other.numbers not in seen and len(set(seen)) == len(seen)
+
+
+def test_candidates_without_a_motion_come_again_a_few_times_and_get_other_draws() -> None:
+    loop = _loop()
+    first = loop.search.next()
+    assert first is not None
+    seeds = [loop.bounds.seed]
+    for _ in range(BOUNDS.readmissions):
+        loop.paths_refused = True
+        loop.search.forbid_actions(first, 0, 0, from_start=True, survives=1)
+        loop.search.status = "exhausted"
+        assert loop.readmit()
+        seeds.append(loop.bounds.seed)
+    assert not loop.readmit()
+    assert len(set(seeds)) == BOUNDS.readmissions + 1
+    again = loop.search.next()
+    assert again is not None and again.numbers == first.numbers
+
+
+def test_candidates_without_switches_come_again_once() -> None:
+    loop = _loop()
+    first = loop.search.next()
+    assert first is not None
+    for expected in (True, False):
+        loop.search.forbid_actions(first, 0, 0, from_start=True)
+        loop.search.status = "exhausted"
+        assert loop.readmit() is expected
 
 
 def _mirrored(item: Any) -> Any:

@@ -15,6 +15,12 @@ class BoundSettings:
     wider_margin: float = setting(0.01, "m", "Metres by which margins grow for a plan that the verifier refused.")
     first_starts: int = setting(1, "starts", "Starts of a span of a whole skeleton at first.")
     conflict_reach: int = setting(4, "phases", "How far from the phases that P_seq blames a conflict is looked for.")
+    readmissions: int = setting(
+        3, "times",
+        "How often refused candidates may come again where some had switches, but no motion between them.",
+        "where a hand must come close, as to three convex bodies, one draw of four finds a path: a round of five "
+        "draws then ends without in one run of four",
+    )
     answer_period: float = setting(
         0.05, "s",
         "Seconds after which whoever waits for an answer looks at the clock, and lets Ctrl-C through.",

@@ -8,6 +8,7 @@ beginning of the lifted form. All no-goods are soft: a local solver's refusal is
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from ....compiler.ir import Action, Chain, Fact, Problem
@@ -41,7 +42,7 @@ class NoGoods:
         self._contexts: dict[tuple[int, int], Context] = {}
         self._linked: dict[int, dict[str, set[str]]] = {}
         self._tree: list[dict[int, int]] = [{}]
-        self._prefixes: list[tuple[tuple[int, ...], bool]] = []
+        self._prefixes: list[tuple[tuple[int, ...], float]] = []
         self._histories: list[History] = [()]
         self._history_numbers: dict[History, int] = {(): EMPTY}
         self._predicates = tuple(dict.fromkeys(p for p, _ in successors.layout.fields))
@@ -77,9 +78,9 @@ class NoGoods:
         """Whether the plan without actions is forbidden, with which every plan begins."""
         return any(not numbers for numbers, _ in self._prefixes)
 
-    def forbid_prefix(self, numbers: Sequence[int], for_good: bool = True) -> None:
-        """Forbid exactly these actions from the start; unless `for_good`, until refusals get a second try."""
-        self._prefixes.append((tuple(numbers), for_good))
+    def forbid_prefix(self, numbers: Sequence[int], survives: float = math.inf) -> None:
+        """Forbid exactly these actions from the start, over so many readmissions."""
+        self._prefixes.append((tuple(numbers), survives))
         self._grow(numbers)
 
     def _grow(self, numbers: Sequence[int]) -> None:
@@ -96,9 +97,8 @@ class NoGoods:
             self._tree[node][numbers[-1]] = LEAF
 
     def readmit(self) -> bool:
-        """Forget the sequences, and the prefixes that are not forbidden for good, for a second try. False when there
-        were none."""
-        lasting = [prefix for prefix in self._prefixes if prefix[1]]
+        """Forget the sequences, and the prefixes that survive no readmission any more. False when there were none."""
+        lasting = [(numbers, survives - 1) for numbers, survives in self._prefixes if survives > 0]
         known = bool(self._conflicts) or len(lasting) < len(self._prefixes)
         self._prefixes, self._tree = lasting, [{}]
         for numbers, _ in lasting:

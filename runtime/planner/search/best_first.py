@@ -96,13 +96,13 @@ class SkeletonSearch:
         self.no_goods.forbid_prefix(candidate.numbers)
 
     def forbid_actions(
-        self, candidate: Candidate, first: int, last: int, from_start: bool = False, for_good: bool = True
+        self, candidate: Candidate, first: int, last: int, from_start: bool = False, survives: float = 0
     ) -> None:
         """Do not propose actions `first` … `last` of a candidate one after the other again, from where their robots
-        are; with `from_start` only when they open the plan, after the actions before them, and unless `for_good` until
-        refusals get a second try."""
+        are, until refusals are readmitted; with `from_start` only when they open the plan, after the actions before
+        them, and over so many readmissions."""
         if from_start:
-            self.no_goods.forbid_prefix(candidate.numbers[: last + 1], for_good)
+            self.no_goods.forbid_prefix(candidate.numbers[: last + 1], survives)
         else:
             before = self._state_before(candidate, first)
             self.no_goods.forbid_sequence(candidate.numbers[first : last + 1], before)
