@@ -200,7 +200,8 @@ def left(
     swept = {p[0]: [q for q in patterns if q[0] == p[0]] for p in patterns}
 
     def gone(fact: ir.Fact) -> bool:
-        orders = (fact[1:], fact[:0:-1]) if table[fact[0]].symmetric else (fact[1:],)
+        known = table.get(fact[0])
+        orders = (fact[1:], fact[:0:-1]) if known is not None and known.symmetric else (fact[1:],)
         return any(
             all(a in (WILDCARD, b) for a, b in zip(pattern[1:], order, strict=True))
             for pattern in swept[fact[0]] for order in orders
