@@ -254,6 +254,8 @@ class Options:
     solver: str | None = None
     slices: int | None = None
     margin: float | None = None
+    physics: str | None = None
+    safety: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,9 +13,10 @@ from ..langs.diagnostics import UsageError, did_you_mean
 
 @dataclass(frozen=True, slots=True)
 class Option:
-    """`kind` is "word" (one of `choices`), "whole" (a number from 1, to `most` if that is given), "time" (seconds) or
-    "length" (metres). Without `default` nothing is limited, or the task's scene decides. `places` are where it may be
-    given: "task" (the `options` block), "solve" and "sweep" (the commands), "python" (`Task.solve`)."""
+    """`kind` is "word" (one of `choices`), "whole" (a number from 1, to `most` if that is given), "time" (seconds),
+    "length" (metres) or "number" (from 1). Without `default` nothing is limited, or the task's scene decides. `places`
+    are where it may be given: "task" (the `options` block), "solve" and "sweep" (the commands), "python"
+    (`Task.solve`)."""
 
     name: str
     kind: str
@@ -38,6 +39,9 @@ OPTIONS: Mapping[str, Option] = {
         Option("nodes", "whole", "How large the search tree may grow.", EVERYWHERE),
         Option("solver", "word", "For the motion programs.", EVERYWHERE, "algn", ("algn", "ipopt")),
         Option("slices", "whole", "Time steps of a phase.", frozenset(("task", "python"))),
+        Option("physics", "word", "Whether robots must bear themselves: at rest, or also in motion.",
+               frozenset(("task",)), "none", ("none", "statics", "dynamics")),
+        Option("safety", "number", "How many times its load everything must bear.", frozenset(("task",)), 1.5),
         Option("margin", "length", "Distance kept to obstacles, metres.", frozenset(("task",))),
         Option("solutions", "whole", "How many plans to find.", frozenset(("solve", "python")), 1, most=1000),
     )
@@ -71,5 +75,8 @@ def _fault(option: Option, value: object) -> str | None:
         most = math.inf if option.most is None else option.most
         fits = isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= most
         return None if fits else "a whole number from 1" + (f" to {option.most}" if option.most else "")
+    if option.kind == "number":
+        fits = isinstance(value, int | float) and not isinstance(value, bool) and 1 <= value < math.inf
+        return None if fits else "a number from 1"
     number = isinstance(value, int | float) and not isinstance(value, bool) and value == value
     return None if number else "a number of seconds" if option.kind == "time" else "a length in metres"

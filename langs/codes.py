@@ -266,6 +266,9 @@ CODES: dict[str, CodeInfo] = {
         "out: then there is no limit, and a mass is that of water. Ends and bodies hold as bond, dock, grip, pad or "
         "rest, by force, shear, moment, twist and friction.",
         "link 0.2 m: capsule(4 cm) mass 0 kg", "link 0.2 m: capsule(4 cm) mass 150 g"),
+    "E0523": CodeInfo("does not bear itself at the start", "scene",
+        "With `physics` on, the scene cannot even stand as it is: the load of a joint, dock or foot, times `safety`, "
+        "is more than it states to bear. No plan can begin there."),
     "S0001": CodeInfo("infeasible", "outcome", "It is proved that no sequence of actions reaches the goal."),
     "S0002": CodeInfo("exhausted", "outcome",
         "Every candidate sequence was refused by the motion solver; this is no proof."),
@@ -330,6 +333,9 @@ CODES: dict[str, CodeInfo] = {
         "first end of a module usually needs `normal (0, 0, -1)`.",
         "effector A: sphere(5 cm)\nlink 40 cm: capsule(4 cm)",
         "effector A: sphere(5 cm) normal (0, 0, -1)\nlink 40 cm: capsule(4 cm)"),
+    "W0018": CodeInfo("no mass stated", "warning",
+        "`physics` is on, and a part states neither mass nor density: it counts as solid, of the density of water, "
+        "1000 kg/m^3."),
 }
 
 

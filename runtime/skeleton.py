@@ -96,7 +96,8 @@ class PhasePath:
 
 class Breach(StrEnum):
     """What a violation violates, and whom its names tell: the motion literal itself; two things; two parts of one
-    module; a module and its joint; a module (or nothing); a module."""
+    module; a module and its joint; a module (or nothing); a module; a module and its joint, twice; the two objects of
+    a kept pair, twice."""
 
     ROW = "row"
     COLLISION = "collision"
@@ -105,6 +106,14 @@ class Breach(StrEnum):
     STEP = "step"
     DRIFT = "drift"
     UNIT_QUATERNION = "unit quaternion"
+    TORQUE = "torque"
+    BEARING = "bearing moment"
+    DOCK = "dock load"
+    FOOT = "foot load"
+
+
+LOADS = frozenset((Breach.TORQUE, Breach.BEARING, Breach.DOCK, Breach.FOOT))
+"""Breaches that are loads beyond what bears them."""
 
 
 @dataclass(frozen=True, slots=True)

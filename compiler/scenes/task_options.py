@@ -14,7 +14,7 @@ from ..checks.names import Scope
 from ..checks.values import number
 from ..options import Option, given_at
 
-KINDS = {"whole": NUMBER, "time": TIME, "length": LENGTH}
+KINDS = {"whole": NUMBER, "number": NUMBER, "time": TIME, "length": LENGTH}
 
 
 def check_options(context: Context, scope: Scope, item: syntax.OptionsItem, before: ir.Options) -> ir.Options:
@@ -60,7 +60,10 @@ def _number(context: Context, scope: Scope, option: Option, term: syntax.Term) -
     if value < 0 or (value == 0 and name != "margin"):
         context.findings.report("E0210", term.span, f"option `{name}` must be positive")
         return None
-    if kind == NUMBER:
+    if option.kind == "number" and value < 1:
+        context.findings.report("E0210", term.span, f"option `{name}` must be at least 1")
+        return None
+    if option.kind == "whole":
         if value != int(value):
             context.findings.report("E0210", term.span, f"option `{name}` must be a whole number")
             return None

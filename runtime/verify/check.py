@@ -24,6 +24,7 @@ from .replay import replay
 from .sampler import Sampler, curves_of
 from .samples import check_samples
 from .scene import check_scene
+from .statics import check_statics
 from .structure import check_structure
 from .switches import check_switches
 
@@ -86,7 +87,8 @@ def parameter_texts(plan: Plan, sources: list[Source]) -> dict[str, str]:
                 break
         if kinds:
             break
-    units = {"length": " m", "angle": " rad", "time": " s", "speed": " m/s"}
+    units = {"length": " m", "angle": " rad", "time": " s", "speed": " m/s", "mass": " kg", "density": " kg/m^3",
+             "force": " N", "torque": " N m", "inertia": " kg m^2"}  # fmt: skip
     return {name: f"{value!r}{units.get(kinds.get(name, ''), '')}" for name, value in plan.task.parameters.items()}
 
 
@@ -114,6 +116,7 @@ def _examine(plan: Plan, problem: ir.Problem, findings: Findings) -> VerdictReco
     check_courses(problem, happenings, motion, findings)
     check_breakdowns(problem, plan, motion, sampler.curves, findings)
     try:
+        check_statics(problem, plan, story.modes, story.final, sampler, findings)
         check_constraints(problem, plan, story, motion, sampler, findings)
         check_collisions(plan, motion, sampler, findings)
     except TooManyCorners as error:

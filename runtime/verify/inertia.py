@@ -31,23 +31,55 @@ def mass_of(shape: ir.Shape) -> float:
     return float(KILOGRAMS_PER_LITRE * litres)
 
 
-def weights(module: ir.ModuleType) -> list[tuple[int, ir.Pose, float]]:
-    """What weighs in a module: the joint that carries it, where it sits there, and kilograms, stated or of water."""
-    found: list[tuple[int, ir.Pose, float]] = []
+def moments(shape: ir.Shape, mass: float) -> Array:
+    """The inertia (3, 3) of a solid shape about its middle, kg m²; a convex one counts as the box around it."""
+    size = shape.size
+    if shape.kind == "sphere":
+        squares = [size[0] ** 2 / 5.0] * 3
+    elif shape.kind in ("box", "convex"):
+        sides = np.ptp(np.reshape(size, (-1, 3)), axis=0) if shape.kind == "convex" else np.array(size)
+        squares = list(sides**2 / 12.0)
+    else:
+        radius, length = size
+        tube, ball = np.pi * radius**2 * length, 4.0 / 3.0 * np.pi * radius**3 * (shape.kind == "capsule")
+        caps = radius**2 / 5.0 + length**2 / 4.0 + 3.0 * radius * length / 8.0
+        along = (tube * length**2 / 12.0 + ball * caps) / (tube + ball)
+        squares = [(tube * radius**2 / 4.0 + ball * radius**2 / 5.0) / (tube + ball)] * 2 + [along]
+    x, y, z = (mass * float(s) for s in squares)
+    return np.diag([y + z, x + z, x + y])
+
+
+def body_mass(body: ir.Body) -> float:
+    """Kilograms of a body."""
+    return mass_of(body.shape) if body.mass is None else body.mass
+
+
+def weights(module: ir.ModuleType) -> list[tuple[int, ir.Pose, float, Array]]:
+    """What weighs in a module: the joint that carries it, where it sits there, kilograms, stated or of water, and its
+    inertia about there."""
+    found: list[tuple[int, ir.Pose, float, Array]] = []
+
+    def add(joint: int, placement: ir.Pose, shape: ir.Shape, stated: float | None) -> None:
+        mass = mass_of(shape) if stated is None else stated
+        found.append((joint, placement, mass, moments(shape, mass)))
+
     for end in module.effectors:
         if end.shape is not None:
-            found.append((end.joint, end.placement, mass_of(end.shape) if end.mass is None else end.mass))
+            add(end.joint, end.placement, end.shape, end.mass)
     for link in module.links:
-        found.append((link.joint, link.placement, mass_of(link.shape) if link.mass is None else link.mass))
-    found += [(joint.parent, joint.placement, joint.mass) for joint in module.joints if joint.mass > 0.0]
-    found += [(i.joint, (*i.centre, 0.0, 0.0, 0.0, 1.0), i.mass) for i in module.inertials]
+        add(link.joint, link.placement, link.shape, link.mass)
+    found += [(j.parent, j.placement, j.mass, np.zeros((3, 3))) for j in module.joints if j.mass > 0.0]
+    for given in module.inertials:
+        xx, xy, xz, yy, yz, zz = given.inertia
+        matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        found.append((given.joint, (*given.centre, 0.0, 0.0, 0.0, 1.0), given.mass, matrix))
     return found
 
 
 def centre_of(module: ir.ModuleType, joints: Mapping[int, Frames], at: Indices) -> tuple[float, Array]:
     """Mass, and centres of mass `(T, 3)` at samples `at`, of a module whose joint frames are given."""
     total, moment = 0.0, np.zeros((len(at), 3))
-    for joint, placement, mass in weights(module):
+    for joint, placement, mass, _ in weights(module):
         moment += mass * joints[joint][at].compose(frames(placement)).position
         total += mass
     return (total, moment / total) if total else (1e-3, joints[-1][at].position)

@@ -31,6 +31,11 @@ LIMITS: dict[str, float] = {
     "course_m": 1e-6,
     "course_rad": 1e-6,
     "stuck_rad": 1e-6,
+    "torque_ratio": 1.0,
+    "bearing_ratio": 1.0,
+    "dock_ratio": 1.0,
+    "foot_ratio": 1.0,
+    "tip_m": 1e-4,
     "quaternion": 1e-6,
     "time_s": 1e-9,
 }
@@ -56,6 +61,9 @@ good plans are given where they come near.
 - switch_rad_s (or m/s): rates of bound modules at switches within a spline. Rounding of values, over knots 1 ms apart.
 - rest_m, rest_rad, course_m, course_rad, stuck_rad: samples of what rests, of bodies on their courses, of stuck joints.
   As those of samples.
+- torque_ratio, bearing_ratio, dock_ratio, foot_ratio: load times the task's `safety` over strength, where the task asks
+  for physics. What is stated is meant as it is; planners keep a hundredth of it.
+- tip_m: how far a load leans out over the edge of what only rests. Rounding of samples, on levers of some metres.
 - quaternion: lengths less 1. Rounding; quaternions are normalised before they are used.
 - time_s: times of phases against those of their samples. Rounding to 10 decimals."""
 

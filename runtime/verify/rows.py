@@ -11,7 +11,7 @@ import numpy as np
 
 from ...compiler import ir
 from .geometry import Array, Frames, Indices
-from .inertia import centre_of, mass_of
+from .inertia import body_mass, centre_of, mass_of
 from .shapes import Ruler, geometry, heights, inside_top, round_radius, transform
 
 LETTERS = {"x": 0, "y": 1, "z": 2}
@@ -104,9 +104,7 @@ class Evaluator:
             return centre_of(self._world.modules[module].type, parts, index)
         shape = self._shapes[name]
         body = None if self._world is None else self._world.bodies.get(name)
-        mass = 0.0 if shape is None else mass_of(shape)
-        if body is not None and body.mass is not None:
-            mass = body.mass
+        mass = body_mass(body) if body is not None else 0.0 if shape is None else mass_of(shape)
         return mass, self._motion.frame(name)[index].position
 
     def _heights(self, name: str, frame: Frames, up: bool) -> Array:

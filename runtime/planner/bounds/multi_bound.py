@@ -15,6 +15,7 @@ from ..motion.keyframes.initial_guesses import guess
 from ..motion.keyframes.multi_start import NOISE, judged_alone
 from ..motion.keyframes.settings import KEYFRAMES
 from ..plan_assembly import assemble
+from ..statics import unbearable
 from .requests import Whole, Window
 from .settings import BOUNDS
 from .solves import QUICK, Solves
@@ -49,7 +50,8 @@ class Bounds(Solves):
         expected = self.experience.expected_refusals(skeleton.phases, strains)
         if expected:
             return Judgement(False, conflicts=[Conflict(EXPECTED, *window, ()) for window in expected])
-        conflicts = self._refused_actions(skeleton, strains)
+        heavy = [Conflict("statics", k, k, False, tuple(v)) for k, v in unbearable(skeleton).items()]
+        conflicts = heavy or self._refused_actions(skeleton, strains)
         if not conflicts:
             sequence, end = self._whole(skeleton)
             if sequence.feasible:

@@ -15,6 +15,7 @@ from ..motion.keyframes.sequence import solve_sequence, window_feasible
 from ..motion.path.path_program import solve_path
 from ..motion.phases import UnsupportedPhase, solve_sequence_path
 from ..motion.settings import MotionSettings
+from ..statics import borne
 
 Answer = TypeVar("Answer")
 
@@ -89,6 +90,7 @@ def sequence_path(
     same switches stays. Raises OutOfTime."""
     sequence = replace(sequence, configurations=sequence.configurations[: len(skeleton) + 1])
     try:
-        return solve_sequence_path(skeleton, sequence.configurations, settings, seed, budget, thorough, known)
+        found = solve_sequence_path(skeleton, sequence.configurations, settings, seed, budget, thorough, known)
     except UnsupportedPhase:
-        return solve_path(skeleton, settings, seed, budget, sequence, pinned=True)
+        found = solve_path(skeleton, settings, seed, budget, sequence, pinned=True)
+    return borne(skeleton, found)

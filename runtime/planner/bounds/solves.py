@@ -16,9 +16,10 @@ from ..motion.keyframes.sequence import solve_sequence
 from ..motion.keyframes.settings import KEYFRAMES
 from ..motion.path.path_program import solve_path
 from ..motion.settings import MotionSettings
+from ..statics import borne, slowed
 from .requests import Attempt, Whole, sequence_path
 from .speculation import Ahead
-from .verdicts import Judgement, blame, with_motion
+from .verdicts import Conflict, Judgement, blame, with_motion
 
 QUICK = 3
 """Starts of a span before a skeleton is refused for the first time."""
@@ -98,15 +99,24 @@ class Solves:
             result = path
             blamed.append({v.phase for v in result.violations})
         if result.feasible:
-            return with_motion(self.problem.world, result, sequence.configurations[len(first) + 1 :])
+            return self._timed(first, result, sequence.configurations[len(first) + 1 :])
         bound = "seq-path"
         if self.finest == "path":
             known = sequence.configurations[: len(first) + 1]
             free = self._path(first, replace(sequence, configurations=known))
             if free.feasible:
-                return with_motion(self.problem.world, free, [])
+                return self._timed(first, free, [])
             bound = "path"
         return Judgement(False, conflicts=[blame(bound, result, blamed, len(first))])
+
+    def _timed(self, skeleton: Skeleton, result: BoundResult, ahead: list[Configuration]) -> Judgement:
+        """Accepted, with motions that begin and end gently and are as slow as their drives need."""
+        judgement = with_motion(self.problem.world, result, ahead)
+        paths = slowed(skeleton, judgement.paths or [], result.configurations[0])
+        if paths is None:
+            return Judgement(False, conflicts=[Conflict("path", 0, len(skeleton) - 1, True, ())])
+        judgement.paths = paths
+        return judgement
 
     def _mended(self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, mend: Mend) -> BoundResult:
         """P_seq around the phases that have no path; the other switch poses stay."""
@@ -158,6 +168,7 @@ class Solves:
         self.tell("path", f"P_path of {len(skeleton)} actions")
         with self.clock("path"):
             result = solve_path(skeleton, self.settings, self.seed, self.budget, sequence, effort=PATH_EFFORT)
+            result = borne(skeleton, result)
         self._count("path", result.feasible)
         return result
 

@@ -192,7 +192,7 @@ def _miss(item: tuple[Skeleton, Conflict]) -> tuple[int, float]:
     return _length(item), max((v.amount for v in item[1].violations), default=float("inf"))
 
 
-_BOUND_NAMES = {"seq": "P_seq", "seq-path": "P_seqPath", "path": "P_path"}
+_BOUND_NAMES = {"statics": "the weight", "seq": "P_seq", "seq-path": "P_seqPath", "path": "P_path"}
 _TOLD = {
     Breach.ROW: "[{0}] is missed",
     Breach.COLLISION: "{1} and {2} would overlap",
@@ -201,6 +201,10 @@ _TOLD = {
     Breach.STEP: "joint {2} of {1} moves too far between two slices",
     Breach.DRIFT: "what rests would slip",
     Breach.UNIT_QUATERNION: "an orientation is missed",
+    Breach.TORQUE: "the drive of joint {2} of {1} is too weak",
+    Breach.BEARING: "joint {2} of {1} is bent too hard across its axis",
+    Breach.DOCK: "{1} and {2} do not hold together",
+    Breach.FOOT: "{1} and {2} do not stay together",
 }
 
 

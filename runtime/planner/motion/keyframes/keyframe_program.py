@@ -22,6 +22,7 @@ from ..nlp.program import Program
 from ..nlp.row_groups import Group, LinearGroup
 from ..nlp.unknowns import ORIGIN, Layout
 from ..settings import MotionSettings
+from .bearing_rows import bearing_rows
 from .placement_samples import places
 
 VERTICAL = frozenset({"top", "bottom", "inside"})
@@ -67,6 +68,7 @@ class SwitchProgram:
         self._literals()
         self._groups = self._all_groups()
         self._free = free
+        self._loads: list[Group] = []
 
     def _moving(self, phase: int, frozen: bool) -> frozenset[str]:
         """What has a slot of its own at the switch that ends a phase."""
@@ -174,7 +176,15 @@ class SwitchProgram:
 
     def program(self) -> Program:
         """The program over the pairs that take part at present."""
-        return Program(self.layout.constants, self.layout.unknowns, [*self._groups, *self._clearance])
+        return Program(self.layout.constants, self.layout.unknowns, [*self._groups, *self._loads, *self._clearance])
+
+    def bear(self, asked: bool) -> bool:
+        """From now on, or no longer, rows keep loads within strengths. Whether there are any."""
+        if asked and not self._loads:
+            self._loads = bearing_rows(self.skeleton, self.layout, self.phases, self._free)
+        elif not asked:
+            self._loads = []
+        return bool(self._loads)
 
     @cached_property
     def loose(self) -> Program:

@@ -9,7 +9,8 @@ import numpy as np
 
 from ....budget import Budget
 from ....geometry.attachments import looped
-from ....skeleton import BoundResult, Configuration, Skeleton, Violation
+from ....skeleton import LOADS, Array, BoundResult, Configuration, Skeleton, Violation
+from ...statics import exceeded_switches
 from ..nlp.augmented_lagrangian import Options
 from ..settings import MotionSettings
 from .initial_guesses import guess
@@ -31,6 +32,7 @@ FAR, EQUAL = 0.02, 1.03
 HOPELESS = 0.15
 """… or two without collisions with more than this."""
 ACCURATE = 1e-6
+LEAST = 1e-6
 
 
 def solve_span(
@@ -56,7 +58,11 @@ def solve_span(
 
 
 def _worst(result: BoundResult) -> float:
-    return result.violations[0].amount if result.violations else 0.0
+    """The greatest miss. A load counts as a small one: a pose that can be done but for it is the better explanation."""
+    if not result.violations:
+        return 0.0
+    worst = result.violations[0]
+    return LEAST if worst.kind in LOADS else worst.amount
 
 
 def _alike(amounts: list[float], factor: float) -> int:
@@ -158,7 +164,28 @@ class Span:
             program, x = switches.project(x, ACCURATE, self.budget)
             feasible = program.largest(x) <= ACCURATE
         violations: list[Violation] = [] if feasible else program.violations(x, ACCURATE)
+        if feasible:
+            x, violations = self._borne(switches, x)
+            feasible = not violations
         return BoundResult("seq", feasible, program.cost(x), 0.0, 0, switches.unpack(x), [], violations)
+
+    def _borne(self, switches: SwitchProgram, x: Array) -> tuple[Array, list[Violation]]:
+        """Switch poses that can be done, changed where something there is too heavily loaded; and what still is."""
+
+        def exceeded(unknowns: Array) -> list[Violation]:
+            return exceeded_switches(self.skeleton, self.first, switches.unpack(unknowns), self.free)
+
+        violations = exceeded(x)
+        if not violations or not switches.bear(True):
+            return x, violations
+        try:
+            _, outcome = switches.solve(x, self.options, self.budget)
+            self.iterations += outcome.iterations
+            program, changed = switches.project(outcome.x, ACCURATE, self.budget)
+            good = program.largest(changed) <= ACCURATE
+        finally:
+            switches.bear(False)
+        return (changed, exceeded(changed)) if good else (x, violations)
 
 
 def _repair(

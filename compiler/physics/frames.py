@@ -1,0 +1,223 @@
+"""Weights, frames and wrenches of rigid nodes over many samples."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..ir import ModuleType, Problem, Shape
+from .masses import body_mass, part_mass
+from .moments import shape_moments
+from .records import CONTACTS
+from .structure import WORLD, Edge, Node
+
+Array = NDArray[np.float64]
+GRAVITY = 9.81
+"""Metres per second squared."""
+
+
+@dataclass(frozen=True, slots=True)
+class Weight:
+    """What is fixed to one node: kilograms, the centre (3,) in its frame, and the inertia (3, 3) about the centre."""
+
+    mass: float
+    centre: Array
+    inertia: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Poses:
+    """Rotations `(T, 3, 3)` and positions `(T, 3)` of all nodes, over T samples."""
+
+    turns: Mapping[Node, Array]
+    places: Mapping[Node, Array]
+    times: Array | None = None
+    """Seconds of the samples where what moves has inertia, equidistant."""
+
+
+@lru_cache(maxsize=64)
+def module_weights(kind: ModuleType) -> Mapping[int, Weight]:
+    """What each moving frame of a module carries, by joint (-1: the module frame)."""
+    parts: dict[int, list[Weight]] = {}
+
+    def add(joint: int, mass: float, placement: Sequence[float], inertia: Array) -> None:
+        turn = rotation(np.asarray(placement[3:]))
+        parts.setdefault(joint, []).append(Weight(mass, np.asarray(placement[:3]), turn @ inertia @ turn.T))
+
+    solids: list[tuple[int, Sequence[float], Shape | None, float | None]] = []
+    solids += [(e.joint, e.placement, e.shape, e.mass) for e in kind.effectors]
+    solids += [(k.joint, k.placement, k.shape, k.mass) for k in kind.links]
+    for joint, placement, shape, stated in solids:
+        if shape is not None:
+            mass = part_mass(shape, stated)
+            add(joint, mass, placement, shape_moments(shape, mass))
+    for drive in kind.joints:
+        if drive.mass:
+            add(drive.parent, drive.mass, drive.placement, np.zeros((3, 3)))
+    for given in kind.inertials:
+        xx, xy, xz, yy, yz, zz = given.inertia
+        matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        add(given.joint, given.mass, (*given.centre, 0.0, 0.0, 0.0, 1.0), matrix)
+    return {joint: _joined(found) for joint, found in parts.items()}
+
+
+def _joined(parts: Sequence[Weight]) -> Weight:
+    mass = sum(p.mass for p in parts)
+    if mass == 0.0:
+        return Weight(0.0, np.zeros(3), np.zeros((3, 3)))
+    centre = np.sum([p.mass * p.centre for p in parts], axis=0) / mass
+    inertia = np.zeros((3, 3))
+    for part in parts:
+        d = part.centre - centre
+        inertia += part.inertia + part.mass * (d @ d * np.eye(3) - np.outer(d, d))
+    return Weight(mass, centre, inertia)
+
+
+def rotation(quaternion: Array) -> Array:
+    """Rotation matrices `(…, 3, 3)` of unit quaternions `(…, 4)`."""
+    x, y, z, w = np.moveaxis(quaternion, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(r, axis=-1) for r in rows], axis=-2)
+
+
+def _turned(axis: Array, values: Array) -> Array:
+    """Rotations `(T, 3, 3)` by angles `(T,)` about an axis."""
+    half = values / 2.0
+    return rotation(np.concatenate([np.sin(half)[:, None] * axis, np.cos(half)[:, None]], axis=1))
+
+
+def poses(
+    problem: Problem, modules: Mapping[str, Array], bodies: Mapping[str, Array], times: Array | None = None
+) -> Poses:
+    """Where all nodes are: `modules` by name `(T, 7 + n)`, `bodies` `(T, 7)`."""
+    count = max((len(rows) for rows in (*modules.values(), *bodies.values())), default=1)
+    turns: dict[Node, Array] = {WORLD: np.broadcast_to(np.eye(3), (count, 3, 3))}
+    places: dict[Node, Array] = {WORLD: np.zeros((count, 3))}
+    for name, rows in modules.items():
+        turns[name, -1], places[name, -1] = rotation(_unit(rows[:, 3:7])), rows[:, :3]
+        for index, joint in enumerate(problem.world.modules[name].type.joints):
+            base, at = turns[name, joint.parent], places[name, joint.parent]
+            offset, turn = np.asarray(joint.placement[:3]), rotation(np.asarray(joint.placement[3:]))
+            axis = np.asarray(joint.axis) / np.linalg.norm(joint.axis)
+            at = at + base @ offset
+            base = base @ turn
+            if joint.kind == "revolute":
+                base = base @ _turned(axis, rows[:, 7 + index])
+            else:
+                at = at + rows[:, 7 + index, None] * (base @ axis)
+            turns[name, index], places[name, index] = base, at
+    for name, rows in bodies.items():
+        turns[name, -1], places[name, -1] = rotation(_unit(rows[:, 3:7])), rows[:, :3]
+    return Poses(turns, places, times)
+
+
+def _unit(quaternions: Array) -> Array:
+    return np.asarray(quaternions / np.linalg.norm(quaternions, axis=-1, keepdims=True))
+
+
+def node_weights(problem: Problem, nodes: Sequence[Node]) -> dict[Node, Weight]:
+    found: dict[Node, Weight] = {}
+    for node in nodes:
+        name, joint = node
+        if name in problem.world.modules:
+            weight = module_weights(problem.world.modules[name].type).get(joint)
+            if weight is not None:
+                found[node] = weight
+        elif name in problem.world.bodies:
+            body = problem.world.bodies[name]
+            mass = body_mass(body)
+            found[node] = Weight(mass, np.zeros(3), shape_moments(body.shape, mass))
+    return found
+
+
+def node_wrench(weight: Weight, turn: Array, place: Array, times: Array | None) -> tuple[Array, Array]:
+    """Force and moment about the origin that a node puts on what bears it."""
+    centre = place + turn @ weight.centre
+    force = np.zeros_like(centre)
+    force[:, 2] = -weight.mass * GRAVITY
+    moment = np.cross(centre, force)
+    if times is not None:
+        step = times[1] - times[0]
+        inertia = turn @ weight.inertia @ np.swapaxes(turn, 1, 2)
+        push = -weight.mass * _second(centre, step)
+        force = force + push
+        spin = _spin(turn, step)
+        momentum = np.einsum("tij,tj->ti", inertia, spin)
+        moment = moment + np.cross(centre, push) - np.gradient(momentum, step, axis=0, edge_order=2)
+    return force, moment
+
+
+def _second(values: Array, step: float) -> Array:
+    """Second derivatives at all samples; those at the ends as beside them."""
+    inner = (values[2:] - 2.0 * values[1:-1] + values[:-2]) / step**2
+    return np.concatenate([inner[:1], inner, inner[-1:]])
+
+
+def _spin(turn: Array, step: float) -> Array:
+    """Angular velocities `(T, 3)` in the world."""
+    rate = np.gradient(turn, step, axis=0, edge_order=2) @ np.swapaxes(turn, 1, 2)
+    return (
+        np.stack([rate[:, 2, 1] - rate[:, 1, 2], rate[:, 0, 2] - rate[:, 2, 0], rate[:, 1, 0] - rate[:, 0, 1]], 1) / 2
+    )
+
+
+# --- where pairs meet ------------------------------------------------------------------------------------------
+
+
+def meeting(problem: Problem, edge: Edge, at: Poses) -> tuple[Array, Array]:
+    """Where a kept pair meets `(T, 3)`, and its axes `(T, 3, 3)` as columns; the third one is the normal."""
+    name = edge.place
+    found = problem.world.effector(name)
+    if found is not None:
+        module, end = found
+        node = (module.name, end.joint)
+        turn = at.turns[node] @ rotation(np.asarray(end.placement[3:]))
+        place = at.places[node] + at.turns[node] @ np.asarray(end.placement[:3])
+        shape = end.shape
+    else:
+        body = problem.world.bodies.get(name)
+        node = (name, -1)
+        shape = None if body is None else body.shape
+        turn, place = at.turns[node], at.places[node]
+    upright = np.broadcast_to(np.eye(3), turn.shape)
+    if edge.manner in CONTACTS:
+        return place - upright[:, :, 2] * _low(shape, turn)[:, None], upright
+    far = shape.size[0] if shape is not None and shape.kind == "sphere" and found is not None else 0.0
+    return place + far * turn[:, :, 2], turn
+
+
+def _low(shape: Shape | None, turn: Array) -> Array:
+    """How far the lowest point of a shape is below its middle."""
+    down = turn[:, 2, :]
+    if shape is None:
+        return np.zeros(len(turn))
+    if shape.kind == "box":
+        return np.asarray(np.abs(down) @ (np.asarray(shape.size) / 2.0))
+    if shape.kind == "convex":
+        return np.asarray(-(down @ np.asarray(shape.size).reshape(-1, 3).T).min(axis=1))
+    if shape.kind == "sphere":
+        return np.full(len(turn), shape.size[0])
+    along, radius = np.abs(down[:, 2]) * shape.size[1] / 2.0, shape.size[0]
+    return along + (radius if shape.kind == "capsule" else radius * np.sqrt(np.maximum(0.0, 1.0 - down[:, 2] ** 2)))
+
+
+def foot_radius(problem: Problem, name: str) -> float:
+    """How far from where an end or a body stands it tips: half the smaller side of its shape, seen from above."""
+    found = problem.world.effector(name)
+    shape = found[1].shape if found is not None else problem.world.bodies[name].shape
+    if shape is None:
+        return 0.0
+    if shape.kind == "box":
+        return min(shape.size[0], shape.size[1]) / 2.0
+    if shape.kind == "convex":
+        corners = np.asarray(shape.size).reshape(-1, 3)
+        return float(np.ptp(corners[:, :2], axis=0).min()) / 2.0
+    return shape.size[0]

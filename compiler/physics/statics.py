@@ -1,0 +1,136 @@
+"""Loads of joints and kept pairs, at rest or in motion, for the planner: trees by recursion from their tips, closed
+loops by a small program that shares the loads so that the worst one is least.
+
+A wrench is what the far side of an edge puts on the near one: force (N) and moment (N m) about the world's origin. The
+verifier has its own.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..ir import Fact, Hold, Problem
+from .frames import Array, Poses, foot_radius, meeting, node_weights, node_wrench
+from .loops import shared
+from .records import CONTACTS
+from .structure import WORLD, Edge, Node, structure
+
+KINDS = {"torque": "a drive", "bearing": "a bending moment", "dock": "a load", "foot": "a load"}
+LIMITLESS = 1e3
+"""A ratio that stands for a load that nothing could bear, as of a thing that is pulled off what only rests."""
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """How near an edge comes to its strength over the samples `(T,)`: `ratio`, of what kind: torque, bearing, dock or
+    foot; `amount` and `strength` in `unit` where the ratio is greatest."""
+
+    edge: Edge
+    kind: str
+    ratio: Array
+    amount: Array
+    strength: float
+    unit: str
+
+
+    @property
+    def names(self) -> str:
+        """Whom it concerns, for people."""
+        first, second = self.edge.names
+        return f"joint {second} of {first}" if self.edge.is_joint else f"{first} and {second}"
+
+    def told(self, safety: float) -> str:
+        """The greatest load in words: `joint j2 of c needs 73 N m of 38 N m, 1.5 times`."""
+        worst = int(np.argmax(self.ratio))
+        if not self.unit:
+            return f"{self.names}: {self.amount[worst]:.3g} of what friction and edges hold, {safety:g} times"
+        amount, strength = f"{self.amount[worst]:.3g} {self.unit}", f"{self.strength:.3g} {self.unit}"
+        return f"{self.names}: {KINDS[self.kind]} of {amount}, {safety:g} times, is more than {strength}"
+
+
+def loads(problem: Problem, mode: frozenset[Fact], at: Poses, safety: float = 1.0) -> list[Load]:
+    """The loads of everything in a mode that states a strength, times `safety`, over that strength."""
+    found = structure(problem, mode)
+    nodes = [e.child for e in found.edges if e.child in at.turns]
+    count = len(at.turns[WORLD])
+    sums: dict[Node, tuple[Array, Array]] = {n: (np.zeros((count, 3)), np.zeros((count, 3))) for n in (WORLD, *nodes)}
+    for node, weight in node_weights(problem, nodes).items():
+        sums[node] = node_wrench(weight, at.turns[node], at.places[node], at.times)
+    wrenches: list[tuple[Array, Array]] = [(np.zeros(0), np.zeros(0))] * len(found.edges)
+    for number in reversed(range(len(found.edges))):
+        edge = found.edges[number]
+        wrenches[number] = sums[edge.child]
+        force, moment = sums[edge.parent]
+        sums[edge.parent] = force + sums[edge.child][0], moment + sums[edge.child][1]
+    if found.loops:
+        wrenches = shared(problem, found, at, wrenches, safety)
+    return [
+        load
+        for edge, (force, moment) in zip(found.all, wrenches, strict=True)
+        for load in _loads_of(problem, edge, at, force, moment, safety)
+    ]
+
+
+def _loads_of(problem: Problem, edge: Edge, at: Poses, force: Array, moment: Array, safety: float) -> list[Load]:
+    if edge.is_joint:
+        return _joint_loads(problem, edge, at, force, moment, safety)
+    if edge.hold is None:
+        return []
+    place, axes = meeting(problem, edge, at)
+    own = np.einsum("tij,ti->tj", axes, force)
+    bent = np.einsum("tij,ti->tj", axes, moment - np.cross(place, force))
+    kind = "foot" if edge.manner in CONTACTS else "dock"
+    rows = _held(edge.hold, own, bent, foot_radius(problem, edge.place), edge.manner, safety)
+    return [Load(edge, kind, safety * amount / strength, amount, strength, unit) for amount, strength, unit in rows]
+
+
+def _joint_loads(problem: Problem, edge: Edge, at: Poses, force: Array, moment: Array, safety: float) -> list[Load]:
+    joint = problem.world.modules[edge.names[0]].type.joints[edge.joint]
+    node = (edge.names[0], edge.joint)
+    axis = at.turns[node] @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
+    own = moment - np.cross(at.places[node], force)
+    along = (own if joint.kind == "revolute" else force) * axis
+    drive = np.abs(along.sum(axis=1))
+    found = []
+    if math.isfinite(joint.torque):
+        unit = "N m" if joint.kind == "revolute" else "N"
+        found.append(Load(edge, "torque", safety * drive / joint.torque, drive, joint.torque, unit))
+    if math.isfinite(joint.bearing):
+        across = own - axis * (own * axis).sum(axis=1, keepdims=True) if joint.kind == "revolute" else own
+        bent = np.linalg.norm(across, axis=1)
+        found.append(Load(edge, "bearing", safety * bent / joint.bearing, bent, joint.bearing, "N m"))
+    return found
+
+
+def _held(
+    hold: Hold, force: Array, moment: Array, radius: float, manner: str, safety: float
+) -> list[tuple[Array, float, str]]:
+    """What a pair bears of force and moment in its own axes, as amounts, strengths and units. What presses on a contact
+    is force along -z."""
+    across, bend = np.linalg.norm(force[:, :2], axis=1), np.linalg.norm(moment[:, :2], axis=1)
+    twist = np.abs(moment[:, 2])
+    rows: list[tuple[Array, float, str]] = []
+    for amount, strength, unit in ((across, hold.shear, "N"), (bend, hold.moment, "N m"), (twist, hold.twist, "N m")):
+        if math.isfinite(strength):
+            rows.append((amount, strength, unit))
+    if manner not in CONTACTS:
+        if math.isfinite(hold.force):
+            rows.append((np.abs(force[:, 2]), hold.force, "N"))
+        if manner == "grip" and math.isfinite(hold.friction) and math.isfinite(hold.force):
+            rows.append((across, hold.friction * hold.force, "N"))
+        return rows
+    sticks = hold.force if manner == "pad" else 0.0
+    pull = np.maximum(force[:, 2], 0.0)
+    if sticks > 0.0 and math.isfinite(sticks):
+        rows.append((pull, sticks, "N"))
+    if not math.isfinite(sticks):
+        return rows
+    held = np.maximum(sticks - force[:, 2], 1e-9)
+    if math.isfinite(hold.friction):
+        rows.append((np.minimum(across / (hold.friction * held), LIMITLESS), 1.0, ""))
+    if not math.isfinite(hold.moment):
+        rows.append((np.minimum(bend / (radius * held), LIMITLESS), 1.0, ""))
+    return rows

@@ -1,0 +1,180 @@
+"""Whether robots bear themselves: at switch configurations, along paths, and how slowly they must move to do so.
+
+With `physics` on, every load times `safety` stays within what is stated. Load and strength come from
+`compiler/physics`; what is exceeded becomes a `Violation` that names the joint or pair and the line of its strength.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...compiler.ir import Fact, Problem
+from ...compiler.physics.frames import GRAVITY, node_weights, poses
+from ...compiler.physics.records import CONTACTS
+from ...compiler.physics.statics import Load, loads
+from ...compiler.physics.structure import stated_at, structure
+from ...compiler.scenes.check_strength import safety_of
+from ..geometry.attachments import next_mode
+from ..geometry.splines import spline_weights
+from ..skeleton import Array, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
+
+LOOKED_AT = 6
+"""Instants of a phase at which loads are looked at: they find the worst within 0.8 %."""
+KEPT = 0.985
+"""What is used of a strength, so that the worst between two instants keeps it, too."""
+FINE = 4
+"""Instants per slice at which inertia is looked at."""
+SLOWEST = 50.0
+"""How many times as long a phase may take for the sake of its drives. What needs more hardly bears itself at rest."""
+BREACHES = {"torque": Breach.TORQUE, "bearing": Breach.BEARING, "dock": Breach.DOCK, "foot": Breach.FOOT}
+
+
+def asked(problem: Problem) -> bool:
+    """Whether the task wants robots to bear themselves."""
+    return problem.options.physics in ("statics", "dynamics")
+
+
+def _violations(problem: Problem, found: Sequence[Load], phase: int) -> list[Violation]:
+    told = []
+    for load in found:
+        worst = int(np.argmax(load.ratio))
+        if load.ratio[worst] > KEPT:
+            safety = safety_of(problem.options)
+            excess = float(safety * load.amount[worst] - KEPT * load.strength)
+            names, span = load.edge.names, stated_at(problem, load.edge)
+            told.append(Violation(phase, BREACHES[load.kind], names, excess, load.unit or "1", span))
+    return sorted(told, key=lambda v: (-v.amount, v.names, v.kind))
+
+
+def exceeded(
+    problem: Problem, mode: frozenset[Fact], modules: Mapping[str, Array], bodies: Mapping[str, Array], phase: int
+) -> list[Violation]:
+    """What is too heavily loaded at rest in these samples, largest excess first."""
+    at = poses(problem, modules, bodies)
+    return _violations(problem, loads(problem, mode, at, safety_of(problem.options)), phase)
+
+
+def exceeded_at(problem: Problem, mode: frozenset[Fact], at: Configuration, phase: int) -> list[Violation]:
+    """What is too heavily loaded in one configuration."""
+    modules = {name: row[None] for name, row in at.modules.items()}
+    return exceeded(problem, mode, modules, {name: row[None] for name, row in at.bodies.items()}, phase)
+
+
+def exceeded_switches(skeleton: Skeleton, first: int, slices: Sequence[Configuration], free: bool) -> list[Violation]:
+    """What is too heavily loaded at the switches of phases from `first` on, before and after each; `slices` begins with
+    the state before, which counts where it is `free`."""
+    problem = skeleton.problem
+    if not asked(problem):
+        return []
+    found = exceeded_at(problem, skeleton.phases[first].mode, slices[0], first) if free else []
+    for phase, switch in enumerate(slices[1:], start=first):
+        found += exceeded_at(problem, skeleton.phases[phase].mode, switch, phase)
+        found += exceeded_at(problem, next_mode(skeleton, phase), switch, phase)
+    return sorted(found, key=lambda v: -v.amount)
+
+
+def borne(skeleton: Skeleton, result: BoundResult) -> BoundResult:
+    """A feasible result of paths, refused where something is too heavily loaded on the way."""
+    if not result.feasible or not asked(skeleton.problem):
+        return result
+    found: list[Violation] = []
+    now = result.configurations[0]
+    for phase, path in enumerate(result.paths):
+        times = np.linspace(0.0, 1.0, LOOKED_AT)
+        modules, bodies = _sampled(path, now, times)
+        found += exceeded(skeleton.problem, skeleton.phases[phase].mode, modules, bodies, phase)
+        now = result.configurations[phase + 1]
+    if not found:
+        return result
+    return replace(result, feasible=False, violations=sorted(found, key=lambda v: -v.amount))
+
+
+def _sampled(path: PhasePath, before: Configuration, share: Array) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Everything at shares of the phase's time. Module poses between samples are those of splines through them: at most
+    micrometres off what the joints give."""
+    weights = spline_weights(path.samples - 1, share) if path.samples > 2 else np.stack([1.0 - share, share], axis=1)
+    modules = {name: weights @ rows for name, rows in path.modules.items()}
+    bodies = {name: np.repeat(pose[None], len(share), axis=0) for name, pose in before.bodies.items()}
+    bodies |= {name: weights @ rows for name, rows in path.bodies.items()}
+    return modules, bodies
+
+
+def unbearable(skeleton: Skeleton) -> dict[int, list[Violation]]:
+    """By phase, what no posture could bear after its switch: pairs that hold less than what hangs on them weighs,
+    however it hangs."""
+    problem = skeleton.problem
+    found: dict[int, list[Violation]] = {}
+    for phase in range(len(skeleton)) if asked(problem) else ():
+        told = _too_heavy(problem, next_mode(skeleton, phase), phase)
+        if told:
+            found[phase] = told
+    return found
+
+
+def _too_heavy(problem: Problem, mode: frozenset[Fact], phase: int) -> list[Violation]:
+    built = structure(problem, mode)
+    if built.loops:
+        return []
+    masses = {node: weight.mass for node, weight in node_weights(problem, [e.child for e in built.edges]).items()}
+    found = []
+    for edge in reversed(built.edges):
+        mass = masses.get(edge.child, 0.0)
+        masses[edge.parent] = masses.get(edge.parent, 0.0) + mass
+        if edge.hold is None or edge.manner in CONTACTS:
+            continue
+        hold = edge.hold
+        shear = min(hold.shear, hold.friction * hold.force) if edge.manner == "grip" else hold.shear
+        excess = safety_of(problem.options) * mass * GRAVITY - math.hypot(hold.force, shear)
+        if excess > 0.0:
+            found.append(Violation(phase, Breach.DOCK, edge.names, excess, "N", stated_at(problem, edge)))
+    return sorted(found, key=lambda v: (-v.amount, v.names))
+
+
+def slowed(skeleton: Skeleton, paths: Sequence[PhasePath], before: Configuration) -> list[PhasePath] | None:
+    """The paths, each as slow as its drives and docks need for the inertia of what they carry; None where even rest
+    asks too much. With `physics = statics` they stay as they are."""
+    problem = skeleton.problem
+    if problem.options.physics != "dynamics":
+        return list(paths)
+    made: list[PhasePath] = []
+    now = before
+    for phase, path in enumerate(paths):
+        count = max(2, FINE * (path.samples - 1))
+        modules, bodies = _sampled(path, now, np.linspace(0.0, 1.0, count + 1))
+        stretch = _stretch(problem, skeleton.phases[phase].mode, modules, bodies, path.duration, count)
+        if stretch is None:
+            return None
+        made.append(replace(path, duration=math.ceil(path.duration * stretch * 100.0) / 100.0))
+        now = Configuration(
+            {n: rows[-1] for n, rows in modules.items()}, {n: rows[-1] for n, rows in bodies.items()}
+        )
+    return made
+
+
+def _stretch(
+    problem: Problem, mode: frozenset[Fact], modules: Mapping[str, Array], bodies: Mapping[str, Array],
+    duration: float, count: int,
+) -> float | None:  # fmt: skip
+    """The least factor of the duration with which all loads keep their strengths, by halving: inertia falls with its
+    square."""
+
+    def fits(factor: float) -> bool:
+        times = np.linspace(0.0, duration * factor, count + 1)
+        found = loads(problem, mode, poses(problem, modules, bodies, times), safety_of(problem.options))
+        return all(float(load.ratio.max()) <= KEPT for load in found)
+
+    if fits(1.0):
+        return 1.0
+    low, high = 1.0, 2.0
+    while not fits(high):
+        low, high = high, 2.0 * high
+        if high > SLOWEST:
+            return None
+    while high / low > 1.01:
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if fits(middle) else (middle, high)
+    return high

@@ -1,0 +1,143 @@
+"""Loads of closed loops: the balance of every node, and of all loads that balance those that strain the least."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from ...compiler import ir
+from .geometry import Array, Frames
+from .strengths import Joined, Node, Support, meeting_place
+
+CORNERS = 16
+"""Of the polygons inside the circles that bound shear and bending."""
+LIFTED = 1e3
+"""How dear it is that a foot is pulled, against the ratio of everything else."""
+
+
+def shared(
+    problem: ir.Problem, ring: tuple[Joined, ...], nodes: Mapping[Node, Frames], forces: Mapping[Node, Array],
+    moments: Mapping[Node, Array], known: Mapping[Joined, tuple[Array, Array]], support: Support, safety: float,
+) -> dict[Joined, tuple[Array, Array]]:  # fmt: skip
+    """The wrenches `(T, 3)` of the edges of a ring, far on near, about the origin."""
+    count = max(len(f) for f in nodes.values())
+    root = support.root(ring)
+    inner = sorted({n for e in ring for n in (e.near, e.far)} - {root})
+    weights: dict[Node, Array] = {}
+    for node in inner:
+        total = np.zeros((count, 6))
+        if node in forces:
+            total += np.hstack([forces[node], moments[node]])
+        for edge in support.hanging(node, ring):
+            total += np.hstack(known[edge])
+        weights[node] = total
+    found = {e: (np.zeros((count, 3)), np.zeros((count, 3))) for e in ring}
+    for t in range(count):
+        solved = _solved(problem, ring, inner, nodes, weights, t, count, safety)
+        for number, edge in enumerate(ring):
+            found[edge][0][t] = solved[6 * number : 6 * number + 3]
+            found[edge][1][t] = solved[6 * number + 3 : 6 * number + 6]
+    return found
+
+
+def _solved(
+    problem: ir.Problem, ring: tuple[Joined, ...], inner: list[Node], nodes: Mapping[Node, Frames],
+    weights: Mapping[Node, Array], t: int, count: int, safety: float,
+) -> Array:  # fmt: skip
+    from scipy.optimize import linprog
+
+    width = 6 * len(ring)
+    equal = np.zeros((6 * len(inner), width + 2))
+    right = np.zeros(6 * len(inner))
+    for row, node in enumerate(inner):
+        block = slice(6 * row, 6 * row + 6)
+        right[block] = -weights[node][t]
+        for number, edge in enumerate(ring):
+            columns = slice(6 * number, 6 * number + 6)
+            if edge.near == node:
+                equal[block, columns] += np.eye(6)
+            elif edge.far == node:
+                equal[block, columns] -= np.eye(6)
+    rows, limits = [np.zeros(width + 2)], [0.0]
+    for number, edge in enumerate(ring):
+        for functional, share, constant in _bounds(problem, edge, nodes, t, count, safety):
+            whole = np.zeros(width + 2)
+            whole[6 * number : 6 * number + 6] = functional
+            whole[width], whole[width + 1] = -share, -(share == 0.0)
+            rows.append(whole)
+            limits.append(constant)
+    cost = np.zeros(width + 2)
+    cost[width], cost[width + 1] = 1.0, LIFTED
+    bounds = [(None, None)] * width + [(0.0, None)] * 2
+    solved = linprog(cost, np.array(rows), np.array(limits), equal, right, bounds, method="highs")
+    if solved.x is None:
+        return np.full(width, math.nan)
+    off = np.abs(equal @ solved.x - right).max(initial=0.0)
+    return np.asarray(solved.x[:width]) if off <= 1e-6 * (1.0 + np.abs(right).max()) else np.full(width, math.nan)
+
+
+def _bounds(
+    problem: ir.Problem, edge: Joined, nodes: Mapping[Node, Frames], t: int, count: int, safety: float
+) -> list[tuple[Array, float, float]]:
+    """Rows functional · wrench <= share · ratio + constant."""
+    one = {n: f[np.array([t])] if len(f) == count else f for n, f in nodes.items()}
+    found: list[tuple[Array, float, float]] = []
+
+    def within(functional: Array, strength: float) -> None:
+        if math.isfinite(strength):
+            found.extend((sign * functional, strength / safety, 0.0) for sign in (1.0, -1.0))
+
+    if edge.joint_of:
+        joint = next(j for j in problem.world.modules[edge.names[0]].type.joints if j.name == edge.names[1])
+        axis = one[edge.far].rotation[0] @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
+        place = one[edge.far].position[0]
+        turning = joint.kind == "revolute"
+        within(_about(axis, place) if turning else np.hstack([axis, np.zeros(3)]), joint.torque)
+        side = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+        side /= np.linalg.norm(side)
+        for direction in _round(side, np.cross(axis, side)):
+            within(_about(direction, place), joint.bearing * math.cos(math.pi / CORNERS))
+        return found
+    if not edge.strength:
+        return found
+    places, turns, radius = meeting_place(problem, edge, one)
+    place, axes = places[0], turns[0]
+    most, shear, bending, twisting, friction = edge.strength
+    contact = edge.manner in ("pad", "rest")
+    sticks = (most if edge.manner == "pad" else 0.0) if contact else math.inf
+    pull = np.hstack([axes[:, 2], np.zeros(3)])
+    inside = math.cos(math.pi / CORNERS)
+    if edge.manner == "grip":
+        shear = min(shear, friction * most)
+    for direction in _round(axes[:, 0], axes[:, 1]):
+        slide, bend = np.hstack([direction, np.zeros(3)]), _about(direction, place)
+        within(slide, shear * inside)
+        within(bend, bending * inside)
+        if contact and math.isfinite(sticks):
+            for sign in (1.0, -1.0):
+                if math.isfinite(friction):
+                    share = friction * inside / safety
+                    found.append((sign * slide + share * pull, 0.0, share * sticks))
+                if not math.isfinite(bending):
+                    share = radius * inside / safety
+                    found.append((sign * bend + share * pull, 0.0, share * sticks))
+    within(_about(axes[:, 2], place), twisting)
+    if not contact:
+        within(pull, most)
+    elif math.isfinite(sticks):
+        found.append((pull, 0.0, sticks / safety))
+    return found
+
+
+def _about(direction: Array, place: Array) -> Array:
+    """The moment of a wrench about a line through `place`, as a functional of force and moment about the origin."""
+    return np.hstack([np.cross(place, direction), direction])
+
+
+def _round(first: Array, second: Array) -> list[Array]:
+    angles = np.pi * np.arange(CORNERS // 2) / (CORNERS // 2)
+    return [np.cos(a) * first + np.sin(a) * second for a in angles]
+
+

@@ -1,0 +1,183 @@
+"""Whether everything bears its loads, times the safety that the task asks for.
+
+Loads are found in another way than the planner's: what an edge bears is the sum of what lies beyond it, found by taking
+the edge away. Where that leaves nothing without support, the edge is part of a closed loop, and the wrenches of all
+edges of that loop are asked for at once, by the balance of every node, from HiGHS; what it says is measured anew. Joint
+torques are repeated by Pinocchio's recursion, module by module, under the wrenches found for its ends.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...compiler import ir
+from ...compiler.options import OPTIONS
+from ..plan import Plan
+from .findings import Findings, place_of
+from .geometry import Array, Frames, frames
+from .happenings import kept
+from .inertia import body_mass, moments, weights
+from .rigid_model import RigidModel
+from .sampler import Sampler, Shown
+from .shared_loads import shared
+from .strengths import Joined, Support, joined, judge
+
+LOOKS = 24
+"""Instants of a phase at which loads are measured: they find the worst within a thousandth."""
+STEP = 1e-3
+"""Seconds before and after an instant, for accelerations."""
+GRAVITY = 9.81
+AGREEMENT = 1e-6
+"""N m by which Pinocchio may find another torque: rounding."""
+
+
+@dataclass(frozen=True, slots=True)
+class Loads:
+    """Force and moment about the world's origin `(T, 3)` that each node puts on what bears it."""
+
+    forces: Mapping[tuple[str, int], Array]
+    moments: Mapping[tuple[str, int], Array]
+
+
+def check_statics(problem: ir.Problem, plan: Plan, modes: tuple[frozenset[ir.Fact], ...], final: frozenset[ir.Fact],
+                  sampler: Sampler, findings: Findings) -> None:  # fmt: skip
+    """Measure torque_ratio, bearing_ratio, dock_ratio, foot_ratio and tip_m along every phase, and on the far side of
+    every switch. Raises OutOfTime."""
+    if problem.options.physics in (None, "none"):
+        return
+    safety = float(OPTIONS["safety"].default if problem.options.safety is None else problem.options.safety)
+    moving = problem.options.physics == "dynamics"
+    for index, record in enumerate(plan.phases[: len(modes)]):
+        findings.check_time()
+        times = np.linspace(record.start, record.end, LOOKS + 1)
+        _measure(problem, modes[index], sampler, index, times, safety, moving, findings)
+        after = modes[index + 1] if index + 1 < len(modes) else final
+        if record.completed:
+            _measure(problem, after, sampler, index, times[-1:], safety, False, findings)
+
+
+def _measure(
+    problem: ir.Problem, mode: frozenset[ir.Fact], sampler: Sampler, phase: int, times: Array, safety: float,
+    moving: bool, findings: Findings,
+) -> None:  # fmt: skip
+    shown = Shown(sampler.at(phase, times), sampler.kinematics)
+    nodes = _nodes(problem, shown)
+    loads = _loads(problem, nodes, _accelerated(problem, sampler, phase, times) if moving else None)
+    edges = joined(problem, mode, kept(problem, mode))
+    wrenches = _wrenches(problem, edges, nodes, loads, safety)
+    for edge, (force, moment) in wrenches.items():
+        for figure in judge(problem, edge, nodes, force, moment, safety):
+            worst = int(np.argmax(figure.amounts))
+            findings.measure(
+                figure.kind, float(figure.amounts[worst]), figure.message, time=float(times[worst]),
+                between=edge.names, place=place_of(figure.span),
+            )  # fmt: skip
+    if not moving:
+        _repeat(problem, edges, nodes, wrenches, float(times[-1]), findings)
+
+
+def _nodes(problem: ir.Problem, shown: Shown) -> dict[tuple[str, int], Frames]:
+    """The frames `(T,)` of everything that is rigid and may move."""
+    found: dict[tuple[str, int], Frames] = {}
+    for name in problem.world.modules:
+        found |= {(name, joint): frame for joint, frame in (shown.parts(name) or {}).items()}
+    for name in problem.world.bodies:
+        found[name, -1] = shown.frame(name)
+    return found
+
+
+def _solids(problem: ir.Problem) -> list[tuple[tuple[str, int], ir.Pose, float, Array]]:
+    """Every weight: its node, where it sits there, kilograms, and its inertia about its middle along the axes of that
+    place."""
+    found = [
+        ((name, joint), placement, mass, inertia)
+        for name, module in problem.world.modules.items()
+        for joint, placement, mass, inertia in weights(module.type)
+    ]
+    here = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    for name, body in problem.world.bodies.items():
+        if body.movable:
+            mass = body_mass(body)
+            found.append(((name, -1), here, mass, moments(body.shape, mass)))
+    return found
+
+
+def _loads(
+    problem: ir.Problem, nodes: Mapping[tuple[str, int], Frames],
+    around: tuple[Mapping[tuple[str, int], Frames], Mapping[tuple[str, int], Frames]] | None,
+) -> Loads:  # fmt: skip
+    """Weights, and with the frames `STEP` before and after also inertia."""
+    forces: dict[tuple[str, int], Array] = {}
+    turning: dict[tuple[str, int], Array] = {}
+    for node, placement, mass, inertia in _solids(problem):
+        own = frames(placement)
+        here = nodes[node].compose(own)
+        force = np.tile([0.0, 0.0, -GRAVITY * mass], (len(here), 1))
+        moment = np.zeros((len(here), 3))
+        if around is not None:
+            before, after = (side[node].compose(own) for side in around)
+            force = force - mass * (before.position - 2.0 * here.position + after.position) / STEP**2
+            spun = []
+            for one, other in ((before, here), (here, after)):
+                rate = (other.rotation - one.rotation) @ np.swapaxes((one.rotation + other.rotation) / 2.0, 1, 2) / STEP
+                spin = np.stack([rate[:, 2, 1], rate[:, 0, 2], rate[:, 1, 0]], axis=1)
+                middle = (one.rotation + other.rotation) / 2.0
+                tensor = middle @ inertia @ np.swapaxes(middle, 1, 2)
+                spun.append((tensor @ spin[:, :, None])[:, :, 0])
+            moment = moment - (spun[1] - spun[0]) / STEP
+        forces[node] = forces.get(node, 0.0) + force
+        turning[node] = turning.get(node, 0.0) + moment + np.cross(here.position, force)
+    return Loads(forces, turning)
+
+
+def _accelerated(
+    problem: ir.Problem, sampler: Sampler, phase: int, times: Array
+) -> tuple[Mapping[tuple[str, int], Frames], Mapping[tuple[str, int], Frames]]:
+    """The frames shortly before and after each time. At the ends everything rests: there both are as inside."""
+    inner = np.clip(times, times[0] + STEP, times[-1] - STEP)
+    sides = []
+    for step in (-STEP, STEP):
+        shown = Shown(sampler.at(phase, inner + step), sampler.kinematics)
+        sides.append(_nodes(problem, shown))
+    return sides[0], sides[1]
+
+
+Wrenches = Mapping[Joined, tuple[Array, Array]]
+
+
+def _wrenches(
+    problem: ir.Problem, edges: tuple[Joined, ...], nodes: Mapping[tuple[str, int], Frames], loads: Loads,
+    safety: float,
+) -> dict[Joined, tuple[Array, Array]]:  # fmt: skip
+    """What the far side of every edge puts on the near one, force and moment about the origin."""
+    support = Support(edges)
+    count = max(len(f) for f in nodes.values())
+    found: dict[Joined, tuple[Array, Array]] = {}
+    for edge in support.bridges:
+        force, moment = np.zeros((count, 3)), np.zeros((count, 3))
+        for node in support.beyond(edge):
+            if node in loads.forces:
+                force, moment = force + loads.forces[node], moment + loads.moments[node]
+        found[edge] = force, moment
+    for ring in support.rings:
+        found |= shared(problem, ring, nodes, loads.forces, loads.moments, found, support, safety)
+    return found
+
+
+def _repeat(
+    problem: ir.Problem, edges: tuple[Joined, ...], nodes: Mapping[tuple[str, int], Frames], wrenches: Wrenches,
+    time: float, findings: Findings,
+) -> None:  # fmt: skip
+    """Compare the joint torques at the last instant with Pinocchio's."""
+    for name, module in problem.world.modules.items():
+        own = [e for e in edges if not e.joint_of and name in (e.near[0], e.far[0]) and e in wrenches]
+        if not own or not module.type.joints:
+            continue
+        off = RigidModel.of(module.type).disagreement(name, nodes, wrenches, own)
+        if off is not None and not math.isclose(off, 0.0, abs_tol=AGREEMENT * (1.0 + RigidModel.of(module.type).mass)):
+            message = f"Pinocchio finds other torques for {name}"
+            findings.fail("statics", message, amount=off, unit="N m", time=time, between=[name])
