@@ -19,7 +19,7 @@ RECORDS = {
     "SEARCH": "runtime.planner.search", "CONFLICTS": "runtime.planner.conflicts", "BOUNDS": "runtime.planner.bounds",
     "RECEDING": "runtime.planner.receding", "KEYFRAMES": "runtime.planner.motion.keyframes",
     "PHASES": "runtime.planner.motion.phases", "SOLVER": "runtime.planner.motion.nlp",
-    "SIMULATION": "runtime.simulation", "SYMBOLIC": "compiler.symbolic",
+    "STATICS": "runtime.planner.statics", "SIMULATION": "runtime.simulation", "SYMBOLIC": "compiler.symbolic",
 }  # fmt: skip
 UNSTEERING = {
     "EMPTY", "OFF", "LEAF", "ORIGIN", "DIVERGED", "HALF_TURN", "IDENTITY", "UP", "UPRIGHT", "DIGITS",
@@ -97,7 +97,7 @@ def test_most_numbers_are_not_measured_and_say_so() -> None:
 
 
 def test_the_options_block_holds_what_the_table_says() -> None:
-    kinds = {"word": "str", "whole": "int", "time": "float", "length": "float"}
+    kinds = {"word": "str", "whole": "int", "time": "float", "length": "float", "number": "float"}
     told = {name: f"{kinds[option.kind]} | None" for name, option in given_at("task").items()}
     assert {f.name: f.type for f in dataclasses.fields(Options)} == told
     assert Options() == Options(**dict.fromkeys(told))

@@ -8,17 +8,15 @@ from .....compiler.physics.stages import rows_of
 from .....compiler.scenes.check_strength import safety_of
 from ....geometry.attachments import next_mode
 from ....skeleton import Breach, Skeleton
+from ...statics.settings import STATICS
 from ..nlp.row_groups import Group, Label, StageGroup
 from ..nlp.unknowns import Layout
-
-ROOM = 0.95
-"""What is used of a strength at switches, so that there is some on the way between them, where loads are greater."""
 
 
 def bearing_rows(skeleton: Skeleton, layout: Layout, phases: range, free: bool) -> list[Group]:
     """One group for each structure: the instances are slices. Structures with closed loops have none."""
     problem = skeleton.problem
-    safety = safety_of(problem.options) / ROOM
+    safety = safety_of(problem.options) / STATICS.room
     wanted = {(0, phases[0], skeleton.phases[phases[0]].mode)} if free else set()
     for slice_, phase in enumerate(phases, start=1):
         wanted |= {(slice_, phase, skeleton.phases[phase].mode), (slice_, phase, next_mode(skeleton, phase))}

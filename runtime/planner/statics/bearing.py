@@ -12,24 +12,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...compiler.ir import Fact, Problem
-from ...compiler.physics.frames import GRAVITY, node_weights, poses
-from ...compiler.physics.records import CONTACTS
-from ...compiler.physics.statics import Load, loads
-from ...compiler.physics.structure import stated_at, structure
-from ...compiler.scenes.check_strength import safety_of
-from ..geometry.attachments import next_mode
-from ..geometry.splines import spline_weights
-from ..skeleton import Array, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
+from ....compiler.ir import Fact, Problem
+from ....compiler.physics.frames import GRAVITY, node_weights, poses
+from ....compiler.physics.records import CONTACTS
+from ....compiler.physics.statics import Load, loads
+from ....compiler.physics.structure import stated_at, structure
+from ....compiler.scenes.check_strength import safety_of
+from ...geometry.attachments import next_mode
+from ...geometry.splines import spline_weights
+from ...skeleton import Array, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
+from .settings import STATICS
 
-LOOKED_AT = 6
-"""Instants of a phase at which loads are looked at: they find the worst within 0.8 %."""
-KEPT = 0.985
-"""What is used of a strength, so that the worst between two instants keeps it, too."""
-FINE = 4
-"""Instants per slice at which inertia is looked at."""
-SLOWEST = 50.0
-"""How many times as long a phase may take for the sake of its drives. What needs more hardly bears itself at rest."""
 BREACHES = {"torque": Breach.TORQUE, "bearing": Breach.BEARING, "dock": Breach.DOCK, "foot": Breach.FOOT}
 
 
@@ -42,9 +35,9 @@ def _violations(problem: Problem, found: Sequence[Load], phase: int) -> list[Vio
     told = []
     for load in found:
         worst = int(np.argmax(load.ratio))
-        if load.ratio[worst] > KEPT:
+        if load.ratio[worst] > STATICS.kept:
             safety = safety_of(problem.options)
-            excess = float(safety * load.amount[worst] - KEPT * load.strength)
+            excess = float(safety * load.amount[worst] - STATICS.kept * load.strength)
             names, span = load.edge.names, stated_at(problem, load.edge)
             told.append(Violation(phase, BREACHES[load.kind], names, excess, load.unit or "1", span))
     return sorted(told, key=lambda v: (-v.amount, v.names, v.kind))
@@ -84,7 +77,7 @@ def borne(skeleton: Skeleton, result: BoundResult) -> BoundResult:
     found: list[Violation] = []
     now = result.configurations[0]
     for phase, path in enumerate(result.paths):
-        times = np.linspace(0.0, 1.0, LOOKED_AT)
+        times = np.linspace(0.0, 1.0, STATICS.looked_at)
         modules, bodies = _sampled(path, now, times)
         found += exceeded(skeleton.problem, skeleton.phases[phase].mode, modules, bodies, phase)
         now = result.configurations[phase + 1]
@@ -143,15 +136,13 @@ def slowed(skeleton: Skeleton, paths: Sequence[PhasePath], before: Configuration
     made: list[PhasePath] = []
     now = before
     for phase, path in enumerate(paths):
-        count = max(2, FINE * (path.samples - 1))
+        count = max(2, STATICS.fine * (path.samples - 1))
         modules, bodies = _sampled(path, now, np.linspace(0.0, 1.0, count + 1))
         stretch = _stretch(problem, skeleton.phases[phase].mode, modules, bodies, path.duration, count)
         if stretch is None:
             return None
         made.append(replace(path, duration=math.ceil(path.duration * stretch * 100.0) / 100.0))
-        now = Configuration(
-            {n: rows[-1] for n, rows in modules.items()}, {n: rows[-1] for n, rows in bodies.items()}
-        )
+        now = Configuration({n: rows[-1] for n, rows in modules.items()}, {n: rows[-1] for n, rows in bodies.items()})
     return made
 
 
@@ -165,14 +156,14 @@ def _stretch(
     def fits(factor: float) -> bool:
         times = np.linspace(0.0, duration * factor, count + 1)
         found = loads(problem, mode, poses(problem, modules, bodies, times), safety_of(problem.options))
-        return all(float(load.ratio.max()) <= KEPT for load in found)
+        return all(float(load.ratio.max()) <= STATICS.kept for load in found)
 
     if fits(1.0):
         return 1.0
     low, high = 1.0, 2.0
     while not fits(high):
         low, high = high, 2.0 * high
-        if high > SLOWEST:
+        if high > STATICS.slowest:
             return None
     while high / low > 1.01:
         middle = math.sqrt(low * high)

@@ -1,0 +1,5 @@
+"""Whether robots bear themselves."""
+
+from .bearing import asked, borne, exceeded_switches, slowed, unbearable
+
+__all__ = ["asked", "borne", "exceeded_switches", "slowed", "unbearable"]
