@@ -7,7 +7,7 @@ import click
 from .. import __version__
 from .check import check, fmt
 from .compile import compile_command
-from .develop import bench, explain, lsp
+from .develop import bench, explain, help_command, lsp
 from .execute import run
 from .new import new
 from .plans import report, verify
@@ -21,5 +21,7 @@ def application() -> None:
     """A language and toolchain for task and motion planning of modular, self-reconfiguring robots."""
 
 
-for _command in (new, check, solve, run, sweep, verify, report, compile_command, explain, fmt, lsp, bench):
+for _command in (
+    new, check, solve, run, sweep, verify, report, compile_command, explain, fmt, lsp, bench, help_command,
+):  # fmt: skip
     application.add_command(_command)

@@ -13,12 +13,18 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 @click.command()
-@click.argument("code")
-def explain(code: str) -> None:
+@click.argument("code", required=False)
+@click.option("--list", "listed", is_flag=True, help="List all codes with their titles.")
+def explain(code: str | None, listed: bool) -> None:
     """Explain the diagnostic CODE, such as E0301."""
     from ..langs.codes import CODES
     from ..langs.diagnostics import did_you_mean
 
+    if listed:
+        click.echo("\n".join(f"{known}  {info.title}" for known, info in CODES.items()))
+        return
+    if code is None:
+        raise click.UsageError("name a code, or list them all with --list")
     code = code.upper()
     info = CODES.get(code)
     if info is None:
@@ -26,6 +32,25 @@ def explain(code: str) -> None:
         near = f"there are {', '.join(beginning)}" if beginning else did_you_mean(code, CODES)
         raise click.UsageError(f"there is no code {code}; {near or 'codes look like E0103'}")
     click.echo(info.text(code))
+
+
+@click.command("help")
+@click.argument("command", required=False)
+@click.pass_context
+def help_command(context: click.Context, command: str | None) -> None:
+    """Say what COMMAND does, as `tamplang COMMAND --help` does; without COMMAND, list the commands."""
+    from ..langs.diagnostics import did_you_mean
+
+    group = context.parent.command if context.parent is not None else None
+    assert isinstance(group, click.Group) and context.parent is not None
+    if command is None:
+        click.echo(group.get_help(context.parent))
+        return
+    found = group.commands.get(command)
+    if found is None:
+        near = did_you_mean(command, group.commands) or f"there are {', '.join(group.commands)}"
+        raise click.UsageError(f"there is no command {command!r}; {near}")
+    click.echo(found.get_help(click.Context(found, info_name=command, parent=context.parent)))
 
 
 @click.command()

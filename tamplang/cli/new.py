@@ -8,18 +8,26 @@ from pathlib import Path
 
 import click
 
+from .develop import ROOT
+
 
 @click.command()
-@click.argument("name")
-def new(name: str) -> None:
+@click.argument("name", required=False)
+@click.option("--from", "example", metavar="EXAMPLE", help="Copy an example instead; `--from list` lists them.")
+def new(name: str | None, example: str | None) -> None:
     """Write NAME.tamp, a small commented task that solves in seconds."""
+    if example == "list":
+        click.echo("\n".join(f"{known:20}  {title(text)}" for known, text in examples().items()))
+        return
+    if name is None:
+        raise click.UsageError("give the new program a name, such as `tamplang new climb`")
     target = Path(name if name.endswith(".tamp") else f"{name}.tamp")
     task = target.name.removesuffix(".tamp")
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", task):
         raise click.UsageError(f"{task!r} is not a name: use letters, digits and underscores, a letter first")
     from ..langs.writer import write_new
 
-    text = files(__package__).joinpath("starter.tamp").read_text(encoding="utf-8").replace("starter", task)
+    text = _text(task, example)
     try:
         write_new(target, text.encode())
     except FileExistsError:
@@ -27,3 +35,30 @@ def new(name: str) -> None:
     except OSError as error:
         raise click.UsageError(f"cannot write {target}: {error.strerror}") from error
     click.echo(f"wrote {target}; next: tamplang solve {target} --report {task}.html")
+
+
+def _text(task: str, example: str | None) -> str:
+    """The program to write: the starter, or an example whose task gets the new name."""
+    if example is None:
+        return files(__package__).joinpath("starter.tamp").read_text(encoding="utf-8").replace("starter", task)
+    from ..langs.diagnostics import did_you_mean
+
+    known = examples()
+    if example not in known:
+        near = did_you_mean(example, known) or f"there are {', '.join(known)}"
+        raise click.UsageError(f"there is no example {example!r}; {near}")
+    return re.sub(rf"^task {example}\b", f"task {task}", known[example], flags=re.MULTILINE)
+
+
+def examples() -> dict[str, str]:
+    """The texts of the examples that come with the package, by name."""
+    folder = files(__package__.rpartition(".")[0]).joinpath("examples")
+    if not folder.is_dir():  # in the source tree they lie at the top, where readers look for them
+        folder = ROOT / "examples"
+    found = {f.name.removesuffix(".tamp"): f for f in folder.iterdir() if f.name.endswith(".tamp")}
+    return {name: found[name].read_text(encoding="utf-8") for name in sorted(found)}
+
+
+def title(text: str) -> str:
+    """The first line of a program's comment."""
+    return text.partition("\n")[0].lstrip("# ").strip()

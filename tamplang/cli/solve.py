@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 import time
 from pathlib import Path
 
@@ -14,11 +15,12 @@ from .libraries import load_libraries, needing_libraries
 from .limits import limited, memory_option, total
 from .outputs import checked_apart, checked_output, numbered
 from .parameters import Whole, parameters_option, planner_option
-from .progress import shown_progress
+from .progress import shown_progress, volume_options
 from .side import checked_side, needing_cluster, side_options, without_broken_pipes
 from .solution import Keeper, result_json, result_lines, write
 from .sources import reading_sources, show_diagnostics
 from .status import OF_OUTCOME
+from .watch import watch_option, watching
 
 
 @click.command()
@@ -40,6 +42,8 @@ from .status import OF_OUTCOME
 @click.option("--keep-refused", "refused", type=click.Path(path_type=Path), metavar="FILE",
               help="Where to write a plan that the verifier refuses.  [default: nowhere]")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object on standard output.")
+@volume_options
+@watch_option
 def solve(
     file: Path,
     task: str | None,
@@ -59,11 +63,15 @@ def solve(
     report: Path | None,
     refused: Path | None,
     as_json: bool,
+    volume: int,
+    watch: bool,
 ) -> int:
     """Plan the TASK of FILE: actions, motion, and an independent check of both.
 
     What is not given here comes from the task's own options.
     """
+    if watch:
+        return watching([file], sys.argv[1:])
     if horizon is not None and (solutions > 1 or bound == "seq"):
         raise click.UsageError("--horizon gives one plan with motion: it goes neither with --solutions nor --bound seq")
     if horizon is not None and ((jobs or 1) > 1 or cluster is not None):
@@ -82,7 +90,7 @@ def solve(
         compiled = time.monotonic() - started
         later = unseen(loaded.problem.world)
         warnings = (*loaded.warnings, *((later,) if later is not None else ()))
-        if warnings:
+        if warnings and volume >= 0:
             show_diagnostics(warnings, loaded.problem.sources)
         plan_file, report_file = _files(file, loaded.problem.task, solutions, out, report, refused)
         load_libraries()
@@ -92,7 +100,7 @@ def solve(
             needing_cluster(as_json),
             kept_interrupt() as check,
             without_broken_pipes(),
-            shown_progress(check) as progress,
+            shown_progress(check, volume) as progress,
         ):
             result = loaded.solve(
                 bound=bound,

@@ -66,6 +66,13 @@ def diagnostics_in(files: Sequence[Path]) -> list[Diagnostic]:
     return list(dict.fromkeys(diagnostic for file in files for diagnostic in check(file)))
 
 
+def diagnostics_of(source: Source) -> list[Diagnostic]:
+    """All errors and warnings of a text that is no file."""
+    from ..compiler.pipeline import check_sources
+
+    return list(check_sources([source]))
+
+
 def as_text(diagnostics: Sequence[Diagnostic], form: str, given: Sequence[Source] = (), colour: bool = False) -> str:
     """The diagnostics in one of `langs.render.FORMATS`. `given` holds sources that need not be read again."""
     return render(diagnostics, sources_of(diagnostics, given), form, colour)
