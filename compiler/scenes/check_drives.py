@@ -8,7 +8,8 @@ from ..checks.findings import Findings
 
 def check_drives(findings: Findings, problem: ir.Problem) -> None:
     """Warn of each module whose joints have no drive and which nothing can take hold of: no rule, by the types of its
-    variables, makes anything that drives move, or anything that can be carried, hold one of its effectors."""
+    variables, makes anything that drives move, or anything that can be carried, hold one of its effectors. A module
+    that has drives too may move its other joints by standing on something."""
     world = problem.world
     waiting = [m for m in world.modules.values() if any(j.passive for j in m.type.joints)]
     if not waiting:
@@ -20,7 +21,9 @@ def check_drives(findings: Findings, problem: ir.Problem) -> None:
     held = [pair for rule in problem.rules.values() for pair in _holds(problem, rule)]
     for module in waiting:
         own = {f"{module.name}.{e.name}" for e in module.type.effectors} | {module.name}
-        if not any((a & own and b & drivers - own) or (b & own and a & drivers - own) for a, b in held):
+        driven = any(not j.passive for j in module.type.joints)
+        others = (problem.objects.keys() if driven else drivers) - own
+        if not any((a & own and b & others) or (b & own and a & others) for a, b in held):
             names = ", ".join(f"`{j.name}`" for j in module.type.joints if j.passive)
             findings.report(
                 "W0013",
