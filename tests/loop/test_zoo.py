@@ -1,4 +1,4 @@
-"""The robots of examples/zoo: their tasks compile without a word, and some are solved here; `bench zoo` runs them all."""
+"""The robots of examples/zoo: their tasks compile without a word, and some are solved here, as `bench zoo` does all."""
 
 from __future__ import annotations
 
