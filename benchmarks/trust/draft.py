@@ -73,7 +73,8 @@ class Draft:
         for spline in self.data["splines"]:
             first, last = span(spline)
             if spline["module"] == module and first <= phase <= last:
-                return spline  # type: ignore[no-any-return]
+                found: Data = spline
+                return found
         start, end = self.phases[phase]["start"], self.phases[phase]["end"]
         row = next(t for t in self.data["tracks"] if t["name"] == module)["joints"][self.samples(phase).start]
         made: Data = {"module": module, "from": phase, "until": phase, "knots": [start, end], "values": [row, row]}
@@ -129,12 +130,12 @@ class Draft:
     def faster(self, phase: int, factor: float) -> None:
         """The same way in `1 / factor` of the time; what follows moves up."""
         here, start, end = self.samples(phase), self.phases[phase]["start"], self.phases[phase]["end"]
-        shorter = (end - start) / factor
+        shorter = float(end - start) / factor
 
         def at(time: float) -> float:
             if time >= end:
-                return round(time - (end - start) + shorter, 10)
-            return round(start + (time - start) / factor, 10) if time > start else time
+                return round(time - float(end - start) + shorter, 10)
+            return round(float(start) + (time - float(start)) / factor, 10) if time > start else time
 
         self.data["times"] = [at(t) if i >= here.start else t for i, t in enumerate(self.data["times"])]
         for number, record in enumerate(self.phases):

@@ -32,7 +32,7 @@ def kind(false: bool = False) -> Callable[[Change], Change]:
     """Registers a change under its own name."""
 
     def register(change: Change) -> Change:
-        name = change.__name__  # type: ignore[attr-defined]
+        name = change.__name__
         KINDS[name] = Kind(name, change, false)
         return change
 

@@ -6,10 +6,10 @@ import re
 import signal
 import sys
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from random import Random
-from typing import Any
+from typing import Any, Protocol
 
 from .generate import ROOT, Grammar, corpus, mutated
 from .journal import Line, Record, Settings, cpu
@@ -59,7 +59,13 @@ def lines(kind: str, records: list[Record]) -> Iterator[Line]:
     yield Line("programs", what, f"{result}; slowest {max((r['cpu'] for r in some), default=0.0):.2f} s", not wrong)
 
 
-def tried(desk: Desk, name: str, before: str, text: str, chance: Random) -> Record:
+class Editor(Protocol):
+    """Who edits a file: yields what is wrong with the answers."""
+
+    def edited(self, path: str, before: str, text: str, chance: Random) -> Iterable[str]: ...
+
+
+def tried(desk: Editor, name: str, before: str, text: str, chance: Random) -> Record:
     """All stages on one program: what is wrong, if anything."""
     from tamplang.langs.source import Source
 
@@ -175,45 +181,50 @@ def compiles(source: Any) -> None:
 
 
 class Desk:
-    """The language server as an editor uses it, in this process."""
+    """The answers of the language server, as an editor asks for them, in this process."""
 
     def __init__(self) -> None:
-        from lsprotocol import types
         from pygls.workspace import Workspace
 
-        from tamplang import lsp
+        from tamplang.lsp.documents import Documents
 
-        self.lsp, self.types = lsp, types
-        lsp.server.protocol._workspace = Workspace(None)
-        self.shown: list[Any] = []
-        lsp.server.text_document_publish_diagnostics = self.shown.append  # type: ignore[method-assign]
+        self.workspace = Workspace(None)
+        self.documents = Documents(self.workspace)
         self.version = 0
 
     def edited(self, path: str, before: str, text: str, chance: Random) -> Iterator[str]:
-        """Opens a file, changes it, and asks about two places of it."""
-        types, server = self.types, self.lsp.server
-        uri = Path(path).as_uri()
+        """Opens a file, changes it, and asks about all of it and about two places."""
+        from lsprotocol import types
+
+        from tamplang.lsp import layout, tokens
+        from tamplang.lsp.diagnostics import by_address, found_in
+
+        here, uri = self.documents, Path(path).as_uri()
         self.version += 2
-        item = types.TextDocumentItem(uri, "tamplang", self.version, before)
-        server.workspace.put_text_document(item)
+        self.workspace.put_text_document(types.TextDocumentItem(uri, "tamplang", self.version, before))
         named = types.VersionedTextDocumentIdentifier(self.version + 1, uri)
-        change = types.TextDocumentContentChangeWholeDocument(text)
-        server.workspace.update_text_document(named, change)
-        self.shown.clear()
-        self.lsp.publish(types.DidChangeTextDocumentParams(named, [change]))
-        rows = text.splitlines() or [""]
-        for diagnostic in self.shown[0].diagnostics:
+        self.workspace.update_text_document(named, types.TextDocumentContentChangeWholeDocument(text))
+        sources = here.buffers(uri)
+        found, read = found_in(sources)
+        for diagnostic in by_address(here, sources[0], read, found).get(uri, []):
             end = diagnostic.range.end
             if end.line > len(text.split("\n")) or diagnostic.range.start.line > end.line:
                 yield f"lsp: {diagnostic.code} shown at {diagnostic.range}"
+        yield from self._asked(uri, text.splitlines() or [""], chance)
+        tokens.semantic_tokens(here, uri)
+        layout.formatting(here, uri)
+        self.workspace.remove_text_document(uri)
+
+    def _asked(self, uri: str, rows: list[str], chance: Random) -> Iterator[str]:
+        from lsprotocol import types
+
+        from tamplang.lsp import completion, hover, navigation
+
         for _ in range(2):
             row = chance.randrange(len(rows))
             place = types.Position(row, chance.randrange(len(rows[row]) + 1))
-            self.lsp.hover(types.HoverParams(types.TextDocumentIdentifier(uri), place))
-            for location in self.lsp.definition(types.DefinitionParams(types.TextDocumentIdentifier(uri), place)) or []:
+            hover.hover(self.documents, uri, place)
+            completion.completion(self.documents, uri, place)
+            for location in navigation.definition(self.documents, uri, place):
                 if not str(location.uri).startswith("file:"):
                     yield f"lsp: defined at {location.uri}"
-        self.lsp.formatting(
-            types.DocumentFormattingParams(types.TextDocumentIdentifier(uri), types.FormattingOptions(4, True))
-        )
-        server.workspace.remove_text_document(uri)

@@ -112,7 +112,8 @@ def dock_opens(draft: Draft) -> None:
 
 def _body_track(draft: Draft) -> dict[str, Any]:
     need(draft.data["body_tracks"])
-    return draft.chance.choice(draft.data["body_tracks"])  # type: ignore[no-any-return]
+    chosen: dict[str, Any] = draft.chance.choice(draft.data["body_tracks"])
+    return chosen
 
 
 @kind()

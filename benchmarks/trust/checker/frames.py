@@ -70,7 +70,7 @@ class Chain:
     def end(self, name: str, frames: Sequence[Matrix]) -> Matrix:
         """An effector in the module frame."""
         joint, placed = self.ends[name]
-        return frames[joint] @ placed
+        return np.asarray(frames[joint] @ placed)
 
 
 def _unit(axis: Any) -> Matrix:

@@ -36,7 +36,7 @@ def excess(row: ir.Row, binding: dict[str, Any], view: View) -> Matrix:
         apart = np.abs(apart)
     elif row.operator == ">=":
         apart = -apart
-    return apart.max(axis=1)
+    return np.asarray(apart.max(axis=1))
 
 
 def is_length(row: ir.Row) -> bool:
@@ -114,7 +114,8 @@ def _function(term: ir.Function, binding: dict[str, Any], view: View) -> Any:
         case "dot":
             return (args[0] * args[1]).sum(axis=1, keepdims=True)
         case "cross":
-            return np.cross(*np.broadcast_arrays(*args))
+            first, second = np.broadcast_arrays(args[0], args[1])
+            return np.cross(first.astype(float), second.astype(float))
         case "norm":
             return np.linalg.norm(args[0], axis=1, keepdims=True)
         case "least":

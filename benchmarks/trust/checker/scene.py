@@ -68,11 +68,11 @@ def differences(problem: ir.Problem, plan: dict[str, Any]) -> Iterator[str]:
         yield from (f"{name}: {what}" for what in _unlike(wanted, bodies[name]))
 
     courses, breakdowns = _happening(problem)
-    for what, wanted in (("courses", courses), ("breakdowns", breakdowns)):
+    for what, records in (("courses", courses), ("breakdowns", breakdowns)):
         key = "body" if what == "courses" else "module"
         found = sorted(plan[what], key=lambda x: (x[key], x.get("start", x.get("time"))))
         if found:
-            yield from (f"{what}: {w}" for w in _unlike(wanted, found))
+            yield from (f"{what}: {w}" for w in _unlike(records, found))
 
 
 def _happening(problem: ir.Problem) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:

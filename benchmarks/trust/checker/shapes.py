@@ -36,26 +36,26 @@ class Solid:
             return math.hypot(self.size[0], self.size[1] / 2)
         return self.around
 
-    def rise(self, frame: Matrix) -> float:
-        """How far its highest point lies above its origin: one frame (4, 4), or a stack of them."""
+    def rise(self, frame: Matrix) -> Matrix:
+        """How far its highest point lies above its origin: of one frame (4, 4), or of each of a stack of them."""
         up = np.abs(frame[..., 2, :3])
         match self.kind:
             case "box":
-                return up @ (np.array(self.size) / 2)  # type: ignore[no-any-return]
+                return np.asarray(up @ (np.array(self.size) / 2))
             case "sphere":
-                return 0.0 * up[..., 0] + self.size[0]  # type: ignore[no-any-return]
+                return np.asarray(0.0 * up[..., 0] + self.size[0])
             case "capsule":
-                return up[..., 2] * self.size[1] / 2 + self.size[0]  # type: ignore[no-any-return]
+                return np.asarray(up[..., 2] * self.size[1] / 2 + self.size[0])
             case "cylinder":
                 side = np.sqrt(np.maximum(0.0, 1 - up[..., 2] ** 2))
-                return up[..., 2] * self.size[1] / 2 + side * self.size[0]  # type: ignore[no-any-return]
-        return (frame[..., 2, :3] @ self.points.T).max(axis=-1)  # type: ignore[no-any-return]
+                return np.asarray(up[..., 2] * self.size[1] / 2 + side * self.size[0])
+        return np.asarray((frame[..., 2, :3] @ self.points.T).max(axis=-1))
 
-    def fall(self, frame: Matrix) -> float:
+    def fall(self, frame: Matrix) -> Matrix:
         """How far its lowest point lies below its origin."""
         if self.kind != "convex":
             return self.rise(frame)
-        return -(frame[..., 2, :3] @ self.points.T).min(axis=-1)  # type: ignore[no-any-return]
+        return np.asarray(-(frame[..., 2, :3] @ self.points.T).min(axis=-1))
 
     @property
     def points(self) -> Matrix:
@@ -68,11 +68,13 @@ def _solid(kind: str, size: tuple[float, ...]) -> Solid:
         points = np.array(size).reshape(-1, 3)
         sides = points.max(axis=0) - points.min(axis=0)
         around = float(np.linalg.norm(points, axis=1).max())
-        return Solid(kind, size, _hull(points), tuple(map(float, sides)), around)
+        x, y, z = sides.tolist()
+        return Solid(kind, size, _hull(points), (x, y, z), around)
     if SIZES.get(kind) != len(size) or min(size) < 0:
         raise ValueError(f"no shape: {kind} {size}")
     if kind == "box":
-        return Solid(kind, size, coal.Box(*size), size, math.hypot(*size) / 2)  # type: ignore[arg-type]
+        x, y, z = size
+        return Solid(kind, size, coal.Box(x, y, z), (x, y, z), math.hypot(x, y, z) / 2)
     if kind == "sphere":
         return Solid(kind, size, coal.Sphere(*size), (2 * size[0],) * 3, size[0])
     maker = coal.Capsule if kind == "capsule" else coal.Cylinder

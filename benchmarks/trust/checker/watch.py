@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -39,7 +40,7 @@ def watch(problem: ir.Problem, plan: dict[str, Any], recording: Recording) -> It
         yield from _samples(recording, number, motion, gone, where)
         yield from _joints(recording, plan, number, motion, gone)
         yield from _kept(motion, held, where)
-        view = View(motion.frame, recording.solid, lambda n, m=motion: _weight(recording, m, n))  # type: ignore[misc]
+        view = View(motion.frame, recording.solid, partial(_weight, recording, motion))
         others = yield from _held_rows(problem, mode, fresh, others, view, motion, where)
         parts = list(_parts(recording, motion, gone))
         for at, pair, depth in overlaps(parts, skipped, 1e-3):
