@@ -289,6 +289,11 @@ CODES: dict[str, CodeInfo] = {
         "The memory that --memory gives, or 80 % of what was free at the start, was not enough."),
     "S0011": CodeInfo("plan not verified", "outcome",
         "Time or memory were spent before the verifier had a verdict on what was planned or carried out."),
+    "S0012": CodeInfo("no physics engine", "outcome",
+        "`simulate` needs MuJoCo, which the extra `sim` brings: pip install 'tamplang[sim]'."),
+    "S0013": CodeInfo("simulation that broke down", "outcome",
+        "The physics engine met numbers that make no sense, or a module flew off: what it says of that time and later "
+        "means nothing. It is no word on the plan."),
     "W0001": CodeInfo("deletes what nothing adds", "warning",
         "No rule, fact or placement ever adds a literal that fits."),
     "W0002": CodeInfo("never read", "warning", "No condition, goal or derived predicate reads this predicate."),

@@ -16,7 +16,7 @@ from ..ir import Fact, Hold, Problem
 from .frames import Array, Poses, foot_radius, meeting, node_weights, node_wrench
 from .loops import shared
 from .records import CONTACTS
-from .structure import WORLD, Edge, Node, structure
+from .structure import WORLD, Edge, Node, Structure, structure
 
 KINDS = {"torque": "a drive", "bearing": "a bending moment", "dock": "a load", "foot": "a load"}
 LIMITLESS = 1e3
@@ -54,27 +54,45 @@ class Load:
 def loads(problem: Problem, mode: frozenset[Fact], at: Poses, safety: float = 1.0) -> list[Load]:
     """The loads of everything in a mode that states a strength, times `safety`, over that strength."""
     found = structure(problem, mode)
+    return [
+        load
+        for edge, (force, moment) in zip(found.all, wrenches(problem, found, at, safety), strict=True)
+        for load in loads_of(problem, edge, at, force, moment, safety)
+    ]
+
+
+def drives(problem: Problem, mode: frozenset[Fact], at: Poses) -> dict[tuple[str, int], Array]:
+    """The torques (N m, of prismatic joints forces in N) `(T,)` that the drives of a mode give, by module and joint."""
+    built = structure(problem, mode)
+    found: dict[tuple[str, int], Array] = {}
+    for edge, (force, moment) in zip(built.all, wrenches(problem, built, at, 1.0), strict=True):
+        if edge.is_joint:
+            node = (edge.names[0], edge.joint)
+            joint = problem.world.modules[node[0]].type.joints[edge.joint]
+            axis = at.turns[node] @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
+            own = moment - np.cross(at.places[node], force) if joint.kind == "revolute" else force
+            found[node] = (-1.0 if edge.child == node else 1.0) * (own * axis).sum(axis=1)
+    return found
+
+
+def wrenches(problem: Problem, found: Structure, at: Poses, safety: float) -> list[tuple[Array, Array]]:
+    """Force and moment about the origin `(T, 3)` that the far side of every edge puts on the near one."""
     nodes = [e.child for e in found.edges if e.child in at.turns]
     count = len(at.turns[WORLD])
     sums: dict[Node, tuple[Array, Array]] = {n: (np.zeros((count, 3)), np.zeros((count, 3))) for n in (WORLD, *nodes)}
     for node, weight in node_weights(problem, nodes).items():
         sums[node] = node_wrench(weight, at.turns[node], at.places[node], at.times)
-    wrenches: list[tuple[Array, Array]] = [(np.zeros(0), np.zeros(0))] * len(found.edges)
+    borne: list[tuple[Array, Array]] = [(np.zeros(0), np.zeros(0))] * len(found.edges)
     for number in reversed(range(len(found.edges))):
         edge = found.edges[number]
-        wrenches[number] = sums[edge.child]
+        borne[number] = sums[edge.child]
         force, moment = sums[edge.parent]
         sums[edge.parent] = force + sums[edge.child][0], moment + sums[edge.child][1]
-    if found.loops:
-        wrenches = shared(problem, found, at, wrenches, safety)
-    return [
-        load
-        for edge, (force, moment) in zip(found.all, wrenches, strict=True)
-        for load in _loads_of(problem, edge, at, force, moment, safety)
-    ]
+    return shared(problem, found, at, borne, safety) if found.loops else borne
 
 
-def _loads_of(problem: Problem, edge: Edge, at: Poses, force: Array, moment: Array, safety: float) -> list[Load]:
+def loads_of(problem: Problem, edge: Edge, at: Poses, force: Array, moment: Array, safety: float) -> list[Load]:
+    """The loads of an edge under a wrench about the origin, times `safety`, over its strengths."""
     if edge.is_joint:
         return _joint_loads(problem, edge, at, force, moment, safety)
     if edge.hold is None:

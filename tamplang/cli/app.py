@@ -11,6 +11,7 @@ from .develop import bench, explain, help_command, lsp
 from .execute import run
 from .new import new
 from .plans import report, verify
+from .simulate import simulate
 from .solve import solve
 from .sweep import sweep
 
@@ -22,6 +23,7 @@ def application() -> None:
 
 
 for _command in (
-    new, check, solve, run, sweep, verify, report, compile_command, explain, fmt, lsp, bench, help_command,
+    new, check, solve, run, sweep, verify, simulate, report, compile_command, explain, fmt, lsp, bench,
+    help_command,
 ):  # fmt: skip
     application.add_command(_command)

@@ -1,0 +1,89 @@
+"""Plans carried out in MuJoCo."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tamplang.compiler.pipeline import compile_text
+from tamplang.runtime.plan_files import write_plan
+from tamplang.runtime.planner.lgp import SolveOptions, solve
+
+TEXT = """import std.rules
+
+module arm {{
+    effector A: gripper sphere(0.05 m) normal (0, 0, -1) mass 350 g holds pad(force 1 kN, moment 120 N m)
+        holds grip(force {grip}, friction 0.6)
+    joint j1: revolute(z) in -3 rad .. 3 rad torque {drive} mass 0.5 kg
+    joint j2: revolute(y) in -2 rad .. 2 rad home 0.2 rad torque {drive} mass 0.5 kg
+    link 0.5 m: capsule(0.04 m) mass 1 kg
+    joint j3: revolute(y) in -2.5 rad .. 2.5 rad home 0.2 rad torque {drive} mass 0.5 kg
+    link 0.4 m: capsule(0.04 m) mass 1 kg
+    joint j4: revolute(y) in -2.5 rad .. 2.5 rad home 0.2 rad torque {drive}
+    link 0.1 m: capsule(0.04 m) mass 200 g
+    effector B: gripper sphere(0.05 m) mass 350 g holds pad(force 1 kN, moment 120 N m)
+        holds grip(force {grip}, friction 0.6)
+    fact (linked A B)
+}}
+
+task t() {{
+    base ground: box(2 m, 2 m, 5 cm) at (0, 0, 0)
+    object shelf: box(40 cm, 40 cm, 5 cm) at (0.5 m, 0, 0.3 m)
+    object tray: box(40 cm, 40 cm, 5 cm) at (-0.5 m, 0, 0.3 m)
+    object item: box(6 cm, 6 cm, 6 cm) on shelf mass 1 kg
+    fact (grippable item)
+    fact (tray tray)
+    arm c: A on ground at (0, 0)
+    goal (on tray item)
+    options {{ physics = {physics}, slices = 10 }}
+}}
+"""
+
+
+def simulated(folder: Path, drive: str, grip: str, physics: str) -> tuple[int, dict[str, object], float]:
+    """Status and figures of the plan of a task, and the greatest torque that the verifier measured, if any."""
+    program = TEXT.format(drive=drive, grip=grip, physics=physics)
+    plan = solve(compile_text(program, "t.tamp")[0], SolveOptions(time=60.0)).plans[0]
+    path = folder / "t.plan.json"
+    write_plan(plan, path)
+    process = subprocess.run(
+        [sys.executable, "-m", "tamplang", "simulate", str(path), "--json"], capture_output=True, text=True, check=False
+    )
+    assert process.stdout, process.stderr
+    return process.returncode, json.loads(process.stdout), plan.verdict.worst.get("torque_ratio", 0.0)
+
+
+def test_a_plan_that_bears_itself_is_carried_out(tmp_path: Path) -> None:
+    status, told, ratio = simulated(tmp_path, "60 N m", "200 N", "dynamics")
+    assert status == 0 and told["reached"] and told["broken"] == []
+    assert told["base_m"] < 1e-2 and told["tracking"] < 5e-3 and told["droop_m"] < 1e-3
+    peak = max(row["peak"] for row in told["peaks"])
+    assert peak == pytest.approx(ratio * 60.0 / 1.5, rel=0.05)
+
+
+def test_what_is_held_too_weakly_breaks_and_the_goal_is_not_reached(tmp_path: Path) -> None:
+    status, told, _ = simulated(tmp_path, "60 N m", "4 N", "none")
+    assert status == 5 and not told["reached"]
+    assert "item" in told["broken"][0]["what"] and told["broken"][0]["ratio"] > 1.0
+
+
+def test_drives_that_are_too_weak_lose_the_arm(tmp_path: Path) -> None:
+    status, told, _ = simulated(tmp_path, "6 N m", "200 N", "none")
+    assert status == 5 and not told["reached"]
+    assert max(row["peak"] for row in told["peaks"]) == pytest.approx(6.0)
+    assert told["tracking"] > 0.1
+
+
+def test_without_the_engine_the_extra_is_named(tmp_path: Path) -> None:
+    plan = solve(compile_text(TEXT.format(drive="60 N m", grip="200 N", physics="none"), "t.tamp")[0],
+                 SolveOptions(time=60.0)).plans[0]  # fmt: skip
+    write_plan(plan, tmp_path / "t.plan.json")
+    code = "import sys; sys.modules['mujoco'] = None; from tamplang.__main__ import main; main()"
+    process = subprocess.run(
+        [sys.executable, "-c", code, "simulate", str(tmp_path / "t.plan.json")],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert process.returncode == 1
+    assert "S0012" in process.stderr and "tamplang[sim]" in process.stderr and "Traceback" not in process.stderr
