@@ -3,11 +3,12 @@ find no path."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 
 from ....compiler.ir import Problem
 from ...budget import Budget, Clock
+from ...geometry.attachments import looped
 from ...plan import BoundRecord
 from ...seeds import Seed
 from ...skeleton import BoundResult, Configuration, Skeleton, beginning
@@ -24,7 +25,10 @@ from .verdicts import Conflict, Judgement, blame, with_motion
 QUICK = 3
 """Starts of a span before a skeleton is refused for the first time."""
 RESAMPLES = 4
-"""How often all switch poses are drawn anew when mending them around phases without a path does not help."""
+"""How often all switch poses are drawn anew at least when mending them around phases without a path does not help."""
+REDRAWN_PHASES = 32
+"""So many phases are drawn anew in all where none closes a loop: a draw then takes some 40 ms for each, P_path of the
+same 4 s. Grasping a convex body takes up to 13 draws."""
 PATH_EFFORT = 400_000
 """What P_path of one skeleton may take, iterations times unknowns: about 12 s, at 25 to 50 µs each."""
 
@@ -76,7 +80,8 @@ class Solves:
         blamed = [{v.phase for v in result.violations}]
         held: set[frozenset[int]] = set()
         mends = MENDS if len(skeleton) > KEYFRAMES.longest_whole else ()
-        for draw in (*mends, *range(1, RESAMPLES + 1)):
+        draws = self._draws(first)
+        for draw in (*mends, *range(1, draws + 1)):
             if result.feasible:
                 break
             path: BoundResult | None = None
@@ -84,14 +89,14 @@ class Solves:
                 again = self._mended(skeleton, sequence, result, draw)
             else:
                 failed = frozenset(v.phase for v in result.violations)
-                still = failed not in held
+                still = draw == 1 or (failed not in held and self._closes_a_loop(skeleton, failed))
                 held.add(failed)
                 again, path = self._attempt(skeleton, sequence, result, draw, len(first), still)
             if not again.feasible:
                 continue
             sequence = again
             if path is None:
-                if isinstance(draw, int):
+                if isinstance(draw, int) and draw < draws:
                     self._expect_attempt(skeleton, sequence, result, draw + 1, len(first))
                 before = result if isinstance(draw, Mend) else None
                 seed = self.seed if isinstance(draw, Mend) else self.seed.child("attempt", draw)
@@ -126,11 +131,20 @@ class Solves:
         self._count("seq", result.feasible)
         return result
 
+    def _draws(self, first: Skeleton) -> int:
+        """How often the switches of a skeleton, of which `first` is to get its motion, are drawn anew."""
+        loops = self._closes_a_loop(first, range(len(first)))
+        return RESAMPLES if loops else max(RESAMPLES, REDRAWN_PHASES // len(first))
+
+    def _closes_a_loop(self, skeleton: Skeleton, phases: Collection[int]) -> bool:
+        return any(looped(self.problem, skeleton.phases[phase].mode) for phase in phases)
+
     def _drawn(
         self, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int, still: bool
     ) -> Attempt:
         """The attempt after P_seqPath between the switch poses of `sequence` was refused: the phases that were refused
-        are to move little where that was not tried yet (`still`), else their switches are shaken."""
+        are to move little (`still`: at first, and where others that close a loop were refused), else their switches are
+        shaken."""
         failed = sorted({v.phase for v in refused.violations})
         draw = self.seed.child("attempt", attempt)
         if still:
@@ -160,7 +174,7 @@ class Solves:
         self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int
     ) -> None:
         """An attempt, if the same phases are refused as before."""
-        if self.ahead.helps and attempt <= RESAMPLES and len(skeleton) <= KEYFRAMES.longest_whole:
+        if self.ahead.helps and len(skeleton) <= KEYFRAMES.longest_whole:
             self.ahead.expect(skeleton, self._drawn(sequence, refused, attempt, motions, False), self.budget)
 
     def _path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult:
