@@ -9,6 +9,7 @@ from contextlib import suppress
 from typing import Protocol
 
 import numpy as np
+from msgspec import structs
 
 from ... import __version__
 from ...compiler import ir
@@ -81,6 +82,16 @@ def plan_of(
         statistics=statistics,
         needs=_needs(world),
     )
+
+
+def scene_at_rest(
+    problem: ir.Problem, statistics: record.StatisticsRecord, timing: record.TimingRecord
+) -> record.Plan:
+    """What can be drawn of a solve that found nothing: the scene at the start, and what the search did. It claims
+    nothing, and no verifier was asked."""
+    mode = literal_records(problem, problem.init_motion, {})
+    plan = plan_of(problem, [], [], [], mode, statistics)
+    return structs.replace(plan, complete=False, timing=timing)
 
 
 def _needs(world: ir.World) -> list[str]:

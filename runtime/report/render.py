@@ -14,6 +14,7 @@ from markupsafe import Markup
 
 from ...langs.writer import write_atomically
 from ..plan import Plan
+from .ending import Ending
 from .replay import replay_data
 from .view import build_view, figure, measure_name
 
@@ -66,13 +67,15 @@ def environment() -> Environment:
     return result
 
 
-def render_report(plan: Plan, checked: bool = True) -> str:
+def render_report(plan: Plan, checked: bool = True, ending: Ending | None = None) -> str:
     """The whole page as text: HTML with style, scripts, scene and motion inside. Same plan, same text. Unless it was
-    `checked`, the page says that its verdict is only what the file holds."""
+    `checked`, the page says that its verdict is only what the file holds. `ending` tells how a solve ended that found
+    no plan; then `plan` is the scene at the start."""
     script, licences = meshcat_script()
     scripts = [script, *(script_text((FOLDER / name).read_text(encoding="utf-8")) for name in SCRIPTS)]
     return environment().get_template("report.html.j2").render(
         view=build_view(plan, checked),
+        ending=ending,
         style=Markup((FOLDER / "report.css").read_text(encoding="utf-8")),
         scripts=scripts,
         hashes=[script_hash(s) for s in scripts],
@@ -81,6 +84,6 @@ def render_report(plan: Plan, checked: bool = True) -> str:
     )
 
 
-def write_report(plan: Plan, path: str | Path, checked: bool = True) -> None:
+def write_report(plan: Plan, path: str | Path, checked: bool = True, ending: Ending | None = None) -> None:
     """Write the page for `plan`, whose verdict was just made or is not `checked`, atomically. Raises OSError."""
-    write_atomically(path, render_report(plan, checked).encode())
+    write_atomically(path, render_report(plan, checked, ending).encode())

@@ -136,7 +136,7 @@ def _write(result: RunResult, out: Path, report: Path | None, refused: Path | No
             result.plan.save(refused)
         return Written((), None, refused)
     result.plan.save(out)
-    return Written((out,), None if report is None else report_in_time(result.plan, report))
+    return Written((out,), None if report is None else report_in_time(result.plan.report, report))
 
 
 def _told(check: Callable[[], None]) -> Callable[[RunProgress], None]:

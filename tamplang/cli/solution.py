@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,27 +42,46 @@ class Keeper:
         plan.save(numbered(self.plan_file, self.count))
 
 
-def write(result: Result, plan_file: Path, report_file: Path | None, refused_file: Path | None) -> Written:
-    """Write every plan, and the report of the best, where there is time for it. Raises OSError."""
+def write(
+    problem: Problem, result: Result, plan_file: Path, report_file: Path | None, refused_file: Path | None
+) -> Written:
+    """Write every plan, and the report of the best, or of what was found out where there is none, where there is time
+    for it. Raises OSError."""
     files = tuple(numbered(plan_file, number) for number in range(1, len(result.plans) + 1))
     for plan, file in zip(result.plans, files, strict=True):
         plan.save(file)
     if result.refused is not None and refused_file is not None:
         result.refused.save(refused_file)
-        return Written(files, None, refused_file)
-    if result.plan is None or report_file is None:
-        return Written(files, None)
-    return Written(files, report_in_time(result.plan, report_file))
+    kept = refused_file if result.refused is not None else None
+    if report_file is None:
+        return Written(files, None, kept)
+    if result.plan is not None:
+        return Written(files, report_in_time(result.plan.report, report_file), kept)
+    return Written(files, report_in_time(partial(_report_without_plan, problem, result), report_file), kept)
 
 
-def report_in_time(plan: Plan, file: Path) -> Path | None:
+def _report_without_plan(problem: Problem, result: Result, file: Path) -> None:
+    """The report of a solve without a verified plan: the refused one, or the scene at the start. Raises OSError."""
+    from ..runtime.planner.plan_assembly import scene_at_rest
+    from ..runtime.report import write_report
+    from ..runtime.report.ending import ending_of
+
+    if result.refused is not None:
+        result.refused.report(file)
+        return
+    drawn = scene_at_rest(problem, result.statistics, result.timing)
+    ending = None if result.status == "solved" else ending_of(problem, result.status, result.explanation)
+    write_report(drawn, file, ending=ending)
+
+
+def report_in_time(report: Callable[[Path], None], file: Path) -> Path | None:
     """Write the report, if time and memory are enough; the file, if so. Raises OSError."""
     from ..runtime.budget import unless_spent
     from ..runtime.guard import closing
 
     def work() -> Path:
         closing()
-        plan.report(file)
+        report(file)
         return file
 
     written = unless_spent(work)

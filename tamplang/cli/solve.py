@@ -116,7 +116,7 @@ def solve(
                 found=Keeper(plan_file),
             )
         guard.rest()
-        written = write(result, plan_file, report_file, refused)
+        written = write(loaded.problem, result, plan_file, report_file, refused)
     if as_json:
         click.echo(json.dumps(result_json(loaded.problem, result, written, compiled)))
     else:

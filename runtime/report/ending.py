@@ -1,0 +1,56 @@
+"""How a solve ended that found no plan, for the page: in words, and in a colour."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ...compiler.ir import Problem
+from ...langs.diagnostics import Diagnostic
+from ...langs.render import render
+from ...langs.source import Source
+
+HEADLINES = {
+    "infeasible": "no plan: proved",
+    "exhausted": "no plan found",
+    "budget": "unfinished",
+    "memory": "unfinished",
+    "interrupted": "unfinished",
+    "refused": "refused",
+}
+WHY = {
+    "infeasible": "It is proved that no sequence of actions reaches the goal.",
+    "exhausted": "Every candidate was refused, which is no proof that there is none.",
+    "budget": "The time or the nodes were spent; with more of them the search would go on.",
+    "memory": "The memory was spent; with more of it the search would go on.",
+    "interrupted": "The run was ended by its user.",
+    "refused": "The verifier refuses the plan that was found.",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """`status` is that of the solve; `told` holds what refused the task, as code and text with the lines that it points
+    to."""
+
+    status: str
+    told: tuple[tuple[str, str], ...]
+
+    @property
+    def headline(self) -> str:
+        return HEADLINES[self.status]
+
+    @property
+    def why(self) -> str:
+        return WHY[self.status]
+
+    @property
+    def colour(self) -> str:
+        """The class of the verdict: red for what is proved or refused, amber for what is open."""
+        return "refused" if self.status in ("infeasible", "refused") else "unfinished"
+
+
+def ending_of(problem: Problem, status: str, explanation: Sequence[Diagnostic]) -> Ending:
+    """The ending of a solve of `problem`."""
+    sources: dict[str, Source] = {s.path: s for s in problem.sources}
+    return Ending(status, tuple((d.code, render([d], sources)) for d in explanation))
