@@ -33,6 +33,9 @@ COUNT = 200
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE, signal.SIGKILL)
 LEFT = 20.0
 """Seconds that a process may go on after its signal: a call into a compiled library ends first."""
+GOES_ON = 3.0
+"""While others work for it, a command does not end with a broken pipe but goes on: so many times its seconds, on a
+machine with other work."""
 BEYOND = 1.2
 """How far beyond the end of an undisturbed command a signal may come: it finds the command at work, ending or gone."""
 UNTIDY = "import std.logic\npredicate   (lit)\nrule light() {\n  pre not (lit)   post (lit) }\ntask t() {goal (lit)}\n"
@@ -124,7 +127,7 @@ def strike(prepared: Prepared, seed: int, number: int) -> Record:
         except subprocess.TimeoutExpired:
             process.send_signal(sign)
             struck = True
-        wrong = _ended(process)
+        wrong = _ended(process, LEFT + (GOES_ON * prepared.seconds[name] if sign == signal.SIGPIPE else 0.0))
         told = out.read_text(errors="replace")
         wrong += _untrue_status(process.returncode, sign, struck, told)
         wrong += [f"it tells of a {word}" for word in ("Traceback", "internal error") if word in told]
@@ -202,15 +205,15 @@ def _await_begin(process: subprocess.Popen[bytes]) -> None:
         time.sleep(0.001)
 
 
-def _ended(process: subprocess.Popen[bytes]) -> list[str]:
-    """Wait for the end, of the process and of all that it started."""
+def _ended(process: subprocess.Popen[bytes], most: float) -> list[str]:
+    """Wait `most` seconds for the end, of the process and of all that it started."""
     if process.stdin is not None:
         process.stdin.close()
-    wrong, end = [], time.monotonic() + LEFT
+    wrong, end = [], time.monotonic() + most
     try:
-        process.wait(LEFT)
+        process.wait(most)
     except subprocess.TimeoutExpired:
-        wrong.append(f"it lives {LEFT:.0f} s later")
+        wrong.append(f"it lives {most:.0f} s later")
     while alive := list(_session(process.pid)):
         if time.monotonic() > end:
             wrong.append(f"{len(alive)} processes live on")

@@ -104,7 +104,9 @@ def _check_answer(address: str) -> None:
     host, _, port = address.removeprefix("tcp://").rpartition(":")
     with Processes(1) as side:
         try:
-            socket.create_connection((host.strip("[]"), int(port)), ANSWER_SECONDS).close()
+            with socket.create_connection((host.strip("[]"), int(port)), ANSWER_SECONDS) as connection:
+                if not connection.recv(1):  # a scheduler speaks first
+                    raise OSError("it says nothing")
             loaded = side.submit(_imported)
             _library()
             loaded.result()
