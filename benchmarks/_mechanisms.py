@@ -43,7 +43,7 @@ MECHANISMS = {
         Mechanism("penalties", "learned penalties on strained actions",
                   [(SEARCH, "penalty_first", 0.0), (SEARCH, "penalty_most", 0.0), (RECEDING, "least_penalty", 0.0)]),
         Mechanism("nogoods", "generalised no-goods: refusals expected of what is alike",
-                  [(f"{PLANNER}.conflicts.nogoods:Experience", "expected_refusals", _nothing_expected)]),
+                  [(f"{PLANNER}.conflicts.nogoods:GeneralisedNoGoods", "expected_refusals", _nothing_expected)]),
         Mechanism("renaming", "states that are alike up to names of modules met once",
                   [("tamplang.compiler.symbolic.settings:SYMBOLIC", "renamed_from", NEVER)]),
         Mechanism("repair", "local repair of switches around phases without a path",

@@ -21,7 +21,7 @@ from .scalars import check_scalar
 
 
 @dataclass(frozen=True, slots=True)
-class Placement:
+class PlacementChoice:
     """What holds at the start for every `subject` that stands or lies on a `support`."""
 
     subject: ir.Variable
@@ -141,12 +141,12 @@ def _check_values(context: Context, rule: ir.Rule) -> None:
                 break
 
 
-def check_placements(context: Context) -> tuple[Placement, ...]:
+def check_placements(context: Context) -> tuple[PlacementChoice, ...]:
     """All placements; they list literals without conditions."""
     return tuple(_check_placement(context, p) for p in context.library.placements)
 
 
-def _check_placement(context: Context, placement: syntax.PlacementDecl) -> Placement:
+def _check_placement(context: Context, placement: syntax.PlacementDecl) -> PlacementChoice:
     scope, variables = bind(context, Scope("rule"), (placement.subject, placement.support))
     for item in placement.post:
         if not isinstance(item, syntax.Effect) or item.negated:
@@ -155,7 +155,7 @@ def _check_placement(context: Context, placement: syntax.PlacementDecl) -> Place
     literals = tuple(e.literal for e in check_effects(context, scope, plain) if isinstance(e, ir.Effect))
     if len(variables) < 2:
         variables = (variables[0], variables[0])
-    return Placement(variables[0], variables[1], literals, placement.span)
+    return PlacementChoice(variables[0], variables[1], literals, placement.span)
 
 
 def predicates_in(part: object) -> set[str]:

@@ -9,7 +9,7 @@ from ...langs.source import Span
 from ...langs.trees import parts
 from .. import ir
 from ..library import Library
-from .check_logic import Placement, predicates_in
+from .check_logic import PlacementChoice, predicates_in
 from .context import Context
 from .names import names_in
 from .relaxation import needed_literals
@@ -19,7 +19,7 @@ def check_usage(
     context: Context,
     rules: Mapping[str, ir.Rule],
     derived: Mapping[str, ir.Derived],
-    placements: Sequence[Placement],
+    placements: Sequence[PlacementChoice],
 ) -> None:
     """All warnings of this file."""
     stated = list(_stated(context))

@@ -16,7 +16,7 @@ Domains = dict[str, set[str]]
 
 
 @dataclass(slots=True)
-class World:
+class RelaxedWorld:
     """What the relaxation needs to know of a task. `types` and `objects` as in `ir.Problem`."""
 
     types: Mapping[str, str | None]
@@ -46,7 +46,7 @@ class Relaxation:
     """The fixed point. `columns` maps a predicate that can hold to its possible objects by place; `domains` maps a rule
     that can fire to the possible objects of its variables (of object types)."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: RelaxedWorld) -> None:
         self.world = world
         self.columns: dict[str, Columns] = {}
         self.domains: dict[str, Domains] = {}

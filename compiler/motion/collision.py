@@ -238,7 +238,7 @@ def _named(literals: frozenset[Fact]) -> frozenset[Pair]:
     return frozenset(pair(a, b) for _, *objects in literals for a, b in itertools.combinations(objects, 2))
 
 
-class Phase(Protocol):
+class ContactPhase(Protocol):
     """One action: the motion literals that hold until its switch, and those that it adds there."""
 
     @property
@@ -255,7 +255,7 @@ class Phases(Protocol):
     @property
     def problem(self) -> Problem: ...
     @property
-    def phases(self) -> Sequence[Phase]: ...
+    def phases(self) -> Sequence[ContactPhase]: ...
 
 
 @remembered(8)
@@ -290,7 +290,9 @@ def _carried(problem: Problem, mode: frozenset[Fact]) -> set[str]:
     return found
 
 
-def _resting(touching: frozenset[Pair], problem: Problem, phase: Phase, kept: frozenset[Pair]) -> frozenset[Pair]:
+def _resting(
+    touching: frozenset[Pair], problem: Problem, phase: ContactPhase, kept: frozenset[Pair]
+) -> frozenset[Pair]:
     """The contacts of modules that the phase's action does not concern: it concerns what it names, the modules of its
     chains, what it adds, and every module that is linked to these."""
     owner = problem.world.owner

@@ -15,7 +15,7 @@ import casadi as ca
 from .. import ir
 from ..physics.masses import module_mass, module_masses
 from . import distances
-from .distances import SIZES, Solid
+from .distances import SIZES, DistanceShape
 from .kinematics import (
     Expression,
     Frame,
@@ -125,14 +125,14 @@ def parameter_sizes(kinds: tuple[Kind, ...]) -> list[int]:
     return count
 
 
-def _solid(kind: Kind, slots: list[Expression], constants: Expression) -> Solid:
+def _solid(kind: Kind, slots: list[Expression], constants: Expression) -> DistanceShape:
     match kind:
         case EffectorKind(type=module, effector="", slot=slot):
-            return Solid(pose_frame(slots[slot]), "sphere", (0.0,), partial(_balance, module, slots[slot]))
+            return DistanceShape(pose_frame(slots[slot]), "sphere", (0.0,), partial(_balance, module, slots[slot]))
         case EffectorKind(type=module, effector=name, slot=slot):
             shape = module.effector(name).shape or ir.Shape("sphere", (0.0,))
             frame = effector_frame(module, name, slots[slot])
-            return Solid(frame, shape.kind, shape.size, partial(_balance, module, slots[slot]))
+            return DistanceShape(frame, shape.kind, shape.size, partial(_balance, module, slots[slot]))
         case BodyKind(shape=shape, slot=slot):
             return _shaped(pose_frame(slots[slot]), shape, constants, kind.mass)
         case RestKind(shape=shape):
@@ -143,11 +143,11 @@ def _size_count(shape: str | ir.Shape) -> int:
     return 0 if isinstance(shape, ir.Shape) else SIZES[shape]
 
 
-def _shaped(frame: Frame, shape: str | ir.Shape, sizes: Expression, mass: float | None) -> Solid:
+def _shaped(frame: Frame, shape: str | ir.Shape, sizes: Expression, mass: float | None) -> DistanceShape:
     balance = None if mass is None else lambda: (ca.SX(mass), frame.position)
     if isinstance(shape, ir.Shape):
-        return Solid(frame, shape.kind, shape.size, balance)
-    return Solid(frame, shape, [sizes[i] for i in range(SIZES[shape])], balance)
+        return DistanceShape(frame, shape.kind, shape.size, balance)
+    return DistanceShape(frame, shape, [sizes[i] for i in range(SIZES[shape])], balance)
 
 
 def _balance(module: ir.ModuleType, slot: Expression) -> tuple[Expression, Expression]:
@@ -157,7 +157,7 @@ def _balance(module: ir.ModuleType, slot: Expression) -> tuple[Expression, Expre
     return ca.SX(mass), sum(moments[1:], moments[0]) / mass if moments else frames[0].position
 
 
-def _measured(name: str, solid: Solid) -> Expression:
+def _measured(name: str, solid: DistanceShape) -> Expression:
     """Mass or centre of mass; of a body from its shape."""
     if solid.balance is not None:
         mass, centre = solid.balance()
@@ -165,7 +165,7 @@ def _measured(name: str, solid: Solid) -> Expression:
     return distances.mass(solid) if name == "mass" else solid.frame.position
 
 
-def _function(name: str, args: tuple[ir.Term, ...], scope: Mapping[str, Solid]) -> Expression:
+def _function(name: str, args: tuple[ir.Term, ...], scope: Mapping[str, DistanceShape]) -> Expression:
     if name in distances.PAIRS:
         return distances.PAIRS[name](_object(args[0], scope), _object(args[1], scope))
     if name in distances.SINGLES:
@@ -185,13 +185,13 @@ def _function(name: str, args: tuple[ir.Term, ...], scope: Mapping[str, Solid]) 
     return plain[name](*[_value(a, scope) for a in args])
 
 
-def _object(term: ir.Term, scope: Mapping[str, Solid]) -> Solid:
+def _object(term: ir.Term, scope: Mapping[str, DistanceShape]) -> DistanceShape:
     if isinstance(term, ir.Var | ir.Object):
         return scope[term.name]
     raise ValueError(f"{term} is not an object")
 
 
-def _value(term: ir.Term, scope: Mapping[str, Solid]) -> Expression:
+def _value(term: ir.Term, scope: Mapping[str, DistanceShape]) -> Expression:
     match term:
         case ir.Number(value):
             return ca.SX(value)
@@ -215,7 +215,7 @@ def _relative(frame: Frame, base: Frame) -> tuple[Expression, Expression]:
     )
 
 
-def _kept(term: ir.Term, scopes: list[dict[str, Solid]], kinds: Mapping[str, Kind]) -> Expression:
+def _kept(term: ir.Term, scopes: list[dict[str, DistanceShape]], kinds: Mapping[str, Kind]) -> Expression:
     """The change of a kept term from one slice to the next. Relative to something that never moves, the pose in
     the world says the same with a smaller expression."""
     if not (isinstance(term, ir.Function) and term.name == "pose"):

@@ -28,7 +28,7 @@ NOWHERE = -1.0
 
 
 @dataclass(frozen=True, slots=True)
-class Solid:
+class DistanceShape:
     """A shape at a symbolic frame. `size` as in `ir.Shape`; an object without a shape is a sphere of radius 0."""
 
     frame: Frame
@@ -55,7 +55,7 @@ def rounded_box_distance(excess: Sequence[Expression]) -> Expression:
     return _length(outside) + ca.fmin(_largest(excess), 0)
 
 
-def _hull(solid: Solid) -> Hull:
+def _hull(solid: DistanceShape) -> Hull:
     """The planes and corners of a convex solid, the sizes of which are always plain numbers."""
     return hull(Shape("convex", tuple(float(s) for s in solid.size)))
 
@@ -80,7 +80,7 @@ def _segment_distance(a: Array, b: Array, point: Expression) -> Expression:
     return _length(point - a - share * along)
 
 
-def _point_gap(point: Expression, solid: Solid) -> Expression:
+def _point_gap(point: Expression, solid: DistanceShape) -> Expression:
     """Signed distance of a point (3,) to the surface of a shape."""
     if solid.kind == "sphere":
         return _length(point - solid.frame.position) - solid.size[0]
@@ -96,7 +96,7 @@ def _point_gap(point: Expression, solid: Solid) -> Expression:
     return rounded_box_distance([_length(local[:2]) - radius, ca.fabs(local[2]) - half])
 
 
-def extent(solid: Solid, direction: Expression) -> Expression:
+def extent(solid: DistanceShape, direction: Expression) -> Expression:
     """How far the shape reaches from its centre along a unit direction (3,)."""
     along = [ca.dot(direction, axis(solid.frame.quaternion, letter)) for letter in "xyz"]
     if solid.kind == "convex":
@@ -112,7 +112,7 @@ def extent(solid: Solid, direction: Expression) -> Expression:
     return straight + radius * ca.sqrt(along[0] ** 2 + along[1] ** 2 + SMOOTH)
 
 
-def _separation(a: Solid, b: Solid) -> Expression:
+def _separation(a: DistanceShape, b: DistanceShape) -> Expression:
     """Largest separation along candidate axes: for boxes zero exactly when they touch, and never above the true
     distance; for capsules and cylinders a lower bound. Ericson, Real-Time Collision Detection, section 4.4."""
     offset = b.frame.position - a.frame.position
@@ -133,7 +133,7 @@ def _separation(a: Solid, b: Solid) -> Expression:
     return _largest(gaps)
 
 
-def _faces_apart(a: Solid, b: Solid) -> Expression:
+def _faces_apart(a: DistanceShape, b: DistanceShape) -> Expression:
     """Largest separation along the outward normals of both shapes' faces, and of the axes of shapes without: zero or
     less when they touch, and never above the true distance."""
     gaps = []
@@ -147,7 +147,7 @@ def _faces_apart(a: Solid, b: Solid) -> Expression:
     return _largest(gaps)
 
 
-def gap(a: Solid, b: Solid) -> Expression:
+def gap(a: DistanceShape, b: DistanceShape) -> Expression:
     """Signed distance between two shapes, negative when they overlap. Exact when one is a sphere."""
     if a.kind == "sphere":
         return _point_gap(a.frame.position, b) - a.size[0]
@@ -156,17 +156,17 @@ def gap(a: Solid, b: Solid) -> Expression:
     return _separation(a, b)
 
 
-def top(solid: Solid) -> Expression:
+def top(solid: DistanceShape) -> Expression:
     """Height of the highest point."""
     return solid.frame.position[2] + extent(solid, ca.SX([0, 0, 1]))
 
 
-def bottom(solid: Solid) -> Expression:
+def bottom(solid: DistanceShape) -> Expression:
     """Height of the lowest point."""
     return solid.frame.position[2] - extent(solid, ca.SX([0, 0, -1]))
 
 
-def inside(solid: Solid, surface: Solid) -> Expression:
+def inside(solid: DistanceShape, surface: DistanceShape) -> Expression:
     """How far the centre of `solid` is inside the four sides of the top face of `surface`, in the axes of
     `surface` (4,); for a round surface four times the distance to its rim, for a convex one to a quarter of its edges
     each."""
@@ -182,7 +182,7 @@ def inside(solid: Solid, surface: Solid) -> Expression:
     return ca.repmat(surface.size[0] - _length(local[:2]), 4, 1)
 
 
-def radius(solid: Solid) -> Expression:
+def radius(solid: DistanceShape) -> Expression:
     """Radius of a sphere, or of the sphere around another shape."""
     if solid.kind == "sphere":
         return ca.SX(solid.size[0])
@@ -195,7 +195,7 @@ def radius(solid: Solid) -> Expression:
     return ca.sqrt(solid.size[0] ** 2 + (solid.size[1] / 2) ** 2)
 
 
-def mass(solid: Solid) -> Expression:
+def mass(solid: DistanceShape) -> Expression:
     """Kilograms of a solid shape at the density of water."""
     size = solid.size
     if solid.kind == "convex":
@@ -209,5 +209,5 @@ def mass(solid: Solid) -> Expression:
     return DENSITY * (straight + ball if solid.kind == "capsule" else straight)
 
 
-PAIRS: dict[str, Callable[[Solid, Solid], Expression]] = {"gap": gap, "inside": inside}
-SINGLES: dict[str, Callable[[Solid], Expression]] = {"top": top, "bottom": bottom, "radius": radius}
+PAIRS: dict[str, Callable[[DistanceShape, DistanceShape], Expression]] = {"gap": gap, "inside": inside}
+SINGLES: dict[str, Callable[[DistanceShape], Expression]] = {"top": top, "bottom": bottom, "radius": radius}

@@ -21,7 +21,7 @@ def _bucket(count: int) -> int:
     return size
 
 
-class Batch:
+class StageBatch:
     """One Function of one output, mapped over `size` instances, with its own memory for inputs and output."""
 
     def __init__(self, function: Any, size: int) -> None:
@@ -53,7 +53,7 @@ class Stage:
         self.rows: int = residual.numel()
         self._expressions = (variables, constants, ca.densify(residual))
         self._functions: dict[str, Any] = {}
-        self._batches: dict[tuple[str, int], Batch] = {}
+        self._batches: dict[tuple[str, int], StageBatch] = {}
 
     def _function(self, what: str) -> Any:
         if what not in self._functions:
@@ -68,12 +68,12 @@ class Stage:
             self._functions[what] = made
         return self._functions[what]
 
-    def batch(self, what: str, count: int) -> Batch:
+    def batch(self, what: str, count: int) -> StageBatch:
         """What finds "values", "jacobians" or "hessians" of `count` instances; other rows use it, too."""
         size = _bucket(count)
         found = self._batches.get((what, size))
         if found is None:
-            found = self._batches[what, size] = Batch(self._function(what), size)
+            found = self._batches[what, size] = StageBatch(self._function(what), size)
         return found
 
     def values(self, variables: Array, constants: Array) -> Array:

@@ -24,7 +24,7 @@ sums of a robot's weights lose the digits that its smallest part needs. Forces a
 
 
 @dataclass(frozen=True, slots=True)
-class Stated:
+class StatedPart:
     """What a part states, in SI; None where it is silent. `spans` tell where."""
 
     mass: float | None
@@ -40,7 +40,7 @@ class Stated:
         return self.density * volume if self.density is not None else self.mass
 
 
-def stated(context: Context, scope: Scope, item: PhysicalNode, allowed: tuple[str, ...], what: str) -> Stated:
+def stated(context: Context, scope: Scope, item: PhysicalNode, allowed: tuple[str, ...], what: str) -> StatedPart:
     """What the clauses of a part say. Reports those that `what`, such as "a link", does not have, that are said twice,
     and values that cannot be."""
     found: dict[str, float | None] = {}
@@ -62,7 +62,7 @@ def stated(context: Context, scope: Scope, item: PhysicalNode, allowed: tuple[st
         found[key] = _value(context, scope, clause.value, UNITS[clause.word], f"the {clause.word} of {what}")
         span = clause.span if clause.word in ("torque", "force") else span or clause.span
     get = found.get
-    return Stated(get("mass"), get("density"), get("torque"), get("bearing"), get("rotor"), tuple(holds), span)
+    return StatedPart(get("mass"), get("density"), get("torque"), get("bearing"), get("rotor"), tuple(holds), span)
 
 
 def _hold(

@@ -29,7 +29,7 @@ class BadCoupling(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Stated:
+class StatedCoupling:
     """What a text says: a joint is `factor` times joint `leader` plus `offset` (rad or m); NaN where parameters have no
     values yet."""
 
@@ -38,12 +38,12 @@ class Stated:
     offset: float
 
 
-def couple(joints: Sequence[ir.Joint], stated: Mapping[str, Stated]) -> tuple[ir.Joint, ...]:
+def couple(joints: Sequence[ir.Joint], stated: Mapping[str, StatedCoupling]) -> tuple[ir.Joint, ...]:
     """The joints of a module with what is `stated` of followers, by name. Raises BadCoupling."""
     names = [j.name for j in joints]
     made = list(joints)
     known = [(j.name, j.follows) for j in joints]
-    stated = {n: Stated(names[f.leader], f.factor, f.offset) for n, f in known if f is not None} | {**stated}
+    stated = {n: StatedCoupling(names[f.leader], f.factor, f.offset) for n, f in known if f is not None} | {**stated}
     resolved = {name: _resolved(name, stated) for name in stated}
     for name, found in resolved.items():
         joint, leader = made[names.index(name)], made[names.index(found.leader)]
@@ -60,7 +60,7 @@ def couple(joints: Sequence[ir.Joint], stated: Mapping[str, Stated]) -> tuple[ir
     return tuple(made)
 
 
-def _resolved(name: str, stated: Mapping[str, Stated]) -> Stated:
+def _resolved(name: str, stated: Mapping[str, StatedCoupling]) -> StatedCoupling:
     """The coupling of a joint to one that follows none."""
     found, passed = stated[name], [name]
     while found.leader in stated:
@@ -72,11 +72,11 @@ def _resolved(name: str, stated: Mapping[str, Stated]) -> Stated:
             raise BadCoupling(name, message, "one of them must be free to move")
         passed.append(found.leader)
         ahead = stated[found.leader]
-        found = Stated(ahead.leader, found.factor * ahead.factor, found.factor * ahead.offset + found.offset)
+        found = StatedCoupling(ahead.leader, found.factor * ahead.factor, found.factor * ahead.offset + found.offset)
     return found
 
 
-def _narrowed(leader: ir.Joint, follower: ir.Joint, coupling: Stated) -> ir.Joint:
+def _narrowed(leader: ir.Joint, follower: ir.Joint, coupling: StatedCoupling) -> ir.Joint:
     """The leader within what the follower's limits allow it."""
     ends = sorted((limit - coupling.offset) / coupling.factor for limit in (follower.lower, follower.upper))
     lower, upper, size = max(leader.lower, ends[0]), min(leader.upper, ends[1]), abs(coupling.factor)
@@ -97,7 +97,7 @@ def text_couplings(
     couplings = {i.name: i for i in items if isinstance(i, syntax.CouplingItem)}
     if not couplings:
         return tuple(joints)
-    known, stated, complete = {j.name: j for j in joints}, dict[str, Stated](), True
+    known, stated, complete = {j.name: j for j in joints}, dict[str, StatedCoupling](), True
     for item in couplings.values():
         found = _stated(context, scope, item, known)
         complete = complete and found is not None
@@ -131,7 +131,7 @@ def _at_home(
 
 def _stated(
     context: Context, scope: Scope, item: syntax.CouplingItem, joints: Mapping[str, ir.Joint]
-) -> Stated | None:
+) -> StatedCoupling | None:
     """What the text says of one follower; None after reporting what is wrong, or where values are missing."""
     findings = context.findings
     if item.name not in joints:
@@ -150,7 +150,7 @@ def _stated(
         message = f"joint `{item.name}` does not move with `{leader}`: it follows it 0 times"
         findings.report("E0521", item.value.span, message)
         return None
-    return Stated(leader, math.nan if factor is None else factor, math.nan if offset is None else offset)
+    return StatedCoupling(leader, math.nan if factor is None else factor, math.nan if offset is None else offset)
 
 
 Part = tuple[str | None, float | None, float | None]

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from ...langs.source import Span
 from .. import ir
-from ..checks.check_logic import Placement
+from ..checks.check_logic import PlacementChoice
 from ..checks.context import Context
 from .scene import BuiltScene, Standing
 
@@ -53,7 +53,7 @@ class InitialState:
 def initial_state(
     context: Context,
     built: BuiltScene,
-    placements: Sequence[Placement],
+    placements: Sequence[PlacementChoice],
     predicates: dict[str, ir.Predicate],
     motions: dict[str, ir.MotionPredicate],
 ) -> tuple[frozenset[ir.Fact], frozenset[ir.Fact]]:
@@ -67,7 +67,7 @@ def initial_state(
     return frozenset(state.logic), frozenset(state.motion)
 
 
-def _placed(context: Context, placements: Iterable[Placement], standing: Standing) -> list[ir.Literal]:
+def _placed(context: Context, placements: Iterable[PlacementChoice], standing: Standing) -> list[ir.Literal]:
     library = context.library
     fitting = [
         p

@@ -12,7 +12,7 @@ from ..checks.check_heuristics import lower_heuristic
 from ..checks.context import Context
 from ..checks.kinds import VALUE_TYPES
 from ..checks.names import Entry, Scope, Typed
-from ..checks.relaxation import Relaxation, World, movable
+from ..checks.relaxation import Relaxation, RelaxedWorld, movable
 from ..checks.values import bind_arguments
 from .check_rows import check_rows
 from .check_start import check_start
@@ -84,7 +84,7 @@ def _problem(
     objects.update(built.robots)
     for module in built.modules.values():
         objects.update({f"{module.name}.{e.name}": e.type for e in module.type.effectors})
-    world = World(library.types, objects, lifted.derived, lifted.predicates, lifted.rules, init[0])
+    world = RelaxedWorld(library.types, objects, lifted.derived, lifted.predicates, lifted.rules, init[0])
     relaxation = Relaxation(world)
     moving = movable(relaxation, lifted.motions, init[1])
     bodies = {n: dataclasses.replace(b, movable=n in moving) for n, b in built.bodies.items()}

@@ -18,7 +18,7 @@ from ..checks.kinds import ANGLE, EXAMPLES, LENGTH, RATES, SCALARS, Kind
 from ..checks.names import Scope
 from ..checks.terms import check_term
 from ..checks.values import number, vector
-from ..physics.statements import Stated, stated
+from ..physics.statements import StatedPart, stated
 from ..poses import make
 
 AXES: Mapping[str, ir.Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -89,7 +89,7 @@ def lower_joint(
     ]
 
 
-def drive_of(said: Stated) -> dict[str, Any]:
+def drive_of(said: StatedPart) -> dict[str, Any]:
     """What a joint states of its drive, as fields of the joint. Where nothing is said, nothing is limited."""
     torque, bearing = (math.inf if value is None else value for value in (said.torque, said.bearing))
     fields = {"mass": said.mass or 0.0, "torque": torque, "bearing": bearing, "rotor": said.rotor or 0.0}

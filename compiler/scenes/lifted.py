@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ...langs import syntax
 from .. import ir
 from ..checks.check_heuristics import check_heuristics
-from ..checks.check_logic import Placement, check_derived, check_placements, check_rules, lower_predicates
+from ..checks.check_logic import PlacementChoice, check_derived, check_placements, check_rules, lower_predicates
 from ..checks.check_motion import check_motions
 from ..checks.check_usage import check_usage
 from ..checks.context import Context, build_context
@@ -35,7 +35,7 @@ class Lifted:
     derived: dict[str, ir.Derived]
     motions: dict[str, ir.MotionPredicate]
     rules: dict[str, ir.Rule]
-    placements: tuple[Placement, ...]
+    placements: tuple[PlacementChoice, ...]
     parsed: bool
 
     @property

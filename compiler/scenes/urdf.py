@@ -16,11 +16,11 @@ from .. import ir
 from ..checks.context import Context
 from ..checks.names import Scope
 from ..physics.masses import shape_volume
-from ..physics.statements import Stated as Weights
+from ..physics.statements import StatedPart
 from ..physics.urdf_inertials import UnfitInertia, read_inertial
 from ..poses import compose, make
 from ..urdf_files import mesh_name
-from .couplings import BadCoupling, Stated, couple
+from .couplings import BadCoupling, StatedCoupling, couple
 from .urdf_joints import JointBuilder
 from .urdf_reading import Reading, UrdfJoint
 
@@ -36,7 +36,7 @@ class End:
     type: str
     place: ir.Pose
     shape: ir.Shape | None
-    said: Weights
+    said: StatedPart
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +122,7 @@ def _coupled(
 ) -> tuple[ir.Joint, ...] | None:
     """The joints with those that `mimic` others; where 0 is outside what followers leave a joint, it starts in the
     middle of that. None after a fault."""
-    stated, moving, known = dict[str, Stated](), {j.name for j in joints}, {j.name for j in declared}
+    stated, moving, known = dict[str, StatedCoupling](), {j.name for j in joints}, {j.name for j in declared}
     elements = {j.name: j.element.find("mimic") for j in declared if j.name in moving}
     for name, mimic in elements.items():
         if mimic is None:
@@ -134,7 +134,7 @@ def _coupled(
             message = f"joint `{name}` follows `{leader}` " + ("0 times" if factor == 0 else f"by `mimic`: {what}")
             reading.fault(mimic, message, "give it the type fixed", "E0521")
         elif factor is not None and offset is not None:
-            stated[name] = Stated(leader, factor, offset)
+            stated[name] = StatedCoupling(leader, factor, offset)
     if not reading.sound:
         return None
     try:

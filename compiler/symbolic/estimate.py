@@ -18,7 +18,7 @@ from .achievers import Achiever, Achievers
 from .domains import FlatRule
 from .expressions import Test, literal_test, test_source
 from .links import Links
-from .locations import Family, families
+from .locations import EdgeFamily, families
 from .prices import Price, Prices
 from .settings import SYMBOLIC
 from .successors import Successors, has_chains
@@ -194,7 +194,7 @@ class Estimate:
                 options = [early_ones, Located(k, always, guards, True, tuple(achievers))]
             landmark.tables += [option for option in options if _some(option.tables)]
 
-    def _tables_of(self, family: Family, achievers: Sequence[Achiever]) -> Tables:
+    def _tables_of(self, family: EdgeFamily, achievers: Sequence[Achiever]) -> Tables:
         return self._by_modules(lambda modules: self._table(family, achievers, modules))
 
     def _priced(self, located: Located, price: Price) -> Tables:
@@ -211,7 +211,7 @@ class Estimate:
             return (last,)
         return (*(table(m) or last for m in range(1, most)), last)
 
-    def _table(self, family: Family, achievers: Sequence[Achiever], modules: int) -> tuple[float, ...] | None:
+    def _table(self, family: EdgeFamily, achievers: Sequence[Achiever], modules: int) -> tuple[float, ...] | None:
         """The moves until some achiever may fire while no chain has more than so many modules; None when it may fire
         wherever its robot is."""
         starts = None

@@ -34,7 +34,7 @@ class Placed:
     pose: Pose
 
 
-class Geometry:
+class SceneLengths:
     """Static functions on objects, which are named by their index in `names` (an int or an array of them)."""
 
     def __init__(self, problem: Problem) -> None:

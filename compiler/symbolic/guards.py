@@ -44,7 +44,7 @@ from ..ir import (
 )
 from .algebra import COMPARISONS, MATHS, arithmetic, conjunction, disjunction, flip, holds, is_plain, negation
 from .chains import Word
-from .geometry import Geometry
+from .geometry import SceneLengths
 from .layout import FIELD, FLAG, STATIC, Layout
 from .normal_form import FALSE, TRUE, free_names
 from .settings import SYMBOLIC
@@ -61,7 +61,7 @@ class Guards:
     """`known` facts are static ones, where they are not those of the layout."""
 
     def __init__(
-        self, problem: Problem, layout: Layout, geometry: Geometry, known: frozenset[Fact] | None = None
+        self, problem: Problem, layout: Layout, geometry: SceneLengths, known: frozenset[Fact] | None = None
     ) -> None:
         self.problem = problem
         self.layout = layout

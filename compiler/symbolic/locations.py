@@ -60,7 +60,7 @@ class Edge:
         return self.flat.rule.name
 
 
-class Family:
+class EdgeFamily:
     """One location predicate: its places, the fields of its small keys, and the edges between places."""
 
     def __init__(self, guards: Guards, predicate: str, costs: Mapping[str, float]) -> None:
@@ -74,7 +74,7 @@ class Family:
         self.indices = np.array([guards.geometry.index[name] for name in self.places], dtype=np.int64)
         self.key_at = guards.problem.predicates[predicate].functional_in or 0
         self.costs = costs
-        self._bounds: dict[int, Bounds] = {}
+        self._bounds: dict[int, LengthBounds] = {}
         self._reads_chains = {id(flat): reads_chains(flat) for flat in layout.domains.rules}
         self._edges_of_rules: dict[tuple[int, int], list[Edge]] = {}
         self._edges_by_modules: dict[int, list[Edge]] = {}
@@ -83,10 +83,10 @@ class Family:
         self.rules = {e.rule for e in self.edges(len(guards.problem.world.modules))}
         """The rules that move something."""
 
-    def bounds(self, modules: int) -> Bounds:
+    def bounds(self, modules: int) -> LengthBounds:
         """Bounds on guards while no chain has more than so many modules."""
         if modules not in self._bounds:
-            self._bounds[modules] = Bounds(self.guards, modules)
+            self._bounds[modules] = LengthBounds(self.guards, modules)
         return self._bounds[modules]
 
     def edges(self, modules: int) -> list[Edge]:
@@ -101,7 +101,7 @@ class Family:
             self._edges_by_modules[modules] = found
         return self._edges_by_modules[modules]
 
-    def _edges(self, flat: FlatRule, cost: float, bounds: Bounds) -> list[Edge]:
+    def _edges(self, flat: FlatRule, cost: float, bounds: LengthBounds) -> list[Edge]:
         domains = self.guards.layout.domains.variable_domains(flat)
         found = []
         for effect, types in flat.additions():
@@ -146,7 +146,7 @@ class Family:
 
     def _relation(
         self, flat: FlatRule, source: str, target: Term, env: Mapping[str, Any],
-        domains: Mapping[str, frozenset[str]], bounds: Bounds,
+        domains: Mapping[str, frozenset[str]], bounds: LengthBounds,
     ) -> Matrix:  # fmt: skip
         count = len(self.places)
         possible = np.ones((count, count), dtype=bool) & self._mask(domains[source])[:, None]
@@ -222,7 +222,7 @@ class Family:
         return np.array([p in names for p in self.places], dtype=bool)
 
 
-class Bounds:
+class LengthBounds:
     """Whether static guards may hold when only some variables are known, and chains have at most so many modules:
     interval arithmetic on their terms."""
 
@@ -352,10 +352,10 @@ def reads_chains(flat: FlatRule) -> bool:
     return any(f.name in ("reach", "length") and len(f.args) == 1 for f in found)
 
 
-def families(guards: Guards, costs: Mapping[str, float]) -> list[Family]:
+def families(guards: Guards, costs: Mapping[str, float]) -> list[EdgeFamily]:
     """The location families of a problem that have some place and some key."""
     layout = guards.layout
     names = [p for p, kind in layout.kinds.items() if kind == FIELD]
     keyed = [name for name in names if any(k in layout.small for p, k in layout.fields if p == name)]
-    made = [Family(guards, name, costs) for name in keyed]
+    made = [EdgeFamily(guards, name, costs) for name in keyed]
     return [f for f in made if f.places]

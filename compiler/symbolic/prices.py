@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from .achievers import Achiever
-from .locations import Edge, Family
+from .locations import Edge, EdgeFamily
 
 Price = Callable[[str, Any], Any]
 """What an action costs beyond its own cost, by its rule and by how much it is strained at least; arrays broadcast."""
@@ -22,7 +22,7 @@ Price = Callable[[str, Any], Any]
 class Prices:
     """Priced tables of one location family. The strains are found once, whatever the price."""
 
-    def __init__(self, family: Family) -> None:
+    def __init__(self, family: EdgeFamily) -> None:
         self.family = family
         self._strains: dict[tuple[int, int], Any] = {}
 

@@ -16,7 +16,7 @@ from .blocks import Block, Blocks
 from .chains import Word
 from .domains import Domains, FlatRule
 from .expressions import source
-from .geometry import Geometry
+from .geometry import SceneLengths
 from .guards import Environment, Guards
 from .layout import Layout
 from .normal_form import NormalForm
@@ -34,7 +34,7 @@ class Successors:
         self.normal = NormalForm(problem)
         self.domains = Domains(problem, self.normal)
         self.layout = Layout(problem, self.domains)
-        self.geometry = Geometry(problem)
+        self.geometry = SceneLengths(problem)
         self.guards = Guards(problem, self.layout, self.geometry)
         self.initial = self.layout.initial
         self._actions: list[Action] = []

@@ -13,12 +13,12 @@ from ...compiler.symbolic.strain import Strain
 from ...compiler.symbolic.successors import Successors
 from ..budget import Budget
 from ..skeleton import Skeleton
-from .bounds.multi_bound import EXPECTED, Bounds
+from .bounds.multi_bound import EXPECTED, MultiBound
 from .bounds.settings import BOUNDS
 from .bounds.verdicts import Judgement
 from .conflicts.infeasibility import Refusals
 from .search.best_first import Candidate, SkeletonSearch
-from .search.learned_penalties import Surcharge
+from .search.learned_penalties import LearnedPenalties
 from .search.skeleton_replay import build_skeleton
 
 
@@ -27,14 +27,14 @@ class CandidateLoop:
     to `remembered` actions are forbidden wherever their robots stand alike, not only at the start."""
 
     def __init__(
-        self, problem: Problem, method: str, budget: Budget, bounds: Bounds, refusals: Refusals,
+        self, problem: Problem, method: str, budget: Budget, bounds: MultiBound, refusals: Refusals,
         node_limit: int | None = None, remembered: int = 0,
     ) -> None:  # fmt: skip
         self.problem, self.bounds, self.refusals, self.remembered = problem, bounds, refusals, remembered
         with bounds.clock("compile"):
             self.search = SkeletonSearch(problem, Successors(problem), method, budget, node_limit)
             self.strain = Strain(self.search.successors)
-            self.penalties = Surcharge(self.strain)
+            self.penalties = LearnedPenalties(self.strain)
         self.rounds = 0
         self.paths_refused = False
         """Whether some candidate had switches, but was refused a motion between them."""

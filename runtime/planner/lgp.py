@@ -22,14 +22,14 @@ from ..geometry.start_contacts import touching
 from ..plan import Plan, StatisticsRecord, TimingRecord
 from ..seeds import Seed
 from ..skeleton import Skeleton
-from .bounds.multi_bound import Bounds
-from .bounds.speculation import Ahead
+from .bounds.multi_bound import MultiBound
+from .bounds.speculation import Speculation
 from .bounds.verdicts import Judgement
 from .candidate_loop import CandidateLoop
 from .conflicts.infeasibility import Refusals, distrust, fewer, unverified
 from .motion.settings import MotionSettings
 from .search.best_first import Candidate, SkeletonSearch
-from .search.slack_maximisation import roomier
+from .search.slack_maximisation import maximise_slack
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class SolveOptions:
     solver: str = OPTIONS["solver"].default
     seed: int = 0
     slices: int | None = None
-    ahead: Ahead = field(default_factory=Ahead, compare=False, repr=False)
+    ahead: Speculation = field(default_factory=Speculation, compare=False, repr=False)
 
 
 def options_of(problem: Problem, chosen: Mapping[str, Any], otherwise: float = SECONDS) -> SolveOptions:
@@ -100,10 +100,10 @@ def solve(
 ) -> Outcome:
     """Search until `options.solutions` verified plans stand or the budget is spent; Ctrl-C ends with what was found.
     `found` gets every verified plan as soon as it stands."""
-    return _Run(replace(problem, touching=touching(problem.world)), options, progress, found).run()
+    return _SolveRun(replace(problem, touching=touching(problem.world)), options, progress, found).run()
 
 
-class _Run:
+class _SolveRun:
     def __init__(
         self, problem: Problem, options: SolveOptions, progress: Callable[[Progress], None] | None,
         found: Callable[[Plan], None] | None,
@@ -119,7 +119,7 @@ class _Run:
         self.distrusted: Plan | None = None
         self.first_bound: float | None = None
         settings, seed = motion_settings(problem, options), Seed(options.seed)
-        self.bounds = Bounds(problem, settings, options.bound, seed, self.budget, self._tell, options.ahead)
+        self.bounds = MultiBound(problem, settings, options.bound, seed, self.budget, self._tell, options.ahead)
         self.refusals = Refusals(problem)
         self.search: SkeletonSearch | None = None
 
@@ -141,7 +141,7 @@ class _Run:
     def _propose(self, loop: CandidateLoop) -> Candidate | None:
         self._tell("search", "searching for a skeleton")
         candidate = loop.search.next()
-        return None if candidate is None else roomier(loop.search, loop.strain, candidate)
+        return None if candidate is None else maximise_slack(loop.search, loop.strain, candidate)
 
     def _take(self, loop: CandidateLoop, candidate: Candidate) -> None:
         """Take one candidate through the bounds; whatever comes of it, the search will not propose it again."""

@@ -33,7 +33,7 @@ LIBRARIES = {"numpy": "numpy", "casadi": "casadi", "pinocchio": "pin", "coal": "
 """Compiled libraries, and the Python packages that bring them."""
 
 
-class Motion(Protocol):
+class SampledMotion(Protocol):
     """One phase as it moves: `times` `(T,)` since the start, per module poses `(T, 7)` and joints `(T, n)`, per moving
     body poses `(T, 7)`."""
 
@@ -62,7 +62,7 @@ def assemble(
 
 
 def plan_of(
-    problem: ir.Problem, motions: Sequence[Motion], paths: Sequence[PhasePath],
+    problem: ir.Problem, motions: Sequence[SampledMotion], paths: Sequence[PhasePath],
     phases: list[record.PhaseRecord], final_mode: list[record.LiteralRecord], statistics: record.StatisticsRecord,
 ) -> record.Plan:  # fmt: skip
     """The plan file of phases with their motions, one after the other; `paths` hold the knots of the splines."""
@@ -132,13 +132,13 @@ def _rounded_rows(values: np.typing.NDArray[np.float64]) -> list[list[float]]:
     return rounded
 
 
-def _track(module: ir.Module, motions: Sequence[Motion]) -> record.TrackRecord:
+def _track(module: ir.Module, motions: Sequence[SampledMotion]) -> record.TrackRecord:
     poses = [m.poses[module.name] for m in motions] or [np.array([module.pose])]
     joints = [m.joints[module.name] for m in motions] or [np.array([module.joints])]
     return record.TrackRecord(module.name, _rounded_rows(np.vstack(poses)), _rounded_rows(np.vstack(joints)))
 
 
-def _body_tracks(body: ir.Body, motions: Sequence[Motion]) -> list[record.BodyTrackRecord]:
+def _body_tracks(body: ir.Body, motions: Sequence[SampledMotion]) -> list[record.BodyTrackRecord]:
     """One piece for every row of phases in which the body moves."""
     pieces: list[record.BodyTrackRecord] = []
     sample, last = 0, list(body.pose)
@@ -154,7 +154,9 @@ def _body_tracks(body: ir.Body, motions: Sequence[Motion]) -> list[record.BodyTr
     return pieces
 
 
-def _splines(world: ir.World, motions: Sequence[Motion], paths: Sequence[PhasePath]) -> list[record.SplineRecord]:
+def _splines(
+    world: ir.World, motions: Sequence[SampledMotion], paths: Sequence[PhasePath]
+) -> list[record.SplineRecord]:
     """A spline for every phase in which joints of a module move."""
     result = []
     for index, (motion, path) in enumerate(zip(motions, paths, strict=True)):
@@ -241,7 +243,7 @@ def _phases(
 
 
 def phase_record(
-    problem: ir.Problem, phase: Phase, motion: Motion, facts: frozenset[ir.Fact], before: Places, after: Places,
+    problem: ir.Problem, phase: Phase, motion: SampledMotion, facts: frozenset[ir.Fact], before: Places, after: Places,
     completed: bool = True,
 ) -> record.PhaseRecord:  # fmt: skip
     """A phase as the plan file holds it. `before` and `after` tell where the literals that hold during it and those

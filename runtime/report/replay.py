@@ -46,7 +46,7 @@ SHADE = 0.2
 
 
 @dataclass(slots=True)
-class Scene:
+class ReplayScene:
     """What the page's player needs. `frames` pairs a scene path with its poses `(T, 7)`; `paint` lists what
     takes the colour of its robot: path, module index, share of white; `names` maps objects to scene paths.
     `points` and `still` hold balls `(n, 4)` around what moves and what does not, `corners` those of what is used."""
@@ -124,7 +124,7 @@ def extent(shape: ShapeRecord | None) -> float:
 
 
 class Builder:
-    """Draws one plan into a `Scene`."""
+    """Draws one plan into a `ReplayScene`."""
 
     def __init__(self, plan: Plan) -> None:
         import meshcat
@@ -132,7 +132,7 @@ class Builder:
         self.plan = plan
         self.picked = pick_samples(plan.times)
         stamps = np.asarray(plan.times, dtype=np.float64)[self.picked]
-        self.scene = Scene(stamps if len(stamps) else np.zeros(1))
+        self.scene = ReplayScene(stamps if len(stamps) else np.zeros(1))
         self.viewer: Any = meshcat.Visualizer(window=self.scene.recorder)
 
     def sampled(self, rows: Sequence[Sequence[float]]) -> list[Sequence[float]]:
@@ -254,7 +254,7 @@ def joint_rows(rows: Sequence[Sequence[float]], start: Sequence[float], count: i
     return np.nan_to_num(np.array(good, dtype=np.float64).reshape(len(good), count))
 
 
-def camera_view(scene: Scene) -> dict[str, Any]:
+def camera_view(scene: ReplayScene) -> dict[str, Any]:
     """What the camera must see, as balls (x, y, z, radius), and the unit vector from there to the camera.
 
     The camera looks across the main horizontal direction of motion, a little from behind and from above.

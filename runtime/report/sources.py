@@ -17,7 +17,7 @@ KEYWORDS = frozenset(WORDS.split())
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class SourcePiece:
     """A stretch of a line; `kind` is "comment", "keyword" or empty."""
 
     text: str
@@ -25,9 +25,9 @@ class Piece:
 
 
 @dataclass(slots=True)
-class Line:
+class SourceLine:
     number: int
-    pieces: list[Piece]
+    pieces: list[SourcePiece]
     anchor: str
     used: bool = False
 
@@ -37,12 +37,12 @@ class SourceView:
     index: int
     path: str
     sha256: str
-    lines: list[Line]
+    lines: list[SourceLine]
     blocks: list[tuple[int, int]] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class SourceLink:
     """A place as the page shows it; `anchor` is empty when its source is not in the plan."""
 
     text: str
@@ -50,18 +50,18 @@ class Link:
     title: str
 
 
-def split_line(text: str) -> list[Piece]:
+def split_line(text: str) -> list[SourcePiece]:
     """The pieces of one line: comments and words of the language set apart."""
-    pieces: list[Piece] = []
+    pieces: list[SourcePiece] = []
     done = 0
     for match in TOKEN.finditer(text):
         if match.lastgroup == "keyword" and match.group() not in KEYWORDS:
             continue
         if match.lastgroup in ("open", "close"):
             continue
-        pieces += [Piece(text[done : match.start()]), Piece(match.group(), match.lastgroup or "")]
+        pieces += [SourcePiece(text[done : match.start()]), SourcePiece(match.group(), match.lastgroup or "")]
         done = match.end()
-    pieces.append(Piece(text[done:]))
+    pieces.append(SourcePiece(text[done:]))
     return [p for p in pieces if p.text]
 
 
@@ -95,7 +95,7 @@ class Sources:
         self.views: list[SourceView] = []
         for index, record in enumerate(records):
             texts = record.text.split("\n")
-            lines = [Line(n, split_line(t), f"s{index}-{n}") for n, t in enumerate(texts, 1)]
+            lines = [SourceLine(n, split_line(t), f"s{index}-{n}") for n, t in enumerate(texts, 1)]
             self.views.append(SourceView(index, record.path, record.sha256, lines, find_blocks(texts)))
 
     def find(self, file: str) -> SourceView | None:
@@ -106,7 +106,7 @@ class Sources:
         near = [v for v in self.views if PurePosixPath(v.path).name == PurePosixPath(file).name]
         return near[0] if len(near) == 1 else None
 
-    def link(self, place: PlaceRecord | None) -> Link | None:
+    def link(self, place: PlaceRecord | None) -> SourceLink | None:
         """What the page shows for `place`, or None where there is no place."""
         if place is None:
             return None
@@ -114,12 +114,12 @@ class Sources:
         title = f"{place.file}:{place.line}:{place.column}"
         view = self.find(place.file)
         if view is None or not 1 <= place.line <= len(view.lines):
-            return Link(text, "", title)
+            return SourceLink(text, "", title)
         line = view.lines[place.line - 1]
         line.used = True
-        return Link(text, line.anchor, title)
+        return SourceLink(text, line.anchor, title)
 
-    def excerpt(self, place: PlaceRecord | None) -> list[Line]:
+    def excerpt(self, place: PlaceRecord | None) -> list[SourceLine]:
         """The lines of the top-level block around `place`, or its line alone; empty without a source."""
         view = self.find(place.file) if place else None
         if place is None or view is None or not 1 <= place.line <= len(view.lines):

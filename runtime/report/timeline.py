@@ -21,7 +21,7 @@ NO_LIMIT = 1e8
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
+class TimelineBlock:
     """One phase in one row, in percent of the whole time; `acts` when the row's thing takes part."""
 
     phase: int
@@ -48,7 +48,7 @@ class Mark:
 class TimelineRow:
     name: str
     kind: str
-    blocks: list[Block]
+    blocks: list[TimelineBlock]
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ class Bracket:
 class Timeline:
     total: float
     rules: list[tuple[str, str]]
-    actions: list[Block]
+    actions: list[TimelineBlock]
     rows: list[TimelineRow]
     brackets: list[Bracket]
     ticks: list[tuple[float, str]]
@@ -173,10 +173,10 @@ def build_timeline(plan: Plan) -> Timeline:
     robots = [group_modules(plan, p.mode) for p in plan.phases]
     hues = [module_colours(plan, groups) for groups in robots]
 
-    def block(index: int, name: str, robot: str) -> Block:
+    def block(index: int, name: str, robot: str) -> TimelineBlock:
         phase = plan.phases[index]
         acts = not name or name in taking[index]
-        return Block(
+        return TimelineBlock(
             index,
             phase.start * scale,
             max(0.0, phase.end - phase.start) * scale,

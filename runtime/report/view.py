@@ -9,7 +9,7 @@ from statistics import median
 
 from ..plan import LiteralRecord, MeasureRecord, PhaseRecord, Plan, WindowRecord
 from .robots import Robot, group_modules, literal_text
-from .sources import Line, Link, Sources
+from .sources import SourceLine, SourceLink, Sources
 from .timeline import ModulePlots, Timeline, build_plots, build_timeline, rule_colours, total_time, window_seconds
 from .tree import Tree, build_tree
 
@@ -17,7 +17,7 @@ from .tree import Tree, build_tree
 @dataclass(frozen=True, slots=True)
 class LiteralView:
     text: str
-    link: Link | None
+    link: SourceLink | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,8 +27,8 @@ class PhaseView:
     index: int
     record: PhaseRecord
     colour: str
-    link: Link | None
-    rule_lines: list[Line]
+    link: SourceLink | None
+    rule_lines: list[SourceLine]
     marked: set[int]
     added: list[LiteralView]
     literals: list[LiteralView]
@@ -41,7 +41,7 @@ class MeasureView:
     """A figure against its limit. `share` is amount over limit, or None where that says nothing."""
 
     record: MeasureRecord
-    link: Link | None
+    link: SourceLink | None
     share: float | None
     worst: bool
 
@@ -51,7 +51,7 @@ class Linked:
     """Any record with the link of its place."""
 
     record: object
-    link: Link | None
+    link: SourceLink | None
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from ..skeleton import Phase, PhasePath
 from .braking import at_times, braked
 from .predicted_clearance import nearest
 from .settings import SIMULATION
-from .world import World
+from .world import SimulatedWorld
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class Struck(Exception):
         super().__init__(message)
 
 
-def first_hit(problem: ir.Problem, world: World, phase: Phase, path: PhasePath) -> Hit | None:
+def first_hit(problem: ir.Problem, world: SimulatedWorld, phase: Phase, path: PhasePath) -> Hit | None:
     """What goes right through a robot while a motion is carried out, as things truly move; None when nothing does."""
     whole = _deepest(problem, world, phase, path, path.duration) if world.on_course else None
     if whole is None or whole[0] < SIMULATION.through:
@@ -60,7 +60,7 @@ def before_hit(problem: ir.Problem, path: PhasePath, hit: Hit) -> PhasePath | No
 
 
 def _deepest(
-    problem: ir.Problem, world: World, phase: Phase, path: PhasePath, end: float
+    problem: ir.Problem, world: SimulatedWorld, phase: Phase, path: PhasePath, end: float
 ) -> tuple[float, str, str] | None:
     """How deep something that moves by itself gets into a thing, metres, up to `end` seconds; the thing, the body."""
     inner = np.linspace(0.0, end, SIMULATION.phase_looks)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..skeleton import Array
 from .sensing import Sensing
-from .world import World
+from .world import SimulatedWorld
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class Lookout:
         self.sensing = sensing
         self.expectation: Expectation | None = None
 
-    def look(self, world: World, time: float | None = None) -> dict[str, Array]:
+    def look(self, world: SimulatedWorld, time: float | None = None) -> dict[str, Array]:
         """The poses `(7,)` of the bodies on courses, as sensed now, or at a time soon."""
         when = world.time if time is None else time
         poses = world.at(when)

@@ -23,7 +23,7 @@ from .scene_prediction import displaced, foreseen_problem
 from .sensing import SAME_TIME
 from .settings import SIMULATION
 from .steering import Steering
-from .world import World
+from .world import SimulatedWorld
 
 FIRST_GUESS = 2.0
 """Seconds that a phase is assumed to take before any was seen."""
@@ -69,7 +69,7 @@ class Route:
     def __post_init__(self) -> None:
         self.planner = Planner(self.options)
 
-    def on_the_way(self, world: World, left: float | None) -> Window | None:
+    def on_the_way(self, world: SimulatedWorld, left: float | None) -> Window | None:
         """A window on the known way; `left` is how long a phase that was broken off would have taken still."""
         if not self.way:
             return None
@@ -81,26 +81,26 @@ class Route:
                 return window
         return None
 
-    def another_way(self, world: World) -> Window | None:
+    def another_way(self, world: SimulatedWorld) -> Window | None:
         """A window on a way that is searched anew, in haste where the scene may have moved on a moment later."""
         self.planner.hasty = bool(world.on_course) and world.time > 0.0 and not self.planner.redraws
         window = self._timed(world, FIRST_GUESS, search=True)
         self.way = window.actions if window is not None else self.way
         return window
 
-    def take(self, world: World, window: Window) -> None:
+    def take(self, world: SimulatedWorld, window: Window) -> None:
         """Follow a window that was planned elsewhere, for the scene as it is now."""
         self.way = window.actions
         self.lookout.expect(world.time, self.lookout.look(world))
 
-    def done(self, world: World) -> None:
+    def done(self, world: SimulatedWorld) -> None:
         """The first action of the way took place."""
         self.way = self.way[1:]
         here = world.reached.facts, world.reached.mode, len(self.failures.locked | self.failures.gone)
         self.planner.returns = self._visits.get(here, 0)
         self._visits[here] = self.planner.returns + 1
 
-    def _timed(self, world: World, seconds: float, *, search: bool) -> Window | None:
+    def _timed(self, world: SimulatedWorld, seconds: float, *, search: bool) -> Window | None:
         """A window whose first phase ends when its scene is the foreseen one."""
         poses = self.lookout.look(world)
         self.lookout.expect(world.time, poses)
@@ -133,21 +133,22 @@ class Route:
                 return replace(window, paths=[in_time(window.paths[0], seconds)])
         return None
 
-    def _in_the_way(self, world: World, passed: Mapping[str, str]) -> dict[str, str]:
+    def _in_the_way(self, world: SimulatedWorld, passed: Mapping[str, str]) -> dict[str, str]:
         """Bodies that only come in the way later, and that the robot passes meanwhile."""
         kept = {name for pair in kept_pairs(self.problem, world.reached.mode) for name in pair}
         bodies = self.problem.world.bodies
         blamed = self.planner.blamed.items()
         return {b: m for b, m in blamed if b not in passed and b not in kept and not bodies[b].movable}
 
-    def is_clear(self, world: World, phase: Phase, path: PhasePath) -> bool:
+    def is_clear(self, world: SimulatedWorld, phase: Phase, path: PhasePath) -> bool:
         """Whether nothing presses upon a robot on a way that no window is for, such as rest, or no more than now."""
         poses, now = self.lookout.look(world), waiting(world.reached.configuration, SAME_TIME)
         pressed = self._deepest(world, phase, now, poses, everyone=True)
         return self._deepest(world, phase, path, poses, everyone=True) <= max(PRESSED, min(pressed + MORE, DEEP))
 
     def is_time_to_stop(
-        self, world: World, phase: Phase, path: PhasePath, since: float, until: float, steering: Steering | None
+        self, world: SimulatedWorld, phase: Phase, path: PhasePath, since: float, until: float,
+        steering: Steering | None,
     ) -> bool:  # fmt: skip
         """Whether a motion that is to be broken off had better be so now, `since` seconds after its begin, than a
         little later or not at all: it comes to rest, and stays there `until` so many seconds after its begin while
@@ -167,19 +168,19 @@ class Route:
                 break
         return int(np.argmin(depths)) == 0 if depths else True
 
-    def brought_to_rest(self, world: World, path: PhasePath, since: float) -> PhasePath:
+    def brought_to_rest(self, world: SimulatedWorld, path: PhasePath, since: float) -> PhasePath:
         """Rest where the robot is, before a motion begins; else the motion that slows down."""
         if since > 0.0:
             return braked(self.problem.world, path, since)
         return waiting(world.reached.configuration, SIMULATION.sensing_period)
 
-    def _bearable(self, world: World, phase: Phase, path: PhasePath, since: float) -> float:
+    def _bearable(self, world: SimulatedWorld, phase: Phase, path: PhasePath, since: float) -> float:
         """How deep, metres, a robot may be pressed upon: little more than now."""
         now = self._pressed(world, phase, path, since, since + SAME_TIME, instant=True)
         return max(PRESSED, min(now + MORE, DEEP))
 
     def _pressed(
-        self, world: World, phase: Phase, path: PhasePath, since: float, until: float, instant: bool = False
+        self, world: SimulatedWorld, phase: Phase, path: PhasePath, since: float, until: float, instant: bool = False
     ) -> float:  # fmt: skip
         """How deep, metres, robots get into something from `since` on, on a motion and at rest at its end `until`."""
         last = since + SAME_TIME if instant else max(path.duration, until)
@@ -189,7 +190,7 @@ class Route:
         own = self._own(world.at(world.time + since), looks, newest=True)
         return deepest(self.problem, world.reached.configuration, phase, whole, own, everyone=True)
 
-    def aside(self, world: World) -> PhasePath | None:
+    def aside(self, world: SimulatedWorld) -> PhasePath | None:
         """A motion, standing where it stands, of the robot that the next action moves, to where it has room."""
         expected = self._at(self.lookout.look(world), world.time + FIRST_GUESS)
         base = self.failures.base(self.problem)
@@ -200,7 +201,7 @@ class Route:
         seed = Seed(self.options.seed).child("aside", self.planner.failures)
         return way_aside(skeleton, motion_settings(problem, self.options), seed, self.budget)
 
-    def passed(self, world: World, phase: Phase, path: PhasePath) -> frozenset[str]:
+    def passed(self, world: SimulatedWorld, phase: Phase, path: PhasePath) -> frozenset[str]:
         """The bodies on courses that a motion comes near, as they seem to move."""
         times = world.time + np.linspace(0.0, path.duration, SIMULATION.phase_looks)
         poses = self.lookout.look(world)
@@ -208,20 +209,22 @@ class Route:
         found = nearest(self.problem, world.reached.configuration, phase, path, own)
         return frozenset(body for (_, body), distance in found.items() if distance < AROUND and body in own)
 
-    def threatens(self, world: World, phase: Phase, path: PhasePath, since: float, bodies: Iterable[str]) -> bool:
+    def threatens(
+        self, world: SimulatedWorld, phase: Phase, path: PhasePath, since: float, bodies: Iterable[str]
+    ) -> bool:
         """Whether one of `bodies`, as they seem to move now, comes near what is left of a motion after `since` seconds;
         the motion began in the state that the world is in."""
         rest, own = self._what_is_left(world, path, since)
         found = nearest(self.problem, world.reached.configuration, phase, rest, own)
         return any(distance < THREAT for (_, body), distance in found.items() if body in bodies)
 
-    def steering(self, world: World, phase: Phase, path: PhasePath) -> Steering:
+    def steering(self, world: SimulatedWorld, phase: Phase, path: PhasePath) -> Steering:
         """What steers a phase that begins now to where what it meets will be."""
         expected = self.lookout.expected(world.time + path.duration, world.at(world.time))
         return Steering(self.problem, phase, path, world.reached.configuration, expected)
 
     def steered(
-        self, world: World, phase: Phase, path: PhasePath, since: float, steering: Steering
+        self, world: SimulatedWorld, phase: Phase, path: PhasePath, since: float, steering: Steering
     ) -> tuple[PhasePath, float]:
         """The motion, after `since` seconds of it, led to where what it meets seems to be at its end, and by how many
         metres its end is moved; the same motion where that makes no difference, is too far, or would get into
@@ -236,20 +239,20 @@ class Route:
         clear = deepest(self.problem, world.reached.configuration, phase, rest, own) <= DEEP
         return (found if clear else path), off
 
-    def _off(self, world: World, path: PhasePath, since: float, steering: Steering) -> float:
+    def _off(self, world: SimulatedWorld, path: PhasePath, since: float, steering: Steering) -> float:
         return steering.off(path, self._at_the_end(world, path, since))
 
-    def _at_the_end(self, world: World, path: PhasePath, since: float) -> dict[str, Array]:
+    def _at_the_end(self, world: SimulatedWorld, path: PhasePath, since: float) -> dict[str, Array]:
         """The poses `(7,)` of bodies at the end of a motion, as they seem to move after `since` seconds of it."""
         return self._at(world.at(world.time + since), world.time + path.duration, newest=True)
 
-    def near(self, world: World) -> frozenset[str]:
+    def near(self, world: SimulatedWorld) -> frozenset[str]:
         """The bodies on courses that a robot at rest has to look out for."""
         found = clearances(self.problem.world, world.reached.configuration, AROUND)
         return frozenset(body for _, body in found if body in world.on_course)
 
     def _deepest(
-        self, world: World, phase: Phase, path: PhasePath, poses: Mapping[str, Array], everyone: bool = False
+        self, world: SimulatedWorld, phase: Phase, path: PhasePath, poses: Mapping[str, Array], everyone: bool = False
     ) -> float:
         """How deep a phase gets into something, metres, while bodies move on as they seem to."""
         times = world.time + np.linspace(0.0, path.duration, SIMULATION.phase_looks)
@@ -266,7 +269,7 @@ class Route:
         """As `_own`, the poses `(7,)` at one time."""
         return {body: rows[0] for body, rows in self._own(poses, np.array([time]), newest=newest).items()}
 
-    def _what_is_left(self, world: World, path: PhasePath, since: float) -> tuple[PhasePath, dict[str, Array]]:
+    def _what_is_left(self, world: SimulatedWorld, path: PhasePath, since: float) -> tuple[PhasePath, dict[str, Array]]:
         """What is left of a motion after `since` seconds, and the poses of bodies meanwhile, as they seem to move."""
         rest = at_times(path, np.linspace(since, path.duration, SIMULATION.phase_looks), path.duration - since)
         times = world.time + since + np.linspace(0.0, rest.duration, SIMULATION.phase_looks)

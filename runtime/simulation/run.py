@@ -36,11 +36,11 @@ from .monitor import Lookout
 from .planning import Window
 from .results import RunOptions, RunOutcome, RunProgress
 from .route import Route
-from .run_record import Step, plan_of_run
+from .run_record import RunStep, plan_of_run
 from .sensing import Sensing
 from .settings import SIMULATION
 from .steering import Steering
-from .world import Interval, World, moves
+from .world import Interval, SimulatedWorld, moves
 
 BACK, SHORT = 0.5, 0.4
 """Share of a broken-off motion that is gone back where nothing leads on from its end; one of so many seconds is gone
@@ -63,9 +63,9 @@ class Run:
     ) -> None:  # fmt: skip
         self.problem = problem
         self.options = options
-        self.world = World(problem, options.noise, options.seed)
+        self.world = SimulatedWorld(problem, options.noise, options.seed)
         self.budget = Budget(options.solve.time, options.solve.nodes, ASIDE)
-        self.steps: list[Step] = []
+        self.steps: list[RunStep] = []
         self.windows: list[WindowRecord] = []
         self.seconds: list[float] = []
         self._tell = tell
@@ -348,7 +348,7 @@ class Run:
         if completed:
             self._apply(phase.action)
             self._trail = []
-        self.steps.append(Step(executed, before, dict(self._places)))
+        self.steps.append(RunStep(executed, before, dict(self._places)))
 
     def _apply(self, action: ir.Action) -> None:
         """What the action does to the facts. Its condition was true of the scene in which it was planned."""

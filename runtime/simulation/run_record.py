@@ -16,7 +16,7 @@ from .world import Executed
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class RunStep:
     """An interval that took place, and where the literals before it, and those that it added, are written."""
 
     executed: Executed
@@ -25,7 +25,7 @@ class Step:
 
 
 def plan_of_run(
-    problem: ir.Problem, steps: Sequence[Step], final_mode: frozenset[ir.Fact], places: Places,
+    problem: ir.Problem, steps: Sequence[RunStep], final_mode: frozenset[ir.Fact], places: Places,
     windows: Sequence[record.WindowRecord], statistics: record.StatisticsRecord, complete: bool,
 ) -> record.Plan:  # fmt: skip
     """The record of a run of `problem`; `places` tells where the literals of the end are written."""
@@ -43,7 +43,7 @@ def plan_of_run(
     )  # fmt: skip
 
 
-def _phases(problem: ir.Problem, steps: Sequence[Step]) -> list[record.PhaseRecord]:
+def _phases(problem: ir.Problem, steps: Sequence[RunStep]) -> list[record.PhaseRecord]:
     stepper = Stepper(problem)
     result = []
     for step in steps:

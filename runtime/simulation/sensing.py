@@ -15,7 +15,7 @@ SAME_TIME = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class FittedLine:
     """The way of a body as some looks have it: from `begin` to `end`, at `position` `(3,)` then, with a `velocity`,
     whose standard deviation is `doubt`, 1/s, times that of a look, of which there are `count`."""
 
@@ -45,17 +45,17 @@ class Sighting:
     positions: deque[Array] = field(default_factory=lambda: deque(maxlen=SIMULATION.kept_looks))
     changes: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=SIMULATION.kept_looks))
 
-    def line(self, known: float = np.inf) -> Line:
+    def line(self, known: float = np.inf) -> FittedLine:
         """By least squares through the looks up to a time, or else the first one; at rest after a single look."""
         begin = max((since for noticed, since in self.changes if noticed <= known + SAME_TIME), default=-np.inf)
         chosen = [k for k, time in enumerate(self.times) if begin <= time <= known + SAME_TIME]
         chosen = chosen[-SIMULATION.memory :] or [0]
         times, positions = (np.array([rows[k] for k in chosen]) for rows in (self.times, self.positions))
         if len(chosen) < 2:
-            return Line(times[0], times[0], positions[0], np.zeros(3), np.inf, 1)
+            return FittedLine(times[0], times[0], positions[0], np.zeros(3), np.inf, 1)
         slope, origin = np.polyfit(times - times[-1], positions, 1)
         doubt = 1.0 / float(np.linalg.norm(times - times.mean()))
-        return Line(times[0], times[-1], np.asarray(origin), np.asarray(slope), doubt, len(chosen))
+        return FittedLine(times[0], times[-1], np.asarray(origin), np.asarray(slope), doubt, len(chosen))
 
 
 class Sensing:
@@ -129,7 +129,7 @@ class Sensing:
         way = self._way(body, np.inf if newest else self.known)
         return np.column_stack([way.at(times), np.tile(pose[3:], (len(times), 1))])
 
-    def _way(self, body: str, known: float) -> Line:
+    def _way(self, body: str, known: float) -> FittedLine:
         line = self._seen[body].line(known)
         sure = float(np.linalg.norm(line.velocity)) > max(1e-5, SIMULATION.likely * self.sigma * line.doubt)
         return line if sure else replace(line, velocity=np.zeros(3))

@@ -57,7 +57,7 @@ class Executed:
     driven: dict[str, Array]
 
 
-class World:
+class SimulatedWorld:
     """The scene of `problem` as it truly is. `time` is in seconds since the start; `reached` the present state. Drives
     miss what they are told by `noise`."""
 

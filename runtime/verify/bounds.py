@@ -59,7 +59,7 @@ NONE = Rates(*(np.zeros(1) for _ in range(4)))
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class StepBound:
     """From one frame to the next, which is `distance` metres away: over a joint (its module and index) or rigidly, or
     with a body on its course. `up`: against the direction in which the module counts its joints."""
 
@@ -77,7 +77,7 @@ class Bounds:
         self.lengths = grid.lengths
         self.placement = placement
         self._sampler, self._phase, self._times = sampler, phase, grid.times
-        self._lines: dict[Node, tuple[Step, ...]] = {}
+        self._lines: dict[Node, tuple[StepBound, ...]] = {}
         self._rates: dict[tuple[Node | None, Node], Rates] = {}
         self._joints: dict[str, tuple[Array, Array, Array]] = {}
 
@@ -120,7 +120,7 @@ class Bounds:
         turning = seat.turning + point.turning + seat.turn * point.turn
         return seat, Rates(seat.turn + point.turn, turning, seen, acceleration)
 
-    def _along(self, line: tuple[Step, ...], common: int) -> Rates:
+    def _along(self, line: tuple[StepBound, ...], common: int) -> Rates:
         base, rates = line[common - 1].node if common else None, NONE
         for step in line[common:]:
             key = base, step.node
@@ -129,7 +129,7 @@ class Bounds:
             rates = self._rates[key]
         return rates
 
-    def _stepped(self, before: Rates, step: Step) -> Rates:
+    def _stepped(self, before: Rates, step: StepBound) -> Rates:
         if step.course:
             centre = self.placement.thing(step.node[0])[-1].position
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -165,7 +165,7 @@ class Bounds:
 
     # --- the tree ------------------------------------------------------------------------------------------------
 
-    def _line(self, node: Node) -> tuple[Step, ...]:
+    def _line(self, node: Node) -> tuple[StepBound, ...]:
         """The steps from the world to a frame."""
         if node not in self._lines:
             steps, before = [], [node]
@@ -176,22 +176,22 @@ class Bounds:
             self._lines[node] = known + tuple(steps[::-1])
         return self._lines[node]
 
-    def _last(self, node: Node) -> tuple[Step, list[Node]]:
+    def _last(self, node: Node) -> tuple[StepBound, list[Node]]:
         """The last step to a frame, and the frame from which it starts; none where that is the world."""
         name, joint = node
         hold = self._sampler.links[self._phase].holds.get(name)
         if hold is None:
-            return Step((name, -1), 0.0, course=True), []
+            return StepBound((name, -1), 0.0, course=True), []
         thing, entry, _ = self._sampler.mount(hold.own)
         if joint == entry:
             base = self._sampler.mount(hold.base)[:2] if hold.base else None
-            return (Step(node, 0.0), []) if base is None else (Step(node, self._distance(base, node)), [base])
+            return (StepBound(node, 0.0), []) if base is None else (StepBound(node, self._distance(base, node)), [base])
         joints = self._sampler.kinematics[thing].module.joints
         above = _above([j.parent for j in joints], entry)
         if joint in above:
             below = above[above.index(joint) - 1]
-            return Step(node, _length(joints[below].placement), (name, below), up=True), [(name, below)]
-        return Step(node, _length(joints[joint].placement), (name, joint)), [(name, joints[joint].parent)]
+            return StepBound(node, _length(joints[below].placement), (name, below), up=True), [(name, below)]
+        return StepBound(node, _length(joints[joint].placement), (name, joint)), [(name, joints[joint].parent)]
 
     def _distance(self, first: Node, second: Node) -> float:
         """How far the origins of two frames are apart whose relative pose is constant."""

@@ -40,7 +40,7 @@ class Inapplicable(ReplayError):
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class Applied:
     """What an action leaves: logic facts, motion literals, those of both that it added, and where each is written."""
 
     facts: Facts
@@ -99,7 +99,7 @@ class Interpreter:
 
     def apply(
         self, facts: Facts, motion: Facts, action: ir.Action
-    ) -> Outcome:
+    ) -> Applied:
         """The state after the action; deletions before additions. Raises Inapplicable, ReplayError."""
         rule = self.problem.rules[action.rule]
         environment = {v.name: a for v, a in zip(rule.variables, action.args, strict=True)}
@@ -115,7 +115,7 @@ class Interpreter:
 
     def effects(
         self, facts: Facts, motion: Facts, action: ir.Action
-    ) -> Outcome:
+    ) -> Applied:
         """The state after the action, whose condition is not asked. Raises Inapplicable where a functional predicate
         would have two values, ReplayError."""
         rule = self.problem.rules[action.rule]
@@ -167,7 +167,7 @@ class Interpreter:
         for p in both[:1] if literal.motion else both:
             changes.added[literal.motion, (literal.predicate, *(n for n in p if n is not None))] = literal.span
 
-    def _outcome(self, facts: Facts, motion: Facts, changes: _Changes) -> Outcome:
+    def _outcome(self, facts: Facts, motion: Facts, changes: _Changes) -> Applied:
         def kept(old: Facts, is_motion: bool) -> Facts:
             gone = [(p, names) for m, p, names in changes.deleted if m == is_motion]
             return frozenset(f for f in old if not any(f[0] == p and matches(n, f[1:]) for p, n in gone))
@@ -178,7 +178,7 @@ class Interpreter:
         after = kept(facts, False) | added_facts
         self._require_functional(after, places)
         moved = self.canonical(kept(motion, True)) | added_motion
-        return Outcome(after, moved, added_facts, added_motion, places)
+        return Applied(after, moved, added_facts, added_motion, places)
 
     def _require_functional(self, facts: Facts, places: Mapping[ir.Fact, Span | None]) -> None:
         """An action that would leave two values of a functional predicate cannot be done."""
@@ -336,7 +336,7 @@ def _scenes(
 
 def _applied(
     scenes: Iterator[Interpreter], facts: Facts, motion: Facts, action: ir.Action
-) -> Outcome:
+) -> Applied:
     """The outcome of an action whose condition holds in one of some scenes. Raises Inapplicable, ReplayError."""
     try:
         return next(scenes).apply(facts, motion, action)

@@ -11,7 +11,7 @@ import click
 
 from .libraries import needing_libraries
 from .limits import limit_options, limited
-from .parameters import Whole, parameters_option
+from .parameters import WholeNumber, parameters_option
 from .sources import reading_sources
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ STAGES: dict[str, Callable[[Problem], str]] = {
 @click.option("--emit", type=click.Choice(["ast", *STAGES]), required=True, help="The stage to print.")
 @parameters_option
 @limit_options
-@click.option("--seed", type=Whole(0), default=0, show_default=True, help="For the scene.")
+@click.option("--seed", type=WholeNumber(0), default=0, show_default=True, help="For the scene.")
 def compile_command(
     file: Path, task: str | None, emit: str, parameters: dict[str, str], seed: int, seconds: float, memory: int | None
 ) -> None:

@@ -15,7 +15,7 @@ from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
 from .limits import limited, memory_option, total
 from .outputs import checked_apart
-from .parameters import Real, Whole, parameters_option, plain, planner_option
+from .parameters import Real, WholeNumber, parameters_option, plain, planner_option
 from .plans import read, standing
 from .solution import Written, report_in_time
 from .sources import reading_sources, show_diagnostics
@@ -52,7 +52,7 @@ def _noise(context: click.Context, option: click.Parameter, texts: tuple[str, ..
 @click.argument("file", metavar="FILE|PLAN.json", type=click.Path(path_type=Path))
 @click.argument("task", required=False)
 @parameters_option
-@click.option("--seed", type=Whole(0), default=0, show_default=True, help="For scene, search and noise.")
+@click.option("--seed", type=WholeNumber(0), default=0, show_default=True, help="For scene, search and noise.")
 @click.option("--horizon", callback=checked_horizon, metavar="N|auto", help="Actions whose motion one window plans.")
 @click.option("--noise", multiple=True, metavar="KIND=SIGMA", callback=_noise,
               help="position (m) of sensed bodies, joint (rad) of sensed joints, drive (rad/s²); may be repeated.")

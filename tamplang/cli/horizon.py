@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from .parameters import Whole
+from .parameters import WholeNumber
 
 AUTO = "auto"
 
@@ -14,7 +14,7 @@ def checked_horizon(context: click.Context, option: click.Parameter, text: str |
     if text is None or text == AUTO:
         return text
     try:
-        return Whole(1).convert(text, option, context)
+        return WholeNumber(1).convert(text, option, context)
     except click.BadParameter:
         what = f"give the number of actions of a window, from 1, or {AUTO}"
         raise click.BadParameter(f"{text!r} is no horizon: {what}") from None

@@ -33,7 +33,7 @@ _RANGE = re.compile(r"([+-]?\d{1,18})\s*\.\.\s*([+-]?\d{1,18})", re.ASCII)
 
 
 @dataclass(frozen=True)
-class Program:
+class SweptProgram:
     """A program without errors: its own text first, then what it imports; the meshes and URDFs that these name, by
     path; and the name of the task."""
 
@@ -54,7 +54,7 @@ class Instance:
     """One problem to solve. `parameters` are the given ones as text, `values` the same in SI units; `options` are the
     keywords of `Task.solve`. `key` is the same for the same work, wherever and whenever it is done."""
 
-    program: Program
+    program: SweptProgram
     parameters: Mapping[str, str]
     values: Mapping[str, float | int]
     seed: int
@@ -72,7 +72,7 @@ class Instance:
         return " ".join([*(f"{n}={text}" for n, text in self.parameters.items()), f"seed={self.seed}"])
 
 
-def read_program(file: Path, task: str | None) -> Program:
+def read_program(file: Path, task: str | None) -> SweptProgram:
     """The program with its declarations checked.
 
     Raises SourceError on errors of the text, UsageError on an unknown task.
@@ -81,10 +81,10 @@ def read_program(file: Path, task: str | None) -> Program:
     if lifted.findings.has_errors:
         raise SourceError(lifted.findings.sorted())
     library = lifted.library
-    return Program(tuple(library.sources), dict(library.foreign), choose_task(library, task).name)
+    return SweptProgram(tuple(library.sources), dict(library.foreign), choose_task(library, task).name)
 
 
-def read_values(program: Program, texts: Mapping[str, Sequence[str]]) -> dict[str, dict[str, float | int]]:
+def read_values(program: SweptProgram, texts: Mapping[str, Sequence[str]]) -> dict[str, dict[str, float | int]]:
     """For each parameter its texts with their values in SI units; texts of the same value are taken once.
 
     Raises UsageError on unknown names, unfit values and parameters left without any.
@@ -102,7 +102,7 @@ def read_values(program: Program, texts: Mapping[str, Sequence[str]]) -> dict[st
 
 
 def instances(
-    program: Program,
+    program: SweptProgram,
     values: Mapping[str, Mapping[str, float | int]],
     seeds: Sequence[int],
     options: Mapping[str, Any],
@@ -117,7 +117,7 @@ def instances(
 
 
 def _instance(
-    program: Program,
+    program: SweptProgram,
     texts: Mapping[str, str],
     values: Mapping[str, Mapping[str, float | int]],
     seed: int,

@@ -29,7 +29,7 @@ def _assignment(text: str) -> tuple[str, str]:
     return name, value
 
 
-class Whole(click.IntRange):
+class WholeNumber(click.IntRange):
     """A whole number from `min` to `max`. Python's `int` reads `1_0` and the digits of every script, too."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
@@ -69,7 +69,7 @@ def planner_option(name: str, *argument: str, **more: Any) -> Callable[[Command]
     """The option `--name` as the table of the planner's options has it; `more` is told to click as it is. The command
     gives None on where it is not set."""
     option = OPTIONS[name]
-    kinds = {"word": click.Choice(option.choices), "whole": Whole(1, option.most), "time": Seconds()}
+    kinds = {"word": click.Choice(option.choices), "whole": WholeNumber(1, option.most), "time": Seconds()}
     return click.option(f"--{name}", *argument, **{"type": kinds[option.kind], "help": option.help, **more})
 
 

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import click
 
-from .parameters import Whole
+from .parameters import WholeNumber
 from .sources import SourceFailure
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -27,7 +27,7 @@ def _address(context: click.Context, option: click.Parameter, text: str | None) 
 def side_options(command: Command) -> Command:
     """The options `--jobs` and `--cluster`, of which only one can be given."""
     cluster = click.option("--cluster", metavar="ADDRESS", callback=_address, help="Work on a cluster, tcp://HOST:PORT.")
-    jobs = click.option("--jobs", type=Whole(1, 1024), help="Processes side by side.  [default: 1]")
+    jobs = click.option("--jobs", type=WholeNumber(1, 1024), help="Processes side by side.  [default: 1]")
     return jobs(cluster(command))
 
 

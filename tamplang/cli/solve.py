@@ -14,7 +14,7 @@ from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
 from .limits import limited, memory_option, total
 from .outputs import checked_apart, checked_output, numbered
-from .parameters import Whole, parameters_option, planner_option
+from .parameters import WholeNumber, parameters_option, planner_option
 from .progress import shown_progress, volume_options
 from .side import checked_side, needing_cluster, side_options, without_broken_pipes
 from .solution import Keeper, result_json, result_lines, write
@@ -27,7 +27,7 @@ from .watch import watch_option, watching
 @click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
 @click.argument("task", required=False)
 @parameters_option
-@click.option("--seed", type=Whole(0), default=0, show_default=True, help="For the scene and the search.")
+@click.option("--seed", type=WholeNumber(0), default=0, show_default=True, help="For the scene and the search.")
 @planner_option("bound")
 @planner_option("search")
 @click.option("--horizon", callback=checked_horizon, metavar="N|auto", help="Plan the motion of N actions at a time.")

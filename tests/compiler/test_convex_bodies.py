@@ -16,7 +16,7 @@ from tamplang.compiler.extents import box_sides
 from tamplang.compiler.hulls import MOST_CORNERS, convex_geometry, convex_shape, hull, slices
 from tamplang.compiler.ir import Shape
 from tamplang.compiler.motion.collision import cover
-from tamplang.compiler.motion.distances import Solid, bottom, gap, inside, mass, top
+from tamplang.compiler.motion.distances import DistanceShape, bottom, gap, inside, mass, top
 from tamplang.compiler.motion.kinematics import pose_frame
 from tamplang.compiler.pipeline import check_sources, compile_problem, compile_sources
 from tamplang.langs.source import Source
@@ -62,7 +62,7 @@ def test_planner_and_verifier_measure_the_same(shape: Shape, seed: int) -> None:
     random = np.random.default_rng(seed)
     pose = np.concatenate([random.uniform(-1, 1, 3), random.normal(size=4)])
     pose[3:] /= np.linalg.norm(pose[3:])
-    solid = Solid(pose_frame(ca.DM(pose)), "convex", shape.size)
+    solid = DistanceShape(pose_frame(ca.DM(pose)), "convex", shape.size)
     turn = rotation_matrices(pose[None, 3:])
     for measure, up, sign in ((top, True, 1), (bottom, False, -1)):
         expected = pose[2] + sign * shapes.heights("convex", shape.size, turn, up)[0]
@@ -70,7 +70,7 @@ def test_planner_and_verifier_measure_the_same(shape: Shape, seed: int) -> None:
     assert float(ca.evalf(mass(solid))) == pytest.approx(inertia.mass_of(shape))
     for _ in range(6):
         point = random.uniform(-1.2, 1.2, 3)
-        ball = Solid(pose_frame(ca.DM([*point, 0, 0, 0, 1])), "sphere", (0.03,))
+        ball = DistanceShape(pose_frame(ca.DM([*point, 0, 0, 0, 1])), "sphere", (0.03,))
         exact = distance(shape, pose, coal.Sphere(0.03), point)
         mine = float(ca.evalf(gap(solid, ball)))
         assert mine == pytest.approx(exact, abs=1e-4)
@@ -87,18 +87,18 @@ def distance(shape: Shape, pose: np.ndarray, other: object, at: np.ndarray) -> f
 @pytest.mark.parametrize("other", [Shape("box", (0.4, 0.2, 0.3)), TABLE])
 def test_gaps_between_flat_bodies_do_not_exceed_the_distance(other: Shape) -> None:
     random = np.random.default_rng(4)
-    solid = Solid(pose_frame(ca.DM(LEVEL)), "convex", TABLE.size)
+    solid = DistanceShape(pose_frame(ca.DM(LEVEL)), "convex", TABLE.size)
     geometry = convex_geometry(other) if other.kind == "convex" else coal.Box(*other.size)
     for _ in range(6):
         at = random.uniform(-4, 4, 3)
-        mine = float(ca.evalf(gap(solid, Solid(pose_frame(ca.DM([*at, 0, 0, 0, 1])), other.kind, other.size))))
+        mine = float(ca.evalf(gap(solid, DistanceShape(pose_frame(ca.DM([*at, 0, 0, 0, 1])), other.kind, other.size))))
         assert mine <= distance(TABLE, LEVEL, geometry, at) + 1e-4
 
 
 def test_inside_is_measured_to_the_edges_of_the_flat_top() -> None:
-    surface = Solid(pose_frame(ca.DM(LEVEL)), "convex", TABLE.size)
+    surface = DistanceShape(pose_frame(ca.DM(LEVEL)), "convex", TABLE.size)
     for x, y in ((0.0, -0.5), (1.2, 0.0), (-2.0, 0.3), (0.0, 2.0)):
-        foot = Solid(pose_frame(ca.DM([x, y, 1.5, 0, 0, 0, 1])), "sphere", (0.05,))
+        foot = DistanceShape(pose_frame(ca.DM([x, y, 1.5, 0, 0, 0, 1])), "sphere", (0.05,))
         rows = np.array(ca.evalf(inside(foot, surface))).ravel()
         expected = min(1.5 - abs(x), 1.0 - abs(y + 0.5))
         assert rows.min() == pytest.approx(expected) and len(rows) == 4

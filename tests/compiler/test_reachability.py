@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tamplang.compiler import ir
-from tamplang.compiler.checks.relaxation import Relaxation, World
+from tamplang.compiler.checks.relaxation import Relaxation, RelaxedWorld
 from tamplang.compiler.pipeline import check_sources, compile_problem, compile_text
 from tamplang.compiler.scenes.reachability import possible
 from tamplang.compiler.symbolic.successors import Successors
@@ -49,7 +49,7 @@ PROBLEMS = problems()
 
 def relaxation(problem: ir.Problem) -> Relaxation:
     return Relaxation(
-        World(problem.types, problem.objects, problem.derived, problem.predicates, problem.rules, problem.init)
+        RelaxedWorld(problem.types, problem.objects, problem.derived, problem.predicates, problem.rules, problem.init)
     )
 
 

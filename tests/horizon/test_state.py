@@ -11,7 +11,7 @@ import pytest
 from tamplang.compiler.ir import Fact, Literal, Object, Problem
 from tamplang.compiler.pipeline import compile_problem, compile_text
 from tamplang.compiler.poses import joint_frames
-from tamplang.compiler.symbolic.geometry import Geometry
+from tamplang.compiler.symbolic.geometry import SceneLengths
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.planner.lgp import SolveOptions
@@ -65,7 +65,7 @@ def test_lengths_are_measured_where_things_are_now(grasped: tuple[Problem, Reach
     moved = reached.configuration.copy()
     moved.bodies["item[2]"][:3] = (5.0, 0.0, 0.5)
     begun = reached_problem(problem, replace(reached, configuration=moved))
-    before, now = Geometry(problem), Geometry(begun)
+    before, now = SceneLengths(problem), SceneLengths(begun)
     pair = now.index["pedestal"], now.index["item[2]"]
     assert before.distance(*pair) < 1.0 < 4.0 < now.distance(*pair)
 
@@ -93,9 +93,9 @@ def test_stuck_joints_keep_the_shape_of_a_module() -> None:
     frames = joint_frames(before.type, before.pose, before.joints)
     rigid = joint_frames(now.type, now.pose, now.joints)
     assert set(rigid) == {-1} and frames[-1] == rigid[-1]
-    assert Geometry(stuck).distance(0, 1) == Geometry(problem).distance(0, 1)
+    assert SceneLengths(stuck).distance(0, 1) == SceneLengths(problem).distance(0, 1)
     for name in ("c[1].A", "c[1].B", "c[1]"):
-        there = Geometry(problem), Geometry(stuck)
+        there = SceneLengths(problem), SceneLengths(stuck)
         ends = [g.distance(g.index[name], g.index["target"]) for g in there]
         assert ends[0] == pytest.approx(ends[1], abs=1e-9)
     assert stuck.world.modules["c[2]"] == problem.world.modules["c[2]"]

@@ -11,7 +11,7 @@ from tamplang.runtime.simulation.braking import within_limits
 from tamplang.runtime.simulation.sensing import Sensing
 from tamplang.runtime.simulation.settings import SIMULATION
 from tamplang.runtime.simulation.steering import Steering
-from tamplang.runtime.simulation.world import World, spline_values
+from tamplang.runtime.simulation.world import SimulatedWorld, spline_values
 from tamplang.runtime.skeleton import Array, Phase, PhasePath
 
 SCENE = """
@@ -36,7 +36,7 @@ def problem() -> ir.Problem:
 
 def steering_of(problem: ir.Problem, turn: Array) -> tuple[Steering, PhasePath]:
     """What steers a grasp, during which the joints of the crawler turn by `turn` `(7,)` in two seconds."""
-    world = World(problem)
+    world = SimulatedWorld(problem)
     before = world.reached.configuration
     share = np.linspace(0.0, 1.0, 21)[:, None]
     rows = np.tile(before.modules["c"], (21, 1))

@@ -20,7 +20,7 @@ from tamplang.runtime.simulation.route import PRESSED, Route
 from tamplang.runtime.simulation.scene_prediction import foreseen_problem
 from tamplang.runtime.simulation.sensing import Sensing
 from tamplang.runtime.simulation.settings import SIMULATION
-from tamplang.runtime.simulation.world import Interval, World
+from tamplang.runtime.simulation.world import Interval, SimulatedWorld
 from tamplang.runtime.skeleton import Phase
 from tamplang.runtime.verify.replay import Interpreter
 
@@ -40,18 +40,18 @@ task below() {
 """
 
 
-def world_with_a_lid(apart: float) -> World:
+def world_with_a_lid(apart: float) -> SimulatedWorld:
     """A lid that sinks upon the end of a crawler that stands upright, `apart` metres above it."""
     problem = scene(1.5)
-    distance = clearances(problem.world, World(problem).reached.configuration, 2.0)["c", "lid"]
-    return World(scene(1.5 - distance + apart))
+    distance = clearances(problem.world, SimulatedWorld(problem).reached.configuration, 2.0)["c", "lid"]
+    return SimulatedWorld(scene(1.5 - distance + apart))
 
 
 def scene(high: float) -> ir.Problem:
     return compile_text(SCENE.replace("HIGH", f"{high:.6f}"), "below.tamp", "below")[0]
 
 
-def route_in(world: World) -> Route:
+def route_in(world: SimulatedWorld) -> Route:
     """With the last second of looks."""
     lookout = Lookout(Sensing(0.0, np.random.default_rng(0)))
     for look in np.arange(0.0, 1.0, SIMULATION.sensing_period):

@@ -16,7 +16,7 @@ from tamplang.runtime.simulation.actuators import Noise
 from tamplang.runtime.simulation.braking import braked, first_part, reversed_path, stopped, waiting, within_limits
 from tamplang.runtime.simulation.predicted_clearance import signed_distance
 from tamplang.runtime.simulation.sensing import Sensing
-from tamplang.runtime.simulation.world import Interval, World, carried, spline_values
+from tamplang.runtime.simulation.world import Interval, SimulatedWorld, carried, spline_values
 from tamplang.runtime.skeleton import PhasePath
 from tamplang.runtime.verify.happenings import Course
 
@@ -57,7 +57,7 @@ def test_planner_and_checker_agree_on_courses(
         ir.Course("plate", 5.0 * k, tuple(way), round(speed, 3), returns)
         for k, (way, speed, returns) in enumerate(ways)
     )
-    world = World(replace(problem, world=replace(problem.world, courses=courses)))
+    world = SimulatedWorld(replace(problem, world=replace(problem.world, courses=courses)))
     if not courses:
         assert world.at(1.0) == {}
         return
@@ -66,7 +66,7 @@ def test_planner_and_checker_agree_on_courses(
 
 
 def test_back_and_forth_and_jumps(problem: ir.Problem) -> None:
-    world = World(problem)
+    world = SimulatedWorld(problem)
     assert world.at(5.0)["plate"][:3] == pytest.approx([0.1, 0.0, 0.3])
     turn = (0.1 + math.hypot(0.1, 0.1)) / 0.02  # every point is measured from where the plate starts
     assert world.at(turn)["plate"][:3] == pytest.approx([0.0, 0.1, 0.3])
@@ -76,7 +76,7 @@ def test_back_and_forth_and_jumps(problem: ir.Problem) -> None:
 
 
 def test_a_robot_goes_where_its_plate_goes(problem: ir.Problem) -> None:
-    world = World(problem)
+    world = SimulatedWorld(problem)
     now = world.reached.configuration
     joints = {"c": now.modules["c"][None, 7:]}
     poses = carried(problem, world.reached.mode, joints, now, {"plate": world.body_poses("plate", np.array([4.0]))})
@@ -84,7 +84,7 @@ def test_a_robot_goes_where_its_plate_goes(problem: ir.Problem) -> None:
 
 
 def swing(problem: ir.Problem, seconds: float) -> PhasePath:
-    state = World(problem).reached.configuration.modules["c"]
+    state = SimulatedWorld(problem).reached.configuration.modules["c"]
     share = np.linspace(0.0, 1.0, 21)[:, None]
     rows = np.tile(state, (21, 1))
     rows[:, 7:] += (3 * share**2 - 2 * share**3) * np.array([0.6, -0.4, 0.3, 0.5, 0.0, 0.2, 0.1])
@@ -178,7 +178,7 @@ def test_signed_distances(shape: ir.Shape, point: tuple[float, float, float], di
 
 
 def test_the_next_motion_starts_where_the_drives_came_to(problem: ir.Problem) -> None:
-    world = World(problem, Noise(0.0, 1e-3, 2.0), 5)
+    world = SimulatedWorld(problem, Noise(0.0, 1e-3, 2.0), 5)
     path = swing(problem, 2.0)
     action, mode = ir.Action("grasp", ()), world.reached.mode
     first = world.carry_out(Interval(action, mode, frozenset(), path, False), 101)

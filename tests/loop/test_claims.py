@@ -8,7 +8,7 @@ from tamplang.compiler.ir import Action, Problem
 from tamplang.compiler.pipeline import compile_text
 from tamplang.runtime.planner.bounds.verdicts import Conflict, blame
 from tamplang.runtime.planner.conflicts.infeasibility import Refusals
-from tamplang.runtime.planner.conflicts.nogoods import Experience
+from tamplang.runtime.planner.conflicts.nogoods import GeneralisedNoGoods
 from tamplang.runtime.planner.lgp import SolveOptions, solve
 from tamplang.runtime.planner.search.skeleton_replay import build_skeleton
 from tamplang.runtime.skeleton import BoundResult, Breach, Skeleton, Violation
@@ -88,7 +88,7 @@ def test_only_a_phase_that_failed_between_all_of_three_pairs_of_poses_is_blamed_
 
 def test_a_window_is_expected_to_be_refused_at_the_strain_of_a_refused_one_and_above() -> None:
     phases = skeleton("short").phases
-    experience = Experience(two_ways(1))
+    experience = GeneralisedNoGoods(two_ways(1))
     experience.refuse(phases, [0.8], False)
     assert experience.expected_refusals(phases, [0.8]) == [(0, 0, False)]
     assert experience.expected_refusals(phases, [0.9]) == [(0, 0, False)]
@@ -100,7 +100,7 @@ def test_a_window_is_expected_to_be_refused_at_the_strain_of_a_refused_one_and_a
 
 def test_refusals_from_the_start_are_dropped_when_the_run_goes_on() -> None:
     phases = skeleton("short").phases
-    experience = Experience(two_ways(1))
+    experience = GeneralisedNoGoods(two_ways(1))
     experience.refuse(phases, [0.8], True)
     assert experience.expected_refusals(phases, [0.8]) == [(0, 0, True)]
     experience.leave_start()
@@ -109,7 +109,7 @@ def test_refusals_from_the_start_are_dropped_when_the_run_goes_on() -> None:
 
 def test_an_action_is_expected_to_succeed_up_to_the_strain_of_the_most_strained_that_did() -> None:
     phase = skeleton("short").phases[0]
-    experience = Experience(two_ways(1))
+    experience = GeneralisedNoGoods(two_ways(1))
     assert not experience.expects_success(phase, 0.0)
     experience.accept(phase, 0.6)
     experience.accept(phase, 0.4)

@@ -12,19 +12,19 @@ from tamplang.compiler.pipeline import compile_problem, compile_text
 from tamplang.compiler.symbolic.strain import Strain
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
-from tamplang.runtime.planner.bounds.multi_bound import Bounds
+from tamplang.runtime.planner.bounds.multi_bound import MultiBound
 from tamplang.runtime.planner.bounds.settings import BOUNDS
 from tamplang.runtime.planner.candidate_loop import CandidateLoop
 from tamplang.runtime.planner.conflicts.infeasibility import Refusals, describe
-from tamplang.runtime.planner.conflicts.nogoods import Experience
+from tamplang.runtime.planner.conflicts.nogoods import GeneralisedNoGoods
 from tamplang.runtime.planner.lgp import SolveOptions, solve
 from tamplang.runtime.planner.motion.nlp.program import DIVERGED
 from tamplang.runtime.planner.motion.settings import MotionSettings
 from tamplang.runtime.planner.search.best_first import SkeletonSearch
-from tamplang.runtime.planner.search.learned_penalties import Surcharge
+from tamplang.runtime.planner.search.learned_penalties import LearnedPenalties
 from tamplang.runtime.planner.search.settings import SEARCH
 from tamplang.runtime.planner.search.skeleton_replay import build_skeleton
-from tamplang.runtime.planner.search.slack_maximisation import roomier
+from tamplang.runtime.planner.search.slack_maximisation import maximise_slack
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Breach, Phase, Violation
 
@@ -51,7 +51,7 @@ def _search(n: int) -> SkeletonSearch:
 
 def _loop() -> CandidateLoop:
     problem, _ = compile_problem(EXAMPLES / "climb.tamp", None, {"n": "2"}, 0)
-    bounds = Bounds(problem, MotionSettings(), "path", Seed(0), Budget(None), lambda stage, message: None)
+    bounds = MultiBound(problem, MotionSettings(), "path", Seed(0), Budget(None), lambda stage, message: None)
     return CandidateLoop(problem, "astar", Budget(None), bounds, Refusals(problem))
 
 
@@ -60,7 +60,7 @@ def test_a_roomier_plan_costs_the_same_and_strains_less() -> None:
     candidate = search.next()
     assert candidate is not None
     strain = Strain(search.successors)
-    better = roomier(search, strain, candidate)
+    better = maximise_slack(search, strain, candidate)
     assert better.cost == candidate.cost
     assert [a.rule for a in better.actions] == [a.rule for a in candidate.actions]
 
@@ -76,7 +76,7 @@ def test_refused_sequences_make_strained_actions_dearer() -> None:
     candidate = search.next()
     assert candidate is not None
     strain = Strain(search.successors)
-    surcharge = Surcharge(strain)
+    surcharge = LearnedPenalties(strain)
     last = len(candidate.numbers) - 1
     surcharge.refused(candidate.numbers, last, last)
     assert surcharge.weight == 0.0, "one action alone is forbidden, not dearer"
@@ -94,7 +94,7 @@ def test_what_was_refused_is_expected_to_be_refused_again_unless_there_is_more_r
     assert candidate is not None
     skeleton = build_skeleton(search.problem, candidate.actions, search.successors)
     strains = Strain(search.successors).along(candidate.numbers)
-    experience = Experience(search.problem)
+    experience = GeneralisedNoGoods(search.problem)
     experience.refuse(skeleton.phases[:2], strains[:2], True)
     assert experience.expected_refusals(skeleton.phases, strains) == [(0, 1, True)]
     assert experience.expected_refusals(skeleton.phases, [s - 0.1 for s in strains]) == []
@@ -167,7 +167,7 @@ def test_what_opens_a_plan_is_expected_to_be_refused_only_for_the_modules_that_i
     mirrored = Phase(replace(first.action, args=_mirrored(first.action.args)), *facts)
     assert mirrored != first
     for from_start, expected in ((True, []), (False, [(0, 0, False)])):
-        experience = Experience(search.problem)
+        experience = GeneralisedNoGoods(search.problem)
         experience.refuse([first], [0.5], from_start)
         assert experience.expected_refusals([first], [0.5]) == [(0, 0, from_start)]
         assert experience.expected_refusals([mirrored], [0.5]) == expected

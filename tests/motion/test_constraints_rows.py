@@ -19,7 +19,7 @@ from tamplang.compiler.motion.constraints import (
     stage,
     units,
 )
-from tamplang.compiler.motion.distances import SIZES, Solid, bottom, gap, inside, top
+from tamplang.compiler.motion.distances import SIZES, DistanceShape, bottom, gap, inside, top
 from tamplang.compiler.motion.kinematics import pose_frame
 
 from .fixtures import CRAWLER, MOTIONS, X, Y, call, motion, switch
@@ -55,7 +55,7 @@ def coal_gap(a: str, pose_a: np.ndarray, b: str, pose_b: np.ndarray) -> float:
 
 def gap_function(a: str, b: str) -> ca.Function:
     p, q = ca.SX.sym("p", 7), ca.SX.sym("q", 7)
-    value = gap(Solid(pose_frame(p), a, SHAPES[a][0]), Solid(pose_frame(q), b, SHAPES[b][0]))
+    value = gap(DistanceShape(pose_frame(p), a, SHAPES[a][0]), DistanceShape(pose_frame(q), b, SHAPES[b][0]))
     return ca.Function("gap", [p, q], [value])
 
 
@@ -92,7 +92,7 @@ def test_other_gaps_never_exceed_the_distance(kinds: tuple[str, str]) -> None:
 def test_top_and_bottom_bound_the_shape(kind: str) -> None:
     random = np.random.default_rng(3)
     p = ca.SX.sym("p", 7)
-    solid = Solid(pose_frame(p), kind, SHAPES[kind][0])
+    solid = DistanceShape(pose_frame(p), kind, SHAPES[kind][0])
     function = ca.Function("ends", [p], [ca.vertcat(top(solid), bottom(solid))])
     plate = coal.Box(10.0, 10.0, 2.0)
     shape = SHAPES[kind][1](SHAPES[kind][0])
@@ -110,8 +110,8 @@ def test_top_and_bottom_bound_the_shape(kind: str) -> None:
 def test_inside_measures_to_the_four_sides() -> None:
     p = ca.SX.sym("p", 7)
     turned = np.array([1.0, 2.0, 0.0, 0.0, 0.0, np.sin(np.pi / 4), np.cos(np.pi / 4)])
-    table = Solid(pose_frame(ca.DM(turned)), "box", (0.4, 1.0, 0.1))
-    function = ca.Function("inside", [p], [inside(Solid(pose_frame(p), "sphere", (0.05,)), table)])
+    table = DistanceShape(pose_frame(ca.DM(turned)), "box", (0.4, 1.0, 0.1))
+    function = ca.Function("inside", [p], [inside(DistanceShape(pose_frame(p), "sphere", (0.05,)), table)])
     rows = np.array(function(np.array([1.3, 2.1, 0.5, 0, 0, 0, 1]))).ravel()
     assert rows == pytest.approx([0.2 - 0.1, 0.2 + 0.1, 0.5 + 0.3, 0.5 - 0.3])
 

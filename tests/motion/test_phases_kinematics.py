@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tamplang.compiler.ir import Joint, ModuleType, Shape
 from tamplang.compiler.motion.collision import pose_matrix
 from tamplang.runtime.geometry.signed_distances import Shapes
-from tamplang.runtime.planner.motion.phases.batch_kinematics import Kinematics, Points, mounted_poses
+from tamplang.runtime.planner.motion.phases.batch_kinematics import BatchKinematics, Points, mounted_poses
 from tamplang.runtime.planner.motion.phases.collision_spheres import Ball
 from tamplang.runtime.planner.motion.phases.joint_forest import PhaseTree, link_frames, mount_module, node_frames
 
@@ -71,7 +71,7 @@ def test_slopes_are_the_jacobian(seed: int) -> None:
         tree = PhaseTree(0)
         mount_module(tree, "m", module, 4, (-1, pose_matrix(random_pose(random))))
         trees.append(tree)
-    kinematics = Kinematics(trees)
+    kinematics = BatchKinematics(trees)
     points = Points([[Ball(4, (0.1, -0.2, 0.3), 0.1, "m", None, False)]] * 2)
     values = random.uniform(-2, 2, (2, 3, 5))
     frames = kinematics.frames(values)

@@ -12,7 +12,7 @@ from tamplang.compiler.motion.collision import PhaseContacts, contacts, taper
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
 from tamplang.runtime.planner.motion.phases import solve_sequence_path
-from tamplang.runtime.planner.motion.phases.attempts import Group, attempt, homeward, start_group, straight
+from tamplang.runtime.planner.motion.phases.attempts import PhaseGroup, attempt, homeward, start_group, straight
 from tamplang.runtime.planner.motion.phases.contact_margins import (
     BOTH,
     END,
@@ -60,7 +60,7 @@ def cart_scene(bodies: list[Body], *ends: tuple[float, float]) -> tuple[Skeleton
     return Skeleton(problem, phases, mode), configurations
 
 
-def group_of(skeleton: Skeleton, configurations: list[Configuration], phases: list[int]) -> Group:
+def group_of(skeleton: Skeleton, configurations: list[Configuration], phases: list[int]) -> PhaseGroup:
     world, pairs = skeleton.problem.world, [(configurations[p], configurations[p + 1]) for p in phases]
     trees = [
         phase_tree(skeleton.problem, p, skeleton.phases[p], *ends) for p, ends in zip(phases, pairs, strict=True)

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 from tamplang.runtime.budget import Budget, OutOfTime
-from tamplang.runtime.planner.motion.nlp.augmented_lagrangian import Options, project, solve
+from tamplang.runtime.planner.motion.nlp.augmented_lagrangian import SolverOptions, project, solve
 from tamplang.runtime.planner.motion.nlp.ipopt import solve_ipopt
 from tamplang.runtime.planner.motion.nlp.program import DIVERGED, Program
-from tamplang.runtime.planner.motion.nlp.row_groups import Label, LinearGroup, NormGroup
+from tamplang.runtime.planner.motion.nlp.row_groups import LinearGroup, NormGroup, RowLabel
 from tamplang.runtime.skeleton import Breach
 
-EXACT = Options(tolerance=1e-8, step_tolerance=1e-6, iterations=300)
+EXACT = SolverOptions(tolerance=1e-8, step_tolerance=1e-6, iterations=300)
 
 
 def linear(kind: str, rows: list[list[float]], targets: list[float], places: list[list[int]]) -> LinearGroup:
-    labels = [Label(i, Breach.JOINT_LIMIT, ("x", str(i)), ("m",)) for i in range(len(rows))]
+    labels = [RowLabel(i, Breach.JOINT_LIMIT, ("x", str(i)), ("m",)) for i in range(len(rows))]
     return LinearGroup(kind, np.array(places), np.array(rows), np.array(targets), labels)
 
 
@@ -88,8 +88,8 @@ def test_what_is_no_number_is_never_feasible(kind: str, start: float) -> None:
     bad = NoNumber(kind, rows.places, rows.coefficients, rows.targets, rows.labels)
     program = Program(np.array([7.0]), 3, [linear("cost", [[1.0]] * 3, [3.0, 4.0, 0.0], [[1], [2], [3]]), bad])
     for outcome in (
-        solve(program, np.full(3, start), Options(), Budget(20.0)),
-        solve_ipopt(program, np.full(3, start), Options(), Budget(20.0)),
+        solve(program, np.full(3, start), SolverOptions(), Budget(20.0)),
+        solve_ipopt(program, np.full(3, start), SolverOptions(), Budget(20.0)),
     ):
         assert outcome.status == "stalled"
         assert program.largest(outcome.x) == DIVERGED
@@ -101,7 +101,7 @@ def test_what_is_no_number_is_never_feasible(kind: str, start: float) -> None:
 def test_contradiction_stalls() -> None:
     equality = linear("equality", [[1.0], [1.0]], [0.0, 1.0], [[0], [0]])
     program = Program(np.zeros(0), 1, [equality])
-    outcome = solve(program, np.zeros(1), Options(), Budget(None))
+    outcome = solve(program, np.zeros(1), SolverOptions(), Budget(None))
     assert outcome.status == "stalled"
     assert outcome.iterations < 60
     worst = program.violations(outcome.x, 1e-3)
@@ -132,7 +132,8 @@ def test_band_of_a_chain_has_constant_width() -> None:
     ends = linear("equality", [[1.0], [1.0]], [0.0, 1.0], [[0], [size - 1]])
     program = Program(np.zeros(0), size, [bend, ends])
     assert program.width == 3
-    outcome = solve(program, np.zeros(size), Options(tolerance=1e-6, step_tolerance=1e-5, iterations=500), Budget(None))
+    options = SolverOptions(tolerance=1e-6, step_tolerance=1e-5, iterations=500)
+    outcome = solve(program, np.zeros(size), options, Budget(None))
     assert outcome.x == pytest.approx(np.linspace(0, 1, size), abs=1e-3)
 
 

@@ -76,3 +76,29 @@ def test_a_room_knows_only_what_it_may(room: str) -> None:
         if any(within(other, forbidden) for forbidden in FORBIDDEN[room])
     }  # fmt: skip
     assert not wrong
+
+
+VERIFIER = "runtime/verify/"
+"""It repeats by design what the compiler and the planner do, under the same names."""
+SAME_THING = {
+    "Joint": "the IR's, and what it has in common with that of a plan file",
+    "Coupling": "the same",
+    "Plan": "the record, and what the Python interface gives of it",
+    "Window": "of a horizon, and of a run",
+}
+DIFFERENT = {"Blocks", "Span"}
+"""Two names that still mean different things in two rooms."""
+
+
+def test_a_name_of_a_class_means_one_thing() -> None:
+    """But for the syntax tree and the IR, which have a record each for the same construct."""
+    homes: dict[str, set[str]] = {}
+    for room in ROOMS:
+        for path in (ROOT / room).rglob("*.py"):
+            inside = path.relative_to(ROOT).as_posix()
+            own = "compiler/lifted_ir.py" if inside.startswith("langs/syntax") else inside
+            for node in ast.parse(path.read_text(encoding="utf-8")).body:
+                if isinstance(node, ast.ClassDef) and not inside.startswith(VERIFIER):
+                    homes.setdefault(node.name, set()).add(own)
+    twice = {name for name, files in homes.items() if len(files) > 1}
+    assert twice <= SAME_THING.keys() | DIFFERENT, {name: homes[name] for name in twice}

@@ -17,8 +17,8 @@ from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget, OutOfTime
 from tamplang.runtime.parallel import Side
 from tamplang.runtime.parallel.processes import Processes
-from tamplang.runtime.planner.bounds.requests import Attempt, Whole, Window
-from tamplang.runtime.planner.bounds.speculation import Ahead, opened
+from tamplang.runtime.planner.bounds.requests import AttemptRequest, SequenceRequest, WindowRequest
+from tamplang.runtime.planner.bounds.speculation import Speculation, opened
 from tamplang.runtime.planner.motion.settings import MotionSettings
 from tamplang.runtime.planner.search.best_first import SkeletonSearch
 from tamplang.runtime.planner.search.skeleton_replay import build_skeleton
@@ -62,7 +62,7 @@ def skeleton() -> Skeleton:
     return build_skeleton(problem, candidate.actions, successors)
 
 
-class Counted(Ahead):
+class Counted(Speculation):
     """Counts the answers that came from elsewhere."""
 
     def __init__(self, side: Side) -> None:
@@ -74,16 +74,16 @@ class Counted(Ahead):
         return super().answer(skeleton, question, budget)
 
 
-def ready(ahead: Ahead, skeleton: Skeleton) -> None:
+def ready(ahead: Speculation, skeleton: Skeleton) -> None:
     ahead.prepare(skeleton.problem)
-    wait_until(lambda: ahead.expect(skeleton, Whole(MotionSettings(), Seed(0), 3), Budget(None)))
+    wait_until(lambda: ahead.expect(skeleton, SequenceRequest(MotionSettings(), Seed(0), 3), Budget(None)))
 
 
 def test_answers_from_elsewhere_are_those_from_here(skeleton: Skeleton) -> None:
     settings, budget = MotionSettings(), Budget(None)
-    whole, window = Whole(settings, Seed(0), 3), Window(settings, Seed(0), 0, 0)
+    whole, window = SequenceRequest(settings, Seed(0), 3), WindowRequest(settings, Seed(0), 0, 0)
     here = whole.solved(skeleton, budget)
-    attempt = Attempt(settings, Seed(1), 3, here.configurations[1:], len(skeleton))
+    attempt = AttemptRequest(settings, Seed(1), 3, here.configurations[1:], len(skeleton))
     with Processes(1) as side:
         ahead = Counted(side)
         ready(ahead, skeleton)
@@ -104,32 +104,32 @@ def test_questions_about_other_starts_are_other_questions(skeleton: Skeleton) ->
     start = start_configuration(skeleton.problem)
     moved = start.copy()
     moved.modules["c[1]"][8] += 1e-12
-    keys = {Attempt(MotionSettings(), Seed(1), 3, [c], 1).key for c in (start, moved, start.copy())}
+    keys = {AttemptRequest(MotionSettings(), Seed(1), 3, [c], 1).key for c in (start, moved, start.copy())}
     assert len(keys) == 2
 
 
 def test_work_whose_process_dies_is_done_here(skeleton: Skeleton) -> None:
     with Processes(1) as side:
-        ahead = Ahead(side)
+        ahead = Speculation(side)
         ready(ahead, skeleton)
         side.kill()
-        result = ahead.answer(skeleton, Whole(MotionSettings(), Seed(0), 3), Budget(None))
+        result = ahead.answer(skeleton, SequenceRequest(MotionSettings(), Seed(0), 3), Budget(None))
     assert result.feasible
 
 
 def test_waiting_ends_with_the_budget(skeleton: Skeleton) -> None:
     with Processes(1) as side:
-        ahead = Ahead(side)
+        ahead = Speculation(side)
         ready(ahead, skeleton)
         with pytest.raises(OutOfTime):
-            ahead.answer(skeleton, Whole(MotionSettings(), Seed(0), 3), Budget(1e-9))
+            ahead.answer(skeleton, SequenceRequest(MotionSettings(), Seed(0), 3), Budget(1e-9))
         side.kill()
 
 
 def test_without_other_processes_nothing_is_expected(skeleton: Skeleton) -> None:
     with opened() as ahead:
         assert not ahead.helps
-        assert not ahead.expect(skeleton, Whole(MotionSettings(), Seed(0), 3), Budget(None))
+        assert not ahead.expect(skeleton, SequenceRequest(MotionSettings(), Seed(0), 3), Budget(None))
 
 
 # --- the command -------------------------------------------------------------------------------------------------

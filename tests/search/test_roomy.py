@@ -12,7 +12,7 @@ from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.planner.search.best_first import Candidate, SkeletonSearch
 from tamplang.runtime.planner.search.settings import SEARCH
-from tamplang.runtime.planner.search.slack_maximisation import roomier
+from tamplang.runtime.planner.search.slack_maximisation import maximise_slack
 
 WAYS = """
 import std.crawler
@@ -96,7 +96,7 @@ def test_the_plan_with_the_least_strain_of_all_that_are_alike_is_found(
     known = sorted(ways(found, rules), key=lambda w: (cost(found, w), -strained(found, w)))
     worst = known[0]
     alike = [w for w in known if cost(found, w) == cost(found, worst) and flags(found, w) == flags(found, worst)]
-    best = roomier(found, Strain(found.successors), by_hand(found, worst))
+    best = maximise_slack(found, Strain(found.successors), by_hand(found, worst))
     assert best.numbers in alike and best.cost == cost(found, best.numbers)
     assert strained(found, best.numbers) == pytest.approx(min(strained(found, w) for w in alike))
 
@@ -110,7 +110,7 @@ def test_what_is_forbidden_is_not_taken_for_its_room() -> None:
     found = search("(at pad t)")
     known = sorted(ways(found, ("go", "go")), key=lambda w: strained(found, w))
     found.forbid_plan(by_hand(found, known[0]))
-    again = roomier(found, Strain(found.successors), by_hand(found, known[-1]))
+    again = maximise_slack(found, Strain(found.successors), by_hand(found, known[-1]))
     assert again.numbers == known[1]
 
 
@@ -144,5 +144,5 @@ def test_what_another_robot_would_do_with_more_room_is_another_plan() -> None:
     known = {str(found.successors.action(w[0])): w for w in ways(found, ("use",))}
     bold, tame = known["use(c, x, y)"], known["use(d, z, w)"]
     assert strained(found, tame) < strained(found, bold) and flags(found, tame) != flags(found, bold)
-    best = roomier(found, Strain(found.successors), by_hand(found, bold))
+    best = maximise_slack(found, Strain(found.successors), by_hand(found, bold))
     assert found.successors.action(best.numbers[0]).args[0] == "c"

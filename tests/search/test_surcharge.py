@@ -11,30 +11,30 @@ from tamplang.compiler.symbolic.strain import Strain
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.planner.search.best_first import Candidate, SkeletonSearch
-from tamplang.runtime.planner.search.learned_penalties import Surcharge
+from tamplang.runtime.planner.search.learned_penalties import LearnedPenalties
 from tamplang.runtime.planner.search.settings import SEARCH
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
 
 
-def begun(weight: float = 1.0) -> tuple[SkeletonSearch, Candidate, Surcharge]:
+def begun(weight: float = 1.0) -> tuple[SkeletonSearch, Candidate, LearnedPenalties]:
     """A search for climbing 16 stairs, its first candidate, and a surcharge that knows nothing yet."""
     problem, _ = compile_problem(EXAMPLES / "climb.tamp", None, {"n": "16", "crawlers": "2"}, 0)
     search = SkeletonSearch(problem, Successors(problem), "astar", Budget(30.0))
     candidate = search.next()
     assert candidate is not None
-    surcharge = Surcharge(Strain(search.successors))
+    surcharge = LearnedPenalties(Strain(search.successors))
     surcharge.weight = weight
     return search, candidate, surcharge
 
 
-def handed_on(surcharge: Surcharge) -> Surcharge:
-    following = Surcharge(surcharge.strain)
+def handed_on(surcharge: LearnedPenalties) -> LearnedPenalties:
+    following = LearnedPenalties(surcharge.strain)
     following.inherit(surcharge)
     return following
 
 
-def price(surcharge: Surcharge, strain: float) -> float:
+def price(surcharge: LearnedPenalties, strain: float) -> float:
     return float(surcharge.price("stepTogether", strain))
 
 
@@ -77,7 +77,7 @@ def test_all_ways_of_doing_an_action_are_dearer_where_it_is_strained() -> None:
     assert charged > 20
 
 
-def limit(surcharge: Surcharge) -> float:
+def limit(surcharge: LearnedPenalties) -> float:
     """The strain at which an action costs as much more as the weight says."""
     return float(0.5 / (price(surcharge, 0.5) / surcharge.weight) ** (1.0 / SEARCH.penalty_power))
 

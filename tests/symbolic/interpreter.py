@@ -37,7 +37,7 @@ from tamplang.compiler.ir import (
     Var,
     Variable,
 )
-from tamplang.compiler.symbolic.geometry import Geometry
+from tamplang.compiler.symbolic.geometry import SceneLengths
 
 State = frozenset[Fact]
 Binding = dict[str, Any]
@@ -46,7 +46,7 @@ Binding = dict[str, Any]
 class Interpreter:
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
-        self.geometry = Geometry(problem)
+        self.geometry = SceneLengths(problem)
 
     def successors(self, state: State) -> dict[Action, State]:
         found = {}

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tamplang.compiler.ir import Body, Chain, Pose, Shape
-from tamplang.compiler.symbolic.geometry import Geometry, Placed, _coal_distance, path_length, shape_distance
+from tamplang.compiler.symbolic.geometry import Placed, SceneLengths, _coal_distance, path_length, shape_distance
 from tamplang.compiler.symbolic.symmetry import is_reversible
 
 from .problems import CRAWLER, box, climb, lit, module, problem
@@ -36,14 +36,14 @@ def poses(draw: st.DrawFn) -> Pose:
 @given(shapes, poses(), shapes, poses())
 def test_distance_agrees_with_coal(a: Shape, at: Pose, b: Shape, there: Pose) -> None:
     bodies = [Body("a", "object", a, at, False), Body("b", "object", b, there, False)]
-    geometry = Geometry(problem(bodies, [], (), lit("held", "X")))
+    geometry = SceneLengths(problem(bodies, [], (), lit("held", "X")))
     exact = _coal_distance(Placed(a, at), Placed(b, there))
     assert geometry.distance(0, 1) == pytest.approx(exact, abs=1e-5)
     assert shape_distance(Placed(a, at), Placed(b, there)) == pytest.approx(exact, abs=1e-5)
 
 
 def test_rows_agree_with_pairs() -> None:
-    geometry = Geometry(climb(6, 2, seed=3))
+    geometry = SceneLengths(climb(6, 2, seed=3))
     everything = np.arange(len(geometry.names))
     for i in range(len(everything)):
         distances = geometry.distance(np.array(i), everything)
@@ -54,7 +54,7 @@ def test_rows_agree_with_pairs() -> None:
 
 def test_stride_measures_shrunk_top_faces() -> None:
     low, high = box("low", "base", (1, 1, 0.2), (0, 0, 0)), box("high", "base", (1, 1, 0.4), (2, 0, 0.5))
-    geometry = Geometry(problem([low, high], [], (), lit("held", "X")))
+    geometry = SceneLengths(problem([low, high], [], (), lit("held", "X")))
     assert geometry.stride(0, 1, 0.1) == pytest.approx(math.hypot(1.2, 0.6))
     assert geometry.stride(0, 1, 5.0) == pytest.approx(math.hypot(2.0, 0.6))
 
@@ -63,7 +63,7 @@ def test_reach_is_an_upper_bound() -> None:
     assert path_length(CRAWLER, "A", "B") == pytest.approx(1.0)
     assert path_length(CRAWLER, "B", "A") == pytest.approx(1.0)
     assert is_reversible(CRAWLER)
-    geometry = Geometry(problem([], [module("m[1]", 0, 0, 0), module("m[2]", 1, 0, 0)], (), lit("held", "X")))
+    geometry = SceneLengths(problem([], [module("m[1]", 0, 0, 0), module("m[2]", 1, 0, 0)], (), lit("held", "X")))
     chain = Chain((("m[1]", "m[1].A", "m[1].B"), ("m[2]", "m[2].B", "m[2].A")))
     assert geometry.chain_reach(chain) == pytest.approx(2.1)
     assert geometry.longest_reach(2) == pytest.approx(2.1)

@@ -15,7 +15,7 @@ from tamplang.compiler.symbolic.strain import Strain
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.planner.search.best_first import Candidate, SkeletonSearch, _Run
-from tamplang.runtime.planner.search.learned_penalties import Surcharge
+from tamplang.runtime.planner.search.learned_penalties import LearnedPenalties
 from tamplang.runtime.planner.search.skeleton_replay import build_skeleton
 
 from . import variants
@@ -299,7 +299,7 @@ def test_the_search_is_deterministic() -> None:
 @pytest.mark.parametrize("stairs, crawlers, weight", [(24, 2, 1.5), (6, 3, 1.0)])
 def test_plans_stay_whole_when_refusals_make_actions_dearer(stairs: int, crawlers: int, weight: float) -> None:
     search = started(climb(stairs, crawlers, rise=0.2))
-    surcharge = Surcharge(Strain(search.successors))
+    surcharge = LearnedPenalties(Strain(search.successors))
     for _ in range(6):
         candidate = _Run(search, weight).run()
         assert candidate is not None
@@ -313,7 +313,7 @@ def test_plans_stay_whole_when_refusals_make_actions_dearer(stairs: int, crawler
 
 def test_the_estimate_knows_what_strained_actions_cost_and_never_says_too_much() -> None:
     search = started(climb(8, 2, rise=0.2))
-    successors, surcharge = search.successors, Surcharge(Strain(search.successors))
+    successors, surcharge = search.successors, LearnedPenalties(Strain(search.successors))
     states = set().union(*layers(successors, 3000))
     candidate = search.next()
     assert candidate is not None
@@ -339,7 +339,7 @@ def test_the_estimate_knows_what_strained_actions_cost_and_never_says_too_much()
 
 def test_a_search_with_dearer_actions_goes_straight_to_its_goal() -> None:
     search = started(climb(60, 2, rise=0.2))
-    surcharge = Surcharge(Strain(search.successors))
+    surcharge = LearnedPenalties(Strain(search.successors))
     candidate = search.next()
     assert candidate is not None
     surcharge.refused(candidate.numbers, 0, len(candidate.numbers) - 1)

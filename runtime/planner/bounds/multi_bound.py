@@ -10,13 +10,13 @@ from ...plan import Plan, StatisticsRecord, TimingRecord
 from ...seeds import Seed
 from ...skeleton import BoundResult, Configuration, Skeleton, beginning
 from ...verify import verify
-from ..conflicts.nogoods import Experience
+from ..conflicts.nogoods import GeneralisedNoGoods
 from ..motion.keyframes.initial_guesses import guess
 from ..motion.keyframes.multi_start import NOISE, judged_alone
 from ..motion.keyframes.settings import KEYFRAMES
 from ..plan_assembly import assemble
 from ..statics import unbearable
-from .requests import Whole, Window
+from .requests import SequenceRequest, WindowRequest
 from .settings import BOUNDS
 from .solves import QUICK, Solves
 from .verdicts import Conflict, Judgement
@@ -25,14 +25,14 @@ EXPECTED = "expected"
 """The bound of conflicts that similar windows make likely, without a solve."""
 
 
-class Bounds(Solves):
+class MultiBound(Solves):
     """The bounds of one run, and what single actions were already found to allow."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self._windows: dict[tuple[object, ...], BoundResult] = {}
         self._feasible: set[tuple[object, ...]] = set()
-        self.experience = Experience(self.problem)
+        self.experience = GeneralisedNoGoods(self.problem)
 
     def restart(self, problem: Problem, seed: Seed, budget: Budget) -> None:
         """Go on with the same task from another state: what was learnt of phases wherever they start stays."""
@@ -156,7 +156,7 @@ class Bounds(Solves):
         if key not in self._windows:
             self.tell("seq", f"P_seq of {skeleton.phases[last].action}")
             with self.clock("seq"):
-                result = self.ahead.answer(skeleton, Window(self.settings, self.seed, first, last), self.budget)
+                result = self.ahead.answer(skeleton, WindowRequest(self.settings, self.seed, first, last), self.budget)
             self._count("seq", result.feasible)
             self._windows[key] = result
         return self._windows[key]
@@ -224,7 +224,7 @@ class Bounds(Solves):
     def _expect_window(self, skeleton: Skeleton, first: int, last: int) -> bool:
         if self._window_key(skeleton, first, last) in self._windows:
             return True
-        return self.ahead.expect(skeleton, Window(self.settings, self.seed, first, last), self.budget)
+        return self.ahead.expect(skeleton, WindowRequest(self.settings, self.seed, first, last), self.budget)
 
     def _expect_actions(self, skeleton: Skeleton, strains: Sequence[float], later: Sequence[int], whole: bool) -> None:
         """The other single actions, then the whole skeleton: it comes next when none of them is refused."""
@@ -238,7 +238,7 @@ class Bounds(Solves):
             self._expect_whole(skeleton, BOUNDS.first_starts if in_one else self.tries)
 
     def _expect_whole(self, skeleton: Skeleton, tries: int | None) -> bool:
-        return self.ahead.expect(skeleton, Whole(self.settings, self.seed, tries), self.budget)
+        return self.ahead.expect(skeleton, SequenceRequest(self.settings, self.seed, tries), self.budget)
 
     def _expect_beginnings(self, skeleton: Skeleton, asked: int, end: int) -> None:
         """The longer beginnings, which are asked about when the one that is `asked` now is feasible."""

@@ -33,7 +33,7 @@ class Question(ABC, Generic[Answer]):
 
 
 @dataclass(frozen=True)
-class Whole(Question[BoundResult]):
+class SequenceRequest(Question[BoundResult]):
     """P_seq of a skeleton from the start, with at most `tries` starts of a span."""
 
     settings: MotionSettings
@@ -45,7 +45,7 @@ class Whole(Question[BoundResult]):
 
 
 @dataclass(frozen=True)
-class Window(Question[BoundResult]):
+class WindowRequest(Question[BoundResult]):
     """P_seq of phases `first` … `last` alone."""
 
     settings: MotionSettings
@@ -58,7 +58,7 @@ class Window(Question[BoundResult]):
 
 
 @dataclass(frozen=True, eq=False)
-class Attempt(Question[tuple[BoundResult, BoundResult | None]]):
+class AttemptRequest(Question[tuple[BoundResult, BoundResult | None]]):
     """P_seq from the switch configurations 1 … K in `warm`, with random numbers from `draw`, and where it is feasible
     P_seqPath of the first `motions` phases between those it finds."""
 
@@ -71,7 +71,7 @@ class Attempt(Question[tuple[BoundResult, BoundResult | None]]):
     @property
     def key(self) -> Hashable:
         rows = [row.tobytes() for c in self.warm for part in (c.modules, c.bodies) for row in part.values()]
-        return Attempt, self.settings, self.draw, self.tries, self.motions, tuple(rows)
+        return AttemptRequest, self.settings, self.draw, self.tries, self.motions, tuple(rows)
 
     def solved(self, skeleton: Skeleton, budget: Budget) -> tuple[BoundResult, BoundResult | None]:
         sequence = solve_sequence(skeleton, self.settings, self.draw, budget, warm=self.warm, tries=self.tries)

@@ -18,8 +18,8 @@ from ..motion.keyframes.settings import KEYFRAMES
 from ..motion.path.path_program import solve_path
 from ..motion.settings import MotionSettings
 from ..statics import borne, slowed
-from .requests import Attempt, Whole, sequence_path
-from .speculation import Ahead
+from .requests import AttemptRequest, SequenceRequest, sequence_path
+from .speculation import Speculation
 from .verdicts import Conflict, Judgement, blame, with_motion
 
 QUICK = 3
@@ -44,7 +44,7 @@ class Solves:
     seed: Seed
     budget: Budget
     tell: Callable[[str, str], None]
-    ahead: Ahead = field(default_factory=Ahead)
+    ahead: Speculation = field(default_factory=Speculation)
     clock: Clock = field(default_factory=Clock, init=False)
     tries: int | None = field(default=QUICK, init=False)
     _counts: dict[str, list[int]] = field(init=False)
@@ -61,7 +61,7 @@ class Solves:
         self.tell("seq", f"P_seq of {len(skeleton)} actions")
         with self.clock("seq"):
             if warm is None:
-                result = self.ahead.answer(skeleton, Whole(self.settings, seed, tries), self.budget)
+                result = self.ahead.answer(skeleton, SequenceRequest(self.settings, seed, tries), self.budget)
             else:
                 result = solve_sequence(skeleton, self.settings, seed, self.budget, warm=warm, tries=tries)
         self._count("seq", result.feasible)
@@ -141,7 +141,7 @@ class Solves:
 
     def _drawn(
         self, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int, still: bool
-    ) -> Attempt:
+    ) -> AttemptRequest:
         """The attempt after P_seqPath between the switch poses of `sequence` was refused: the phases that were refused
         are to move little (`still`: at first, and where others that close a loop were refused), else their switches are
         shaken."""
@@ -151,7 +151,7 @@ class Solves:
             warm = unmoved(sequence.configurations, failed)[1:]
         else:
             warm = resampled(sequence.configurations, failed, draw.child("start"))[1:]
-        return Attempt(self.settings, draw, self.tries, warm, motions)
+        return AttemptRequest(self.settings, draw, self.tries, warm, motions)
 
     def _attempt(
         self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int, still: bool

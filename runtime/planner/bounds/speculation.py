@@ -22,7 +22,7 @@ from ...budget import Budget
 from ...parallel import ClusterUnavailable, Side, WorkerLost, WorkFailed, open_executor
 from ...parallel.processes import Processes
 from ...skeleton import Phase, Skeleton
-from .requests import Answer, Question, Window
+from .requests import Answer, Question, WindowRequest
 from .settings import BOUNDS
 
 
@@ -35,7 +35,7 @@ class _Work:
     future: Future[Any]
 
 
-class Ahead:
+class Speculation:
     """Answers to questions, computed ahead by `side` where there is one. It never changes an answer."""
 
     def __init__(self, side: Side | None = None) -> None:
@@ -100,7 +100,7 @@ class Ahead:
     def _take_over(self, budget: Budget) -> bool:
         """Instead of waiting, answer here a window that was not begun: it is asked in any case. Whether there was."""
         for key, work in self._under_way.items():
-            if isinstance(work.question, Window) and not work.future.done() and work.future.cancel():
+            if isinstance(work.question, WindowRequest) and not work.future.done() and work.future.cancel():
                 done: Future[Any] = Future()
                 done.set_result(work.question.solved(work.skeleton, budget))
                 self._under_way[key] = _Work(work.skeleton, work.question, done)
@@ -123,15 +123,15 @@ def _key(skeleton: Skeleton, question: Question[Any]) -> Hashable:
 
 
 @contextmanager
-def opened(jobs: int = 1, cluster: str | None = None) -> Iterator[Ahead]:
+def opened(jobs: int = 1, cluster: str | None = None) -> Iterator[Speculation]:
     """Answers from `jobs` processes, this one included, or from this one and the workers of a cluster. What is under
     way at the end is dropped at once. Raises ClusterUnavailable."""
     if cluster is None and jobs == 1:
-        yield Ahead()
+        yield Speculation()
         return
     side = Processes(jobs - 1) if cluster is None else open_executor(cluster=cluster)
     try:
-        yield Ahead(side)
+        yield Speculation(side)
     finally:
         side.kill()
         side.shutdown(wait=True, cancel_futures=True)

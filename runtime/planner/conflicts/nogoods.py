@@ -19,7 +19,7 @@ from .settings import CONFLICTS
 Kind = tuple[object, ...]
 
 
-class Experience:
+class GeneralisedNoGoods:
     """Refused and accepted windows by kind, with the strain of each of their actions."""
 
     def __init__(self, problem: Problem) -> None:

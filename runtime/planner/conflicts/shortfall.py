@@ -23,13 +23,13 @@ from ....compiler.ir import (
     Rule,
     Var,
 )
-from ....compiler.symbolic.geometry import Geometry
+from ....compiler.symbolic.geometry import SceneLengths
 from ....langs.trees import parts
 
 
 def lacking(problem: Problem) -> list[str]:
     """One sentence for each object of the goal that stands still out of reach of everything that modules stand on."""
-    geometry = Geometry(problem)
+    geometry = SceneLengths(problem)
     reach = geometry.longest_reach(len(problem.world.modules))
     named = [name for name in dict.fromkeys(_named(problem, problem.goal)) if name in problem.world.bodies]
     supports = _within(geometry, [name for name in _supports(problem) if name not in named], problem, reach)
@@ -83,7 +83,7 @@ def _expanded(problem: Problem, formula: Formula) -> Iterator[object]:
             yield from _expanded(problem, problem.derived[part.predicate].body)
 
 
-def _within(geometry: Geometry, supports: list[str], problem: Problem, reach: float) -> list[str]:
+def _within(geometry: SceneLengths, supports: list[str], problem: Problem, reach: float) -> list[str]:
     """The supports to which a robot of all modules could come, from one to the next, from where modules stand."""
     facts = [fact for fact in problem.init if _touches_module(problem, fact)]
     found = [name for name in supports if any(name in fact for fact in facts)]

@@ -63,10 +63,10 @@ def solve_receding(
     """Plan `horizon` actions at a time (None: as many as seem wise) until the goal holds, and undo at most `backtracks`
     windows (None: any number). The plan is one, verified as a whole; when time or Ctrl-C end the run early, it holds
     what was planned so far and is not `complete`."""
-    return _Run(problem, options, horizon, progress, found, lookahead, backtracks).run()
+    return _HorizonRun(problem, options, horizon, progress, found, lookahead, backtracks).run()
 
 
-class _Run:
+class _HorizonRun:
     def __init__(
         self, problem: ir.Problem, options: SolveOptions, horizon: int | None,
         progress: Callable[[Progress], None] | None, found: Callable[[Plan], None] | None,

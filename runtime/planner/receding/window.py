@@ -19,13 +19,13 @@ from ...budget import Budget, OutOfTime
 from ...plan import SearchNode
 from ...seeds import Seed
 from ...skeleton import Configuration, PhasePath, Skeleton, beginning
-from ..bounds.multi_bound import EXPECTED, Bounds
+from ..bounds.multi_bound import EXPECTED, MultiBound
 from ..bounds.verdicts import Judgement
 from ..candidate_loop import CandidateLoop
 from ..conflicts.infeasibility import Refusals
 from ..lgp import SolveOptions, motion_settings
 from ..search.best_first import Candidate, SkeletonSearch
-from ..search.learned_penalties import Surcharge
+from ..search.learned_penalties import LearnedPenalties
 from ..search.skeleton_replay import build_skeleton
 from .mid_run_state import Reached, after, reached_problem
 from .settings import RECEDING
@@ -69,11 +69,11 @@ class Window:
 class Memory:
     """What windows hand on to later ones; of a size that does not grow with the number of windows."""
 
-    bounds: Bounds
+    bounds: MultiBound
     refusals: Refusals
     order: list[ir.Formula] = field(default_factory=list)
     """The parts of the goal, in the order in which they should be reached."""
-    penalties: Surcharge | None = None
+    penalties: LearnedPenalties | None = None
     """How close to their limits actions were refused so far."""
     group: int = 1
     """How many parts of the goal make a plan that is long enough."""
@@ -86,7 +86,7 @@ def remember(
     told_to = tell or (lambda stage, message: None)
     settings = motion_settings(problem, options)
     options.ahead.prepare(problem)
-    bounds = Bounds(problem, settings, options.bound, Seed(options.seed), budget, told_to, options.ahead)
+    bounds = MultiBound(problem, settings, options.bound, Seed(options.seed), budget, told_to, options.ahead)
     return Memory(bounds, Refusals(problem))
 
 

@@ -24,7 +24,7 @@ from ..conflicts.forbidden_sequences import EMPTY, LEAF, OFF, NoGoods
 from .settings import SEARCH
 
 if TYPE_CHECKING:
-    from .learned_penalties import Surcharge
+    from .learned_penalties import LearnedPenalties
 
 EQUAL = 1e-9
 
@@ -124,7 +124,7 @@ class SkeletonSearch:
             known = self._values[state] = self.estimate.value(state)
         return known
 
-    def charge(self, surcharge: Surcharge) -> None:
+    def charge(self, surcharge: LearnedPenalties) -> None:
         """From now on actions cost what `surcharge` says on top; the estimate knows."""
         self.surcharge = surcharge.of
         self._priced = self.estimate.priced(surcharge.price)

@@ -12,7 +12,7 @@ Kind = tuple[str, int]
 """Actions that share a limit: those of robots of one size, whatever their rule; or those of a rule without robots."""
 
 
-class Surcharge:
+class LearnedPenalties:
     """What the search should add to the cost of strained actions. It grows with every sequence that motion refused,
     and is measured by the strain of the most strained action of such a sequence, for all of its kind."""
 
@@ -26,7 +26,7 @@ class Surcharge:
         self._kinds_of_rules: dict[str, set[Kind]] = {}
         self._settled: dict[int, float] = {}
 
-    def inherit(self, other: Surcharge) -> None:
+    def inherit(self, other: LearnedPenalties) -> None:
         """Begin with what another search of the same rules has learnt. Once motion has accepted something, that weighs
         less, and no strain that was accepted is a limit."""
         self._shown = dict(other._shown)

@@ -33,7 +33,7 @@ class _Node:
     before: _Node | None
 
 
-def roomier(search: SkeletonSearch, strain: Strain, candidate: Candidate) -> Candidate:
+def maximise_slack(search: SkeletonSearch, strain: Strain, candidate: Candidate) -> Candidate:
     """A candidate of the same cost and with the same kinds of actions, with the least strain that a search of bounded
     width finds; the candidate itself where there is none. No-goods are respected. Raises OutOfTime."""
     successors, no_goods = search.successors, search.no_goods

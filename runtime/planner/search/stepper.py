@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 from ....compiler import ir
 from ....compiler.symbolic.domains import Domains
-from ....compiler.symbolic.geometry import Geometry
+from ....compiler.symbolic.geometry import SceneLengths
 from ....compiler.symbolic.guards import Environment, Guards, Undefined
 from ....compiler.symbolic.layout import Layout
 from ....compiler.symbolic.normal_form import TRUE, NormalForm
@@ -27,7 +27,7 @@ class Inapplicable(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class Transition:
     """What an action leaves: logic facts, static ones too, symmetric ones in both orders; motion literals, and those
     that it added; and where the literals that it added are written."""
 
@@ -53,7 +53,7 @@ class Stepper:
         self._normal = NormalForm(problem)
         bare = replace(problem, rules={})
         self._layout = Layout(bare, Domains(bare, self._normal))
-        self._geometry = Geometry(problem)
+        self._geometry = SceneLengths(problem)
         self._formulas: dict[int, tuple[ir.Formula, ir.Formula]] = {}
         self._last: tuple[Facts, Guards] | None = None
 
@@ -91,7 +91,7 @@ class Stepper:
             values[variable.name] = choices[text]
         return ir.Action(rule, tuple(values.values()))
 
-    def step(self, facts: Facts, motion: Facts, action: ir.Action) -> Step:
+    def step(self, facts: Facts, motion: Facts, action: ir.Action) -> Transition:
         """The state after an action; deletions come before additions, so that what is deleted and added again counts as
         added. Raises Inapplicable when its condition is false, one of its chains is none, or a functional predicate
         would get two values."""
@@ -105,13 +105,13 @@ class Stepper:
             self._require_one_value(step.facts, fact)
         return step
 
-    def effects(self, facts: Facts, motion: Facts, action: ir.Action) -> Step:
+    def effects(self, facts: Facts, motion: Facts, action: ir.Action) -> Transition:
         """The same without a look at the condition."""
         rule, values = self._instance(action)
         logic, moved = changes = _Changes(), _Changes()
         self._collect(facts, rule.effects, values, changes)
         added = self.canonical(moved.added)
-        return Step(
+        return Transition(
             left(self.problem.predicates, facts, logic.deleted) | self._both_orders(logic.added),
             self.canonical(left(self.problem.motions, motion, moved.deleted)) | added,
             added,
@@ -210,7 +210,7 @@ def left(
     return frozenset(f for f in facts if f[0] not in swept or not gone(f))
 
 
-def replayed(problem: ir.Problem, actions: Iterable[ir.Action]) -> Iterator[Step]:
+def replayed(problem: ir.Problem, actions: Iterable[ir.Action]) -> Iterator[Transition]:
     """The states after actions, one after the other from the start. Raises Inapplicable."""
     stepper = Stepper(problem)
     facts, motion = problem.init, stepper.canonical(problem.init_motion)

@@ -18,8 +18,8 @@ from .....compiler.motion.constraints import sphere_stage
 from .....compiler.motion.distances import SMOOTH
 from .....compiler.motion.stages import Stage
 from ....skeleton import Array
-from ..nlp.row_groups import Chosen, Label
-from ..nlp.unknowns import Indices, Layout
+from ..nlp.row_groups import Chosen, RowLabel
+from ..nlp.unknowns import Indices, UnknownsLayout
 from .broad_phase import NO_PAIRS, Blocks, Edges, Pairs
 
 NEAR = 0.3
@@ -63,7 +63,7 @@ class _Block:
 class Cloud:
     """The spheres of all slots that take part, numbered in the order in which slots are first asked for."""
 
-    def __init__(self, problem: Problem, layout: Layout) -> None:
+    def __init__(self, problem: Problem, layout: UnknownsLayout) -> None:
         self.problem = problem
         self.layout = layout
         self.count = 0
@@ -248,7 +248,7 @@ class ClearanceGroup:
     scale = 1.0
 
     def __init__(
-        self, cloud: Cloud, obstacles: Obstacles | None, blocks: Blocks, label_of: Callable[[Indices], Label]
+        self, cloud: Cloud, obstacles: Obstacles | None, blocks: Blocks, label_of: Callable[[Indices], RowLabel]
     ) -> None:
         """`blocks` hold all pairs and the distances to keep between surfaces; `label_of` turns the tag of a pair into a
         label."""
@@ -335,7 +335,7 @@ class ClearanceGroup:
     def shape(self) -> tuple[int, int]:
         return len(self.first), 1
 
-    def label(self, instance: int) -> Label:
+    def label(self, instance: int) -> RowLabel:
         return self.label_of(self.pairs.tags[instance])
 
     def residuals(self, z: Array) -> Array:

@@ -11,8 +11,8 @@ from .....compiler.ir import Problem
 from .....compiler.motion.collision import Pair
 from .....compiler.motion.pairs import self_pairs
 from ....skeleton import Array, Breach
-from ..nlp.row_groups import Label
-from ..nlp.unknowns import Indices, Layout
+from ..nlp.row_groups import RowLabel
+from ..nlp.unknowns import Indices, UnknownsLayout
 from .broad_phase import Blocks, Runs
 from .clearance_rows import ClearanceGroup, Cloud, Obstacles
 
@@ -40,18 +40,18 @@ class Labels:
             self.names.append(name)
         return self._numbers[name]
 
-    def label(self, tag: Indices) -> Label:
+    def label(self, tag: Indices) -> RowLabel:
         """A pair within one module is a self-collision."""
         phase, a, b = (int(t) for t in tag)
         first, second = self.names[a], self.names[b]
         same = first.partition(".")[0] == second.partition(".")[0]
-        return Label(phase, Breach.SELF_COLLISION if same else Breach.COLLISION, (first, second), ("m",))
+        return RowLabel(phase, Breach.SELF_COLLISION if same else Breach.COLLISION, (first, second), ("m",))
 
 
 class Collisions:
     """Collects the collision rows of a layout's slices."""
 
-    def __init__(self, problem: Problem, layout: Layout) -> None:
+    def __init__(self, problem: Problem, layout: UnknownsLayout) -> None:
         self.problem = problem
         self.layout = layout
         self.cloud = Cloud(problem, layout)

@@ -9,24 +9,24 @@ from .....compiler.scenes.check_strength import safety_of
 from ....geometry.attachments import next_mode
 from ....skeleton import Breach, Skeleton
 from ...statics.settings import STATICS
-from ..nlp.row_groups import Group, Label, StageGroup
-from ..nlp.unknowns import Layout
+from ..nlp.row_groups import RowGroup, RowLabel, StageGroup
+from ..nlp.unknowns import UnknownsLayout
 
 
-def bearing_rows(skeleton: Skeleton, layout: Layout, phases: range, free: bool) -> list[Group]:
+def bearing_rows(skeleton: Skeleton, layout: UnknownsLayout, phases: range, free: bool) -> list[RowGroup]:
     """One group for each structure: the instances are slices. Structures with closed loops have none."""
     problem = skeleton.problem
     safety = safety_of(problem.options) / STATICS.room
     wanted = {(0, phases[0], skeleton.phases[phases[0]].mode)} if free else set()
     for slice_, phase in enumerate(phases, start=1):
         wanted |= {(slice_, phase, skeleton.phases[phase].mode), (slice_, phase, next_mode(skeleton, phase))}
-    groups: list[Group] = []
+    groups: list[RowGroup] = []
     for slice_, phase, mode in sorted(wanted, key=lambda w: (w[0], w[1], sorted(w[2]))):
         rows = rows_of(problem, mode, safety)
         if rows is None or not any(layout.is_unknown(slice_, name) for name in rows.slots):
             continue
         index = np.concatenate([layout.slot(slice_, name) for name in rows.slots])[None]
         units = ("1",) * rows.stage.rows
-        label = Label(phase, Breach.TORQUE, (rows.slots[0], ""), units)
+        label = RowLabel(phase, Breach.TORQUE, (rows.slots[0], ""), units)
         groups.append(StageGroup("inequality", rows.stage, index, np.zeros((1, 0)), [label]))
     return groups

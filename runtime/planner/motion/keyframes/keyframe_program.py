@@ -16,11 +16,11 @@ from ....geometry.drives import braked
 from ....skeleton import Array, Configuration, Skeleton
 from ..collision.clearance_rows import ClearanceGroup
 from ..collision.pairs_in_phases import Collisions, Margins, refresh
-from ..nlp.augmented_lagrangian import Options, Outcome, project, solve
+from ..nlp.augmented_lagrangian import SolverOptions, SolverResult, project, solve
 from ..nlp.features import Features, differences, homing, limits, norms
 from ..nlp.program import Program
-from ..nlp.row_groups import Group, LinearGroup
-from ..nlp.unknowns import ORIGIN, Layout
+from ..nlp.row_groups import LinearGroup, RowGroup
+from ..nlp.unknowns import ORIGIN, UnknownsLayout
 from ..settings import MotionSettings
 from .bearing_rows import bearing_rows
 from .placement_samples import places
@@ -37,7 +37,7 @@ REFRESHES = 4
 """How often pairs that came near during a solve are taken in and the solve is resumed."""
 NEIGHBOUR = 0.006
 """Metres kept between a thing that touches another one and the body that this one lies on."""
-POLISH = Options(mu=1e4, damping=1e-3, iterations=60)
+POLISH = SolverOptions(mu=1e4, damping=1e-3, iterations=60)
 
 
 class SwitchProgram:
@@ -57,7 +57,7 @@ class SwitchProgram:
         self.phases = range(first, last + 1)
         self.settings = settings
         moving = [self._moving(phase, frozen) for phase in self.phases]
-        self.layout = Layout(self.problem.world, start, _settled(moving, end) if end else None)
+        self.layout = UnknownsLayout(self.problem.world, start, _settled(moving, end) if end else None)
         if free:
             self.layout.free_start(self._moved_before(first))
         for phase, names in zip(self.phases, moving, strict=True):
@@ -68,7 +68,7 @@ class SwitchProgram:
         self._literals()
         self._groups = self._all_groups()
         self._free = free
-        self._loads: list[Group] = []
+        self._loads: list[RowGroup] = []
 
     def _moving(self, phase: int, frozen: bool) -> frozenset[str]:
         """What has a slot of its own at the switch that ends a phase."""
@@ -109,7 +109,7 @@ class SwitchProgram:
             for literal in sorted(mode | next_mode(self.skeleton, phase)):
                 self._features.add(literal, "during", (slice_,), phase)
 
-    def _all_groups(self) -> list[Group]:
+    def _all_groups(self) -> list[RowGroup]:
         steps = [(t - 1, t) for t in range(1, len(self.layout.slices))]
         phase_of = [self.phases[0], *self.phases]
         return [
@@ -206,7 +206,7 @@ class SwitchProgram:
         """Take in the pairs that are near at x."""
         self._refresh(x)
 
-    def solve(self, x: Array, options: Options, budget: Budget) -> tuple[Program, Outcome]:
+    def solve(self, x: Array, options: SolverOptions, budget: Budget) -> tuple[Program, SolverResult]:
         """Solve from x; pairs that came near meanwhile are taken in and the solve resumes. Raises OutOfTime."""
         self._refresh(x)
         iterations = 0
@@ -217,7 +217,7 @@ class SwitchProgram:
             x = outcome.x
             if not self._refresh(x) or outcome.status != "feasible":
                 break
-        return self.program(), Outcome(x, iterations, outcome.status)
+        return self.program(), SolverResult(x, iterations, outcome.status)
 
     def project(self, x: Array, tolerance: float, budget: Budget) -> tuple[Program, Array]:
         """Project x onto all rows within `tolerance`."""
@@ -240,7 +240,7 @@ def _settled(moving: Sequence[frozenset[str]], end: Configuration) -> dict[int, 
     return found
 
 
-def run(program: Program, x: Array, options: Options, settings: MotionSettings, budget: Budget) -> Outcome:
+def run(program: Program, x: Array, options: SolverOptions, settings: MotionSettings, budget: Budget) -> SolverResult:
     """The solver that the settings name."""
     if settings.solver == "ipopt":
         from ..nlp.ipopt import solve_ipopt

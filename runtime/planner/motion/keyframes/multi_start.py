@@ -11,12 +11,12 @@ from ....budget import Budget
 from ....geometry.attachments import looped
 from ....skeleton import LOADS, Array, BoundResult, Configuration, Skeleton, Violation
 from ...statics import exceeded_switches
-from ..nlp.augmented_lagrangian import Options
+from ..nlp.augmented_lagrangian import SolverOptions
 from ..settings import MotionSettings
 from .initial_guesses import guess
 from .keyframe_program import SwitchProgram, run
 
-SEQUENCE, SINGLE = Options(inner_tolerance=3e-2), Options()
+SEQUENCE, SINGLE = SolverOptions(inner_tolerance=3e-2), SolverOptions()
 """For several phases and for one. Multipliers that are taken up soon save a fifth of the steps of several; one phase
 has them lead astray more often: grasps from unknown postures are then refused in 10 % of draws instead of none."""
 NOISE = 0.3

@@ -15,7 +15,7 @@ from .settings import SOLVER
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class SolverOptions:
     """`mu` is the first penalty weight; the run stops once the scaled violation is below `tolerance` and the step
     below `step_tolerance`, or after `stall` iterations without progress. Damping is Levenberg-Marquardt."""
 
@@ -34,11 +34,11 @@ class Options:
 
 NO_STEP = 1e20
 """With this damping and more there is no step worth to be taken."""
-PATH = Options(mu=1e3, tolerance=1e-3)
+PATH = SolverOptions(mu=1e3, tolerance=1e-3)
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class SolverResult:
     """The last iterate `x`, iterations taken, and why it ended: "feasible", "stalled" or "iterations"."""
 
     x: Array
@@ -73,10 +73,10 @@ def banded_step(band: Array, gradient: Array, damping: float) -> tuple[Array, fl
     return np.zeros_like(gradient), damping
 
 
-class _Run:
+class _Descent:
     """State of one run: iterate, residuals, multipliers, penalty weight, damping."""
 
-    def __init__(self, program: Program, start: Array, options: Options) -> None:
+    def __init__(self, program: Program, start: Array, options: SolverOptions) -> None:
         self.program = program
         self.options = options
         self.x = start.copy()
@@ -126,23 +126,23 @@ class _Run:
         self.last = violation
 
 
-def solve(program: Program, start: Array, options: Options, budget: Budget) -> Outcome:
+def solve(program: Program, start: Array, options: SolverOptions, budget: Budget) -> SolverResult:
     """Minimise `program` from `start`. Stops feasible, not at an optimum. Raises OutOfTime."""
-    run = _Run(program, start, options)
+    run = _Descent(program, start, options)
     best, best_at = np.inf, 0
     for iteration in range(options.iterations):
         budget.check()
         step = run.step()
         violation = _violation(run.residuals)
         if violation < options.tolerance and step < options.step_tolerance:
-            return Outcome(run.x, iteration + 1, "feasible")
+            return SolverResult(run.x, iteration + 1, "feasible")
         if violation < 0.9 * best:
             best, best_at = violation, iteration
         if iteration - best_at > options.stall and best > SOLVER.hopeless:
-            return Outcome(run.x, iteration + 1, "stalled")
+            return SolverResult(run.x, iteration + 1, "stalled")
         if step < options.inner_tolerance:
             run.update_multipliers(violation)
-    return Outcome(run.x, options.iterations, "iterations")
+    return SolverResult(run.x, options.iterations, "iterations")
 
 
 def project(program: Program, start: Array, tolerance: float, budget: Budget, iterations: int = 12) -> Array:

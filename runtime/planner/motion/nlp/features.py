@@ -13,8 +13,8 @@ from .....compiler.ir import Fact, Problem
 from .....compiler.motion.constraints import BodyKind, EffectorKind, Kind, RestKind, arguments, stage, units
 from .....compiler.motion.stages import Stage
 from ....skeleton import Array, Breach
-from .row_groups import Group, Label, LinearGroup, NormGroup, StageGroup
-from .unknowns import Indices, Layout
+from .row_groups import LinearGroup, NormGroup, RowGroup, RowLabel, StageGroup
+from .unknowns import Indices, UnknownsLayout
 
 
 @dataclass(slots=True)
@@ -26,7 +26,7 @@ class _Instances:
     scale: float
     places: list[Indices] = field(default_factory=list)
     constants: list[Array] = field(default_factory=list)
-    labels: list[Label] = field(default_factory=list)
+    labels: list[RowLabel] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class _Argument:
 class Features:
     """Collects the rows that bind on a layout's slices and batches like ones."""
 
-    def __init__(self, problem: Problem, layout: Layout) -> None:
+    def __init__(self, problem: Problem, layout: UnknownsLayout) -> None:
         self.problem = problem
         self.layout = layout
         self._instances: dict[Any, _Instances] = {}
@@ -89,12 +89,12 @@ class Features:
         for number, (row, names, row_units) in enumerate(self._rows_of(literal[0])):
             if row.when == when:
                 objects = tuple(binding.get(n, n) for n in names)
-                label = Label(phase, Breach.ROW, literal, row_units, row.span)
+                label = RowLabel(phase, Breach.ROW, literal, row_units, row.span)
                 self._bind(literal, number, row, names, objects, slices, label, scale)
 
     def _bind(
         self, literal: Fact, number: int, row: ir.Row, names: tuple[str, ...], objects: tuple[str, ...],
-        slices: tuple[int, ...], label: Label, scale: float,
+        slices: tuple[int, ...], label: RowLabel, scale: float,
     ) -> None:  # fmt: skip
         arguments_ = [self._resolve(o) for o in objects]
         slots = list(dict.fromkeys(a.slot for a in arguments_ if a.slot))
@@ -125,7 +125,7 @@ class Features:
                 return BodyKind(shape, slot, mass)
         return kind
 
-    def groups(self) -> list[Group]:
+    def groups(self) -> list[RowGroup]:
         """All literals' rows, batched."""
         return [
             StageGroup(i.kind, i.stage, np.array(i.places), np.array(i.constants), i.labels, i.scale)
@@ -133,7 +133,7 @@ class Features:
         ]
 
 
-def _unknown_slots(layout: Layout, names: list[str], slices: range) -> list[tuple[int, str]]:
+def _unknown_slots(layout: UnknownsLayout, names: list[str], slices: range) -> list[tuple[int, str]]:
     """The distinct unknown slots, each with the first slice in which it stands."""
     seen: dict[int, tuple[int, str]] = {}
     for t in slices:
@@ -143,14 +143,14 @@ def _unknown_slots(layout: Layout, names: list[str], slices: range) -> list[tupl
     return list(seen.values())
 
 
-def norms(layout: Layout) -> NormGroup:
+def norms(layout: UnknownsLayout) -> NormGroup:
     """Unit quaternions of all unknown slots."""
     slots = _unknown_slots(layout, layout.names, range(len(layout.slices)))
     places = [layout.slot(t, name)[3:7] for t, name in slots]
     return NormGroup(np.array(places, dtype=np.int64).reshape(-1, 4))
 
 
-def limits(problem: Problem, layout: Layout, margin: float, phase_of: list[int]) -> LinearGroup:
+def limits(problem: Problem, layout: UnknownsLayout, margin: float, phase_of: list[int]) -> LinearGroup:
     """Joint limits, pulled in by `margin` (rad; of a prismatic joint by a hundredth of its range, if that is less), but
     no further than where a joint is at the start. `phase_of` maps a slice to its phase."""
     places, signs, targets, labels = [], [], [], []
@@ -162,7 +162,7 @@ def limits(problem: Problem, layout: Layout, margin: float, phase_of: list[int])
             lower = max(joint.lower, min(joint.lower + pull, start))
             upper = min(joint.upper, max(joint.upper - pull, start))
             unit = "rad" if joint.kind == "revolute" else "m"
-            label = Label(phase_of[t], Breach.JOINT_LIMIT, (name, joint.name), (unit,))
+            label = RowLabel(phase_of[t], Breach.JOINT_LIMIT, (name, joint.name), (unit,))
             places += [slot[entry], slot[entry]]
             signs += [1.0, -1.0]
             targets += [upper, -lower]
@@ -171,7 +171,7 @@ def limits(problem: Problem, layout: Layout, margin: float, phase_of: list[int])
     return LinearGroup("inequality", columns, np.array(signs).reshape(-1, 1), np.array(targets), labels)
 
 
-def homing(problem: Problem, layout: Layout, scale: float) -> LinearGroup:
+def homing(problem: Problem, layout: UnknownsLayout, scale: float) -> LinearGroup:
     """½ scale² Σ (q − home)² over the joints of all unknown slots."""
     places, targets = [], []
     for t, name in _unknown_slots(layout, layout.modules, range(len(layout.slices))):
@@ -182,7 +182,7 @@ def homing(problem: Problem, layout: Layout, scale: float) -> LinearGroup:
 
 
 def differences(
-    layout: Layout, names: Sequence[str], slices: Sequence[tuple[int, ...]], coefficients: tuple[float, ...],
+    layout: UnknownsLayout, names: Sequence[str], slices: Sequence[tuple[int, ...]], coefficients: tuple[float, ...],
     scale: float,
 ) -> LinearGroup:  # fmt: skip
     """½ scale² Σ (Σ coefficient · joint values)² over tuples of slices: velocities (−1, 1), accelerations

@@ -11,7 +11,7 @@ import numpy as np
 
 from ....budget import Budget
 from ....skeleton import Array
-from .augmented_lagrangian import Options, Outcome
+from .augmented_lagrangian import SolverOptions, SolverResult
 from .program import Program
 from .unknowns import Indices
 
@@ -105,7 +105,7 @@ def _functions(program: Program, x: Array) -> tuple[dict[str, Any], dict[str, An
     return problem, calls
 
 
-def solve_ipopt(program: Program, start: Array, options: Options, budget: Budget) -> Outcome:
+def solve_ipopt(program: Program, start: Array, options: SolverOptions, budget: Budget) -> SolverResult:
     """Minimise `program` from `start`, to an optimum. Raises OutOfTime."""
     budget.check()
     problem, calls = _functions(program, start)
@@ -126,4 +126,4 @@ def solve_ipopt(program: Program, start: Array, options: Options, budget: Budget
     x = np.array(solution["x"]).ravel()
     statistics = solver.stats()
     status = "feasible" if statistics["success"] else "stalled"
-    return Outcome(x, int(statistics["iter_count"]), status)
+    return SolverResult(x, int(statistics["iter_count"]), status)

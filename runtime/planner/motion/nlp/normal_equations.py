@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ....skeleton import Array
-from .row_groups import ALL, Group
+from .row_groups import ALL, RowGroup
 from .unknowns import Indices
 
 
@@ -63,7 +63,7 @@ class Together:
     """Groups all of whose instances take part: where their products go is found once, and only what goes somewhere is
     added."""
 
-    def __init__(self, groups: Sequence[Group], first_unknown: int, shape: tuple[int, int]) -> None:
+    def __init__(self, groups: Sequence[RowGroup], first_unknown: int, shape: tuple[int, int]) -> None:
         self.groups = groups
         unknowns, width = shape
         scatters = [Scatter(group.span(), first_unknown, shape) for group in groups]

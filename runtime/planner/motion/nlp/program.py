@@ -10,7 +10,7 @@ import numpy as np
 
 from ....skeleton import Array, Breach, Violation
 from .normal_equations import Scatter, Sums, Together
-from .row_groups import ALL, Group, Label, LinearGroup, merged
+from .row_groups import ALL, LinearGroup, RowGroup, RowLabel, merged
 from .unknowns import Indices
 
 KINDS = ("cost", "equality", "inequality")
@@ -20,7 +20,7 @@ DIVERGED = 1e9
 """Stands for a violation that is no number: JSON has none, and no comparison would tell it."""
 
 
-def _linear(group: Group) -> LinearGroup:
+def _linear(group: RowGroup) -> LinearGroup:
     if not isinstance(group, LinearGroup):
         raise TypeError("the costs of a motion program are linear rows")
     return group
@@ -34,10 +34,10 @@ class Program:
     asked for. Raises TypeError for other costs.
     """
 
-    def __init__(self, constants: Array, unknowns: int, groups: Sequence[Group]) -> None:
+    def __init__(self, constants: Array, unknowns: int, groups: Sequence[RowGroup]) -> None:
         self.constants = constants
         self.unknowns = unknowns
-        self.groups: dict[str, list[Group]] = {
+        self.groups: dict[str, list[RowGroup]] = {
             kind: [g for g in groups if g.kind == kind and g.shape[0]] for kind in KINDS[1:]
         }
         self._linear = merged([_linear(group) for group in groups if group.kind == "cost"])
@@ -67,7 +67,7 @@ class Program:
         """Where each group of inequalities begins in their residuals, and where the last one ends."""
         return np.cumsum([0, *(count * rows for count, rows in (g.shape for g in self.groups["inequality"]))])
 
-    def _reach(self, group: Group) -> int:
+    def _reach(self, group: RowGroup) -> int:
         places = group.span()
         first = len(self.constants)
         lowest = np.where(places >= first, places, np.iinfo(np.int64).max).min(1)
@@ -124,7 +124,7 @@ class Program:
             sums.add(band, square.ravel())
             sums.pull(gradient, slope.ravel())
 
-    def _targets(self, number: int, group: Group, chosen: Indices, places: Indices) -> tuple[Indices, Indices]:
+    def _targets(self, number: int, group: RowGroup, chosen: Indices, places: Indices) -> tuple[Indices, Indices]:
         """Where the products of chosen instances go; those of a small group are all found at once."""
         if group.shape[0] * places.shape[1] ** 2 > SMALL:
             scatter = Scatter(places, len(self.constants), self._shape)
@@ -172,10 +172,10 @@ class Program:
         costs = self.residuals(x)[0]
         return 0.5 * float(costs @ costs)
 
-    def rows(self, x: Array) -> list[tuple[Label, Array]]:
+    def rows(self, x: Array) -> list[tuple[RowLabel, Array]]:
         """Every constraint instance with the violations (m,) of its rows, unscaled."""
         z = self.full(x)
-        found: list[tuple[Label, Array]] = []
+        found: list[tuple[RowLabel, Array]] = []
         for kind in ("equality", "inequality"):
             for group in self.groups[kind]:
                 raw = group.residuals(z) / group.scale

@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from .....compiler.motion.stages import Batch, Stage
+from .....compiler.motion.stages import Stage, StageBatch
 from .....langs.source import Span
 from ....skeleton import Array, Breach
 from .unknowns import Indices
@@ -22,7 +22,7 @@ ALL = slice(None)
 
 
 @dataclass(frozen=True, slots=True)
-class Label:
+class RowLabel:
     """Whom one instance speaks for: the phase, counted from 0, the kind of row and whom it concerns (as in a
     `Violation`), the unit of each row, and where the rows are written."""
 
@@ -33,7 +33,7 @@ class Label:
     span: Span | None = None
 
 
-class Group(Protocol):
+class RowGroup(Protocol):
     """N instances of like rows. `scale` multiplies residuals; violations are reported without it."""
 
     kind: str
@@ -44,7 +44,7 @@ class Group(Protocol):
         """(N, m)."""
         ...
 
-    def label(self, instance: int) -> Label:
+    def label(self, instance: int) -> RowLabel:
         """Whom the instance speaks for."""
         ...
 
@@ -69,7 +69,7 @@ class StageGroup:
     """Instances of one stage Function."""
 
     def __init__(
-        self, kind: str, stage: Stage, places: Indices, constants: Array, labels: list[Label], scale: float = 1.0
+        self, kind: str, stage: Stage, places: Indices, constants: Array, labels: list[RowLabel], scale: float = 1.0
     ) -> None:
         self.kind = kind
         self.scale = scale
@@ -77,13 +77,13 @@ class StageGroup:
         self.places = places
         self.constants = constants
         self.labels = labels
-        self._values: Batch | None = None
+        self._values: StageBatch | None = None
 
     @property
     def shape(self) -> tuple[int, int]:
         return len(self.places), self.stage.rows
 
-    def label(self, instance: int) -> Label:
+    def label(self, instance: int) -> RowLabel:
         return self.labels[instance]
 
     def residuals(self, z: Array) -> Array:
@@ -107,8 +107,9 @@ class LinearGroup:
     """Rows Σ coefficient · z[place] − target, one row per instance: squared differences, homing, joint limits."""
 
     def __init__(
-        self, kind: str, places: Indices, coefficients: Array, targets: Array, labels: list[Label], scale: float = 1.0
-    ) -> None:
+        self, kind: str, places: Indices, coefficients: Array, targets: Array, labels: list[RowLabel],
+        scale: float = 1.0,
+    ) -> None:  # fmt: skip
         self.kind = kind
         self.scale = scale
         self.places = places
@@ -120,7 +121,7 @@ class LinearGroup:
     def shape(self) -> tuple[int, int]:
         return len(self.places), 1
 
-    def label(self, instance: int) -> Label:
+    def label(self, instance: int) -> RowLabel:
         return self.labels[instance]
 
     def residuals(self, z: Array) -> Array:
@@ -163,8 +164,8 @@ class NormGroup:
     def shape(self) -> tuple[int, int]:
         return len(self.places), 1
 
-    def label(self, instance: int) -> Label:
-        return Label(0, Breach.UNIT_QUATERNION, (), ("1",))
+    def label(self, instance: int) -> RowLabel:
+        return RowLabel(0, Breach.UNIT_QUATERNION, (), ("1",))
 
     def residuals(self, z: Array) -> Array:
         values: Array = np.square(z[self.places]).sum(1, keepdims=True) - 1.0

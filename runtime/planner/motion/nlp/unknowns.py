@@ -34,7 +34,7 @@ def _leading(type_: ModuleType) -> Indices:
     return np.array([*range(7), *(7 + i for i in joints)])
 
 
-class Layout:
+class UnknownsLayout:
     """Offsets of every slot in z. Unknowns are ordered by slice, then in the order of `names`. What `pinned` holds in a
     slice is given, not unknown."""
 

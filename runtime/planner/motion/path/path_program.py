@@ -19,11 +19,11 @@ from ....skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton
 from ..collision.clearance_rows import ClearanceGroup
 from ..collision.pairs_in_phases import Collisions, Margins, refresh
 from ..keyframes.keyframe_program import run
-from ..nlp.augmented_lagrangian import PATH, Options, project
+from ..nlp.augmented_lagrangian import PATH, SolverOptions, project
 from ..nlp.features import Features, differences, homing, limits, norms
 from ..nlp.program import Program
-from ..nlp.row_groups import Group
-from ..nlp.unknowns import Layout
+from ..nlp.row_groups import RowGroup
+from ..nlp.unknowns import UnknownsLayout
 from ..settings import MotionSettings
 from ..time_scaling import shortest_duration
 from .path_guesses import interpolate
@@ -55,7 +55,7 @@ class PathProgram:
         self.phases = range(len(skeleton)) if phases is None else phases
         self.count = settings.slices
         given = {k * self.count: c for k, c in enumerate(switches) if k} if pinned else None
-        self.layout = Layout(self.problem.world, switches[0], given)
+        self.layout = UnknownsLayout(self.problem.world, switches[0], given)
         self.moving: list[frozenset[str]] = []
         for k, phase in enumerate(self.phases):
             carried = followers(self.problem, skeleton.phases[phase].mode)
@@ -94,7 +94,7 @@ class PathProgram:
                 for literal in sorted(next_mode(self.skeleton, number)):
                     self._features.add(literal, "during", (slices[-1],), number)
 
-    def _all_groups(self) -> list[Group]:
+    def _all_groups(self) -> list[RowGroup]:
         step = 1.0 / self.count
         triples: list[tuple[int, ...]] = []
         phase_of = [self.phases[0]]
@@ -227,8 +227,9 @@ def _worst(result: BoundResult) -> float:
 
 
 def attempt(
-    path: PathProgram, x: Array, settings: MotionSettings, budget: Budget, options: Options, most: int | None = None
-) -> tuple[BoundResult, Array]:
+    path: PathProgram, x: Array, settings: MotionSettings, budget: Budget, options: SolverOptions,
+    most: int | None = None,
+) -> tuple[BoundResult, Array]:  # fmt: skip
     """One solve from x of `most` iterations, resumed when pairs came near meanwhile, and projected when it is feasible.
     Raises OutOfTime."""
     iterations = 0

@@ -25,7 +25,7 @@ TO_THE_END = Schedule(weight=1e5, iterations=100, tolerance=1e-5)
 
 
 @dataclass(slots=True)
-class Group:
+class PhaseGroup:
     """A batch with the best path of each phase so far; `detour` tells which phases no straight start solved."""
 
     batch: Batch
@@ -36,11 +36,11 @@ class Group:
     detour: NDArray[np.bool_]
 
 
-def start_group(batch: Batch) -> Group:
+def start_group(batch: Batch) -> PhaseGroup:
     """Straight paths, which nobody has checked."""
     paths, count = batch.with_ends(straight(batch)), len(batch)
     unknown = np.full(count, -np.inf)
-    return Group(batch, paths, path_cost(batch, paths), np.zeros(count, bool), unknown, np.zeros(count, bool))
+    return PhaseGroup(batch, paths, path_cost(batch, paths), np.zeros(count, bool), unknown, np.zeros(count, bool))
 
 
 def straight(batch: Batch) -> Array:
@@ -71,7 +71,7 @@ def _within(batch: Batch, inner: Array) -> Array:
     return np.clip(inner, (joints.lower + joints.inset)[:, None], (joints.upper - joints.inset)[:, None])
 
 
-def _keep_best(group: Group, index: Indices, batch: Batch, paths: Array, budget: Budget) -> None:
+def _keep_best(group: PhaseGroup, index: Indices, batch: Batch, paths: Array, budget: Budget) -> None:
     """Take over the cheapest clean path of each phase when it is cheaper than what there is, or while there is none,
     what is least in the way. `index` gives the phase of the group behind each path. Cheap paths are checked first, as
     the swept check is dear, and hopeless ones only where there is nothing else."""
@@ -100,7 +100,7 @@ def _keep_best(group: Group, index: Indices, batch: Batch, paths: Array, budget:
         waiting = {phase: candidates for phase, candidates in waiting.items() if candidates}
 
 
-def attempt(group: Group, index: Indices, inner: Array, schedule: Schedule, budget: Budget, looks: int = 1) -> int:
+def attempt(group: PhaseGroup, index: Indices, inner: Array, schedule: Schedule, budget: Budget, looks: int = 1) -> int:
     """Smooth starts of the group's phases `index` (repeats allowed), looked at so often per slice, keep what is clean,
     and repair what nearly is."""
     batch = group.batch.take(index)
@@ -116,7 +116,7 @@ def attempt(group: Group, index: Indices, inner: Array, schedule: Schedule, budg
     return iterations
 
 
-def _repair(group: Group, phases: Indices, looks: int, budget: Budget) -> int:
+def _repair(group: PhaseGroup, phases: Indices, looks: int, budget: Budget) -> int:
     """Push the best paths of some phases away from what they meet, also between the slices."""
     batch = group.batch.take(phases).looking(looks)
     inner, iterations = smooth_paths(batch, group.paths[phases, 1:-1], WIDER, budget)
@@ -124,7 +124,7 @@ def _repair(group: Group, phases: Indices, looks: int, budget: Budget) -> int:
     return iterations
 
 
-def solve_groups(groups: Sequence[Group], seed: Seed, budget: Budget, thorough: bool) -> int:
+def solve_groups(groups: Sequence[PhaseGroup], seed: Seed, budget: Budget, thorough: bool) -> int:
     """Attempt after attempt, each at all groups, until every phase is solved; returns the iterations of the longest
     phases. Unless `thorough`, phases are left unsolved after QUICK_LEVELS and one look for a way among samples."""
     iterations = 0
@@ -147,7 +147,7 @@ def solve_groups(groups: Sequence[Group], seed: Seed, budget: Budget, thorough: 
 
 
 def _try_bumped(
-    group: Group, count: int, size: float, far: float, random: np.random.Generator, budget: Budget
+    group: PhaseGroup, count: int, size: float, far: float, random: np.random.Generator, budget: Budget
 ) -> int:
     left = np.flatnonzero(~group.solved)
     index = np.repeat(left, count)
@@ -156,7 +156,7 @@ def _try_bumped(
     return attempt(group, index, inner, Schedule(), budget)
 
 
-def _try_sampled(group: Group, rounds: int, random: np.random.Generator, budget: Budget) -> int:
+def _try_sampled(group: PhaseGroup, rounds: int, random: np.random.Generator, budget: Budget) -> int:
     found = [
         (phase, start)
         for phase in np.flatnonzero(~group.solved)
@@ -168,7 +168,7 @@ def _try_sampled(group: Group, rounds: int, random: np.random.Generator, budget:
     return attempt(group, index, starts, Schedule(weight=1e5), budget, PHASES.repair_looks[0])
 
 
-def polish_groups(groups: Sequence[Group], budget: Budget) -> int:
+def polish_groups(groups: Sequence[PhaseGroup], budget: Budget) -> int:
     """Optimise the paths that keep clear of something by a detour once more, nearer to what they keep clear of; returns
     the iterations of the longest phases. Others are as cheap as they can be near where they are."""
     iterations = 0
@@ -182,7 +182,7 @@ def polish_groups(groups: Sequence[Group], budget: Budget) -> int:
     return iterations
 
 
-def improve(group: Group, random: np.random.Generator, starts: int, budget: Budget) -> int:
+def improve(group: PhaseGroup, random: np.random.Generator, starts: int, budget: Budget) -> int:
     """Cheaper paths for solved phases: optimised to the end from where they are, and from `starts` bumped starts."""
     every = np.arange(len(group.batch))
     iterations = attempt(group, every, group.paths[:, 1:-1], TO_THE_END, budget)

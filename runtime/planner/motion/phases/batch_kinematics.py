@@ -20,7 +20,7 @@ SAME = 1e-12
 """Kinematic constants of several phases that differ by less are one."""
 
 
-class Kinematics:
+class BatchKinematics:
     """The joints of phases that share a structure."""
 
     def __init__(self, trees: Sequence[PhaseTree]) -> None:
@@ -37,9 +37,9 @@ class Kinematics:
         """Columns of what comes before each joint: `(joints, phases, 4, 4)`."""
         self.shared = [bool(np.ptp(b, axis=0).max() < SAME) for b in self.before]
 
-    def take(self, index: Indices) -> Kinematics:
+    def take(self, index: Indices) -> BatchKinematics:
         """The kinematics of some of the phases."""
-        result = object.__new__(Kinematics)
+        result = object.__new__(BatchKinematics)
         result.parents, result.revolute, result.signs = self.parents, self.revolute, self.signs
         result.columns, result.count = self.columns, self.count
         result.before, result.shared = self.before[:, index], self.shared
@@ -139,6 +139,6 @@ def mounted_poses(tree: PhaseTree, mount: Mount, values: Array) -> Array:
     if node < 0:
         return np.broadcast_to(local, (len(values), 4, 4)).copy()
     result = np.zeros((len(values), 4, 4))
-    result[:, :3] = Kinematics([tree]).frames(values[None])[node, :, :, 0].transpose(2, 1, 0)
+    result[:, :3] = BatchKinematics([tree]).frames(values[None])[node, :, :, 0].transpose(2, 1, 0)
     result[:, 3, 3] = 1.0
     return result @ local

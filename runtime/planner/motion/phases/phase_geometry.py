@@ -11,7 +11,7 @@ import numpy as np
 from .....compiler.ir import World
 from .....compiler.motion.collision import CHECK_MARGIN, PATH_MARGIN, PhaseContacts
 from ....geometry.signed_distances import Shapes
-from .batch_kinematics import Indices, Kinematics, Points
+from .batch_kinematics import BatchKinematics, Indices, Points
 from .collision_spheres import Ball, Lineage, Meetings, moving_balls, obstacles_near
 from .contact_margins import NEVER, START, Kinds, cross_kinds
 from .exact_shapes import MovingShape, Whole, carried_shapes, module_shapes
@@ -73,7 +73,7 @@ class Geometry:
 
     def __init__(self, parts: Sequence[Part], contacts: Sequence[PhaseContacts], world: World) -> None:
         self.parts = list(parts)
-        self.kinematics = Kinematics([p.tree for p in parts])
+        self.kinematics = BatchKinematics([p.tree for p in parts])
         self.points = Points([p.balls for p in parts])
         balls = parts[0].balls
         self.radius = np.array([b.radius for b in balls])[:, None, None]

@@ -21,7 +21,7 @@ from ....seeds import Seed
 from ....skeleton import Array, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
 from ..settings import MotionSettings
 from ..time_scaling import shortest_duration
-from .attempts import Group, improve, polish_groups, solve_groups, start_group
+from .attempts import PhaseGroup, improve, polish_groups, solve_groups, start_group
 from .batch_kinematics import mounted_poses
 from .joint_forest import Mount, PhaseTree, UnsupportedPhase, arrive, phase_tree, pose_vector
 from .phase_batch import Batch, blocked, worst_clash
@@ -44,7 +44,7 @@ def _blocked(batch: Batch) -> list[Violation]:
     return found
 
 
-def _failures(group: Group, world: World) -> list[Violation]:
+def _failures(group: PhaseGroup, world: World) -> list[Violation]:
     """What is wrong with the best path of every phase that is not solved: the worst pair, or when nothing is in the
     way, the joint that passes its limit or moves too far between two slices."""
     found = []
@@ -169,7 +169,7 @@ def polish(
     return BoundResult(result.bound, True, cost, seconds, iterations, result.configurations, paths, [], before)
 
 
-def _cost(groups: Sequence[Group]) -> float:
+def _cost(groups: Sequence[PhaseGroup]) -> float:
     return float(sum(group.cost.sum() for group in groups))
 
 
@@ -201,7 +201,7 @@ def _chain(
 def _groups(
     skeleton: Skeleton, trees: Sequence[PhaseTree], states: Sequence[tuple[Configuration, Configuration]],
     settings: MotionSettings,
-) -> list[Group]:
+) -> list[PhaseGroup]:
     """Phases that move, stacked by structure."""
     world = skeleton.problem.world
     touching = contacts(skeleton)
@@ -219,7 +219,7 @@ def _groups(
     return groups
 
 
-def _motions(groups: Sequence[Group]) -> dict[int, Array]:
+def _motions(groups: Sequence[PhaseGroup]) -> dict[int, Array]:
     """The joint values of the phases of some groups."""
     return {int(p): group.paths[k] for group in groups for k, p in enumerate(group.batch.phases)}
 
