@@ -25,7 +25,7 @@ from ..ir import (
     Variable,
 )
 from .algebra import conjunction
-from .chains import Word
+from .chains import KnownFacts
 from .domains import FlatRule
 from .expressions import Check, compiled, ground, literal_test, source, split
 from .guards import Environment, Guards, Undefined
@@ -76,7 +76,7 @@ class Blocks:
         for predicate, key in self.layout.fields:
             self._keys.setdefault(predicate, []).append(key)
 
-    def of(self, flat: FlatRule, word: Word) -> list[Block]:
+    def of(self, flat: FlatRule, word: KnownFacts) -> list[Block]:
         """The blocks of one rule whose conditions on the flags hold."""
         domains = self.layout.domains.variable_domains(flat)
         small = [v for v in flat.variables if v.name not in domains or domains[v.name] <= self.layout.small]
@@ -93,7 +93,7 @@ class Blocks:
                 found[id(block)] = block
         return list(found.values())
 
-    def _changes(self, items: Sequence[EffectItem], env: Environment, word: Word) -> list[Change]:
+    def _changes(self, items: Sequence[EffectItem], env: Environment, word: KnownFacts) -> list[Change]:
         """Effects without loops, with what is known of their conditions settled."""
         found: list[Change] = []
         for item in items:

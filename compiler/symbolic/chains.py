@@ -8,7 +8,7 @@ from functools import cached_property
 from ..ir import Chain, ChainType, Fact, Literal, Object, Problem, Var
 
 
-class Word:
+class KnownFacts:
     """The facts between small objects that one flag word stands for (or any other fixed set of facts)."""
 
     def __init__(self, problem: Problem, facts: Iterable[Fact]) -> None:

@@ -43,7 +43,7 @@ from ..ir import (
     Variable,
 )
 from .algebra import COMPARISONS, MATHS, arithmetic, conjunction, disjunction, flip, holds, is_plain, negation
-from .chains import Word
+from .chains import KnownFacts
 from .geometry import SceneLengths
 from .layout import FIELD, FLAG, STATIC, Layout
 from .normal_form import FALSE, TRUE, free_names
@@ -66,7 +66,7 @@ class Guards:
         self.problem = problem
         self.layout = layout
         self.geometry = geometry
-        self.static = Word(problem, layout.static if known is None else known)
+        self.static = KnownFacts(problem, layout.static if known is None else known)
         self._types: dict[str, tuple[str, ...]] = {}
         self._order = geometry.index
         self._ordered: dict[frozenset[str], tuple[Value, ...]] = {}
@@ -162,7 +162,7 @@ class Guards:
 
     # --- formulas ------------------------------------------------------------------------------------------------
 
-    def reduce(self, formula: Formula, env: Environment, word: Word | None) -> Formula:
+    def reduce(self, formula: Formula, env: Environment, word: KnownFacts | None) -> Formula:
         """What remains of a normal-form formula: TRUE, FALSE, or a formula over unknown facts and variables. A literal
         that remains with ANY as value of a functional fact says that there is some value."""
         match formula:
@@ -184,7 +184,7 @@ class Guards:
             case Previous():
                 return FALSE
 
-    def _literal(self, literal: Literal, env: Environment, word: Word | None) -> Formula:
+    def _literal(self, literal: Literal, env: Environment, word: KnownFacts | None) -> Formula:
         try:
             args = tuple(self.resolve(a, env) for a in literal.args)
         except Undefined:
@@ -213,7 +213,7 @@ class Guards:
             return FALSE
         return Compare(formula.operator, left, right)
 
-    def _exists(self, formula: Exists, env: Environment, word: Word | None) -> Formula:
+    def _exists(self, formula: Exists, env: Environment, word: KnownFacts | None) -> Formula:
         known = env.keys() | {v.name for v in formula.variables}
         if any(isinstance(v.type, RangeType) and not free_names(v.type) <= known for v in formula.variables):
             return formula
@@ -227,7 +227,7 @@ class Guards:
         return disjunction(self._exists_large(kept, body, inner, word) for inner, body in bodies)
 
     def _exists_large(
-        self, variables: list[Variable], body: Formula, env: Environment, word: Word | None
+        self, variables: list[Variable], body: Formula, env: Environment, word: KnownFacts | None
     ) -> Formula:
         if body in (TRUE, FALSE):
             return body if all(self.values(v, env, word) for v in variables) else FALSE
@@ -264,7 +264,7 @@ class Guards:
             return self.layout.domains.of_type(variable.type.name) <= self.layout.small
         return True
 
-    def values(self, variable: Variable, env: Environment, word: Word | None) -> Sequence[Value]:
+    def values(self, variable: Variable, env: Environment, word: KnownFacts | None) -> Sequence[Value]:
         """All values of a variable, in the order of declaration."""
         match variable.type:
             case ObjectType(name):
@@ -292,7 +292,7 @@ class Guards:
         variables: Sequence[Variable],
         conjuncts: Sequence[Formula],
         env: Environment,
-        word: Word | None,
+        word: KnownFacts | None,
         domains: Mapping[str, frozenset[str]] | None = None,
     ) -> Iterator[tuple[Environment, tuple[Formula, ...]]]:
         """All values of `variables` under which no conjunct is refuted, each with what remains of the conjuncts; the
@@ -319,7 +319,7 @@ class Guards:
         variables: Sequence[Variable],
         live: Sequence[Formula],
         env: Environment,
-        word: Word | None,
+        word: KnownFacts | None,
         domains: Mapping[str, frozenset[str]],
     ) -> tuple[Variable, Sequence[Value]]:
         best: tuple[Variable, Sequence[Value]] | None = None
@@ -338,7 +338,7 @@ class Guards:
         variable: Variable,
         live: Sequence[Formula],
         env: Environment,
-        word: Word | None,
+        word: KnownFacts | None,
         domain: frozenset[str] | None,
     ) -> Sequence[Value]:
         if not isinstance(variable.type, ObjectType):
@@ -357,7 +357,7 @@ class Guards:
             self._ordered[key] = (*sorted(key, key=self._order.__getitem__),)
         return self._ordered[key]
 
-    def _allowed(self, name: str, formula: Formula, word: Word | None) -> frozenset[str] | None:
+    def _allowed(self, name: str, formula: Formula, word: KnownFacts | None) -> frozenset[str] | None:
         """The objects that one conjunct leaves for a variable; None when it says nothing at once."""
         if isinstance(formula, Compare) and formula.operator == "=":
             for here, there in ((formula.left, formula.right), (formula.right, formula.left)):

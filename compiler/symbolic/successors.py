@@ -13,7 +13,7 @@ from typing import Any
 from ...langs.trees import parts
 from ..ir import Action, ChainType, Fact, Formula, Problem, Value
 from .blocks import Block, Blocks
-from .chains import Word
+from .chains import KnownFacts
 from .domains import Domains, FlatRule
 from .expressions import source
 from .geometry import SceneLengths
@@ -44,7 +44,7 @@ class Successors:
         self._expanders: dict[int, Expander] = {}
         self._sources: dict[int, str] = {}
         self._blocks_of: dict[int, list[Block]] = {}
-        self._words: dict[int, Word] = {}
+        self._words: dict[int, KnownFacts] = {}
         self._goal = self.normal.normal(problem.goal, {}, False)
         self._goal_of_chains = has_chains(self._goal)
         self._goals: dict[int, Callable[[int], bool]] = {}
@@ -96,11 +96,11 @@ class Successors:
         """The logic facts that hold in a state, static ones included; symmetric ones in both orders."""
         return self.layout.facts(state)
 
-    def word(self, state: int) -> Word:
+    def word(self, state: int) -> KnownFacts:
         """The facts between small objects that hold in a state."""
         flags = state & self.layout.flag_mask
         if flags not in self._words:
-            self._words[flags] = Word(self.problem, self.layout.true_flags(flags))
+            self._words[flags] = KnownFacts(self.problem, self.layout.true_flags(flags))
         return self._words[flags]
 
     def condition(self, formula: Formula) -> Callable[[int], bool]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from ....compiler.ir import Action, Any_, Effect, EffectIf, EffectItem, Fact, Object, Problem
-from ....compiler.symbolic.chains import Word
+from ....compiler.symbolic.chains import KnownFacts
 from ....compiler.symbolic.guards import Environment, Guards, Undefined
 from ....compiler.symbolic.normal_form import TRUE
 from ....compiler.symbolic.successors import Successors
@@ -56,7 +56,7 @@ def _changes(
     successors: Successors, items: Sequence[EffectItem], env: Environment, state: int
 ) -> Iterator[tuple[Fact, bool]]:
     guards: Guards = successors.guards
-    word: Word = successors.word(state)
+    word: KnownFacts = successors.word(state)
     for item in items:
         if isinstance(item, Effect):
             if item.literal.motion:
