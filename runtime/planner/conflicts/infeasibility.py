@@ -16,9 +16,9 @@ from ..bounds.verdicts import Conflict
 from ..motion.nlp.program import DIVERGED
 from ..plan_assembly import placed
 from .nearest_miss import nearest
+from .settings import CONFLICTS
 from .shortfall import achievers, lacking
 
-MOST_EXPLAINED = 5
 UNREACHABLE = "no sequence of actions reaches the goal: every state that can be reached was seen"
 
 
@@ -54,9 +54,9 @@ class Refusals:
         for skeleton, conflict in self._found:
             groups.setdefault(self._cause(skeleton, conflict), []).append((skeleton, conflict))
         ranked = sorted(groups.values(), key=lambda g: (min(map(_length, g)), -len(g)))
-        told = [self._diagnostic(*min(group, key=_miss), len(group)) for group in ranked[:MOST_EXPLAINED]]
-        if len(ranked) > MOST_EXPLAINED:
-            more = sum(map(len, ranked[MOST_EXPLAINED:]))
+        told = [self._diagnostic(*min(group, key=_miss), len(group)) for group in ranked[:CONFLICTS.most_explained]]
+        if len(ranked) > CONFLICTS.most_explained:
+            more = sum(map(len, ranked[CONFLICTS.most_explained:]))
             told[-1] = replace(told[-1], note="; ".join(filter(None, (told[-1].note, f"{more} more refusals"))))
         return told
 
@@ -75,7 +75,7 @@ class Refusals:
         blamed = f"; what achieves it is {names}, never applicable where it would help" if rules else ""
         bounds = [(rule, bound.span) for rule, bound in rules if bound is not None and bound.span is not None]
         labels = [Label(span, f"a bound that `{rule.name}` needs") for rule, span in bounds]
-        lacks = lacking(self.problem)[:MOST_EXPLAINED]
+        lacks = lacking(self.problem)[:CONFLICTS.most_explained]
         if not lacks:
             near = nearest(self.problem, [rule for rule, _ in rules])
             lacks = [str(near)] if near else [""]
@@ -153,9 +153,10 @@ class Refusals:
 def distrust(verdict: VerdictRecord | None) -> list[Diagnostic]:
     """What the verifier says against a plan, the first few things."""
     failures = [] if verdict is None else verdict.failures
-    told = [Diagnostic("S0004", f"the verifier refuses the plan: {f.message}") for f in failures[:MOST_EXPLAINED]]
-    if len(failures) > MOST_EXPLAINED:
-        told[-1] = replace(told[-1], note=f"and {len(failures) - MOST_EXPLAINED} more failures")
+    most = CONFLICTS.most_explained
+    told = [Diagnostic("S0004", f"the verifier refuses the plan: {f.message}") for f in failures[:most]]
+    if len(failures) > most:
+        told[-1] = replace(told[-1], note=f"and {len(failures) - most} more failures")
     return told
 
 

@@ -14,10 +14,9 @@ from .....compiler.ir import World
 from .....compiler.motion.collision import ON_AXIS, PATH_MARGIN, Sphere, body_spheres, module_spheres, shape_distance
 from ....skeleton import Array
 from .joint_forest import Mount, Obstacle, PhaseTree
+from .settings import PHASES
 
 Indices = NDArray[np.intp]
-MOST_PAIRS = 500_000
-"""So many pairs are looked at at once: a tenth of a second, and what a process can hold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,8 +189,8 @@ class Meetings:
 
 
 def _blocks(rows: int, width: int) -> Iterator[Indices]:
-    """The rows of a table of pairs in blocks of at most some MOST_PAIRS."""
-    step = max(1, MOST_PAIRS // max(1, width))
+    """The rows of a table of pairs in blocks of at most `pair_lot`."""
+    step = max(1, PHASES.pair_lot // max(1, width))
     return (np.arange(start, min(rows, start + step)) for start in range(0, rows, step))
 
 

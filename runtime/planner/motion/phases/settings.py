@@ -60,6 +60,11 @@ class PhaseSettings:
         1e-5, "m",
         "By how much the poses of things at rest may differ, metres, and be the same.",
     )
+    pair_lot: int = setting(
+        500_000, "pairs",
+        "Pairs of spheres that are looked at at once, which is what a process can hold.",
+        "a tenth of a second",
+    )
 
 
 PHASES = PhaseSettings()
