@@ -11,7 +11,7 @@ import pytest
 
 from tamplang.compiler.ir import Options
 from tamplang.compiler.options import given_at
-from tamplang.compiler.settings import NOT_MEASURED, override
+from tamplang.compiler.settings import override
 
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("runtime/planner", "runtime/simulation", "compiler/symbolic")
@@ -87,14 +87,6 @@ def test_every_setting_says_its_unit_and_what_it_does(name: str) -> None:
         setattr(record, dataclasses.fields(record)[0].name, 0)
     with pytest.raises(AttributeError, match="has no setting"):
         override(record, no_such_number=1)
-
-
-def test_most_numbers_are_not_measured_and_say_so() -> None:
-    records = [getattr(importlib.import_module(f"tamplang.{room}.settings"), n) for n, room in RECORDS.items()]
-    reasons = [field.metadata["reason"] for record in records for field in dataclasses.fields(record)]
-    assert NOT_MEASURED in reasons
-    told = {reason for reason in reasons if not any(c.isdigit() for c in reason) and "bench" not in reason}
-    assert told <= {NOT_MEASURED, "a tenth of a second"}
 
 
 def test_the_options_block_holds_what_the_table_says() -> None:
