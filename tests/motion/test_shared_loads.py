@@ -1,0 +1,85 @@
+"""Loads that several feet share: planner and verifier, by different programs and solvers."""
+
+import numpy as np
+import pytest
+
+from tamplang.compiler import ir
+from tamplang.compiler.physics.frames import poses
+from tamplang.compiler.physics.statics import loads
+from tamplang.compiler.physics.structure import structure
+from tamplang.compiler.pipeline import compile_text
+from tamplang.runtime.planner.plan_assembly import module_record
+from tamplang.runtime.verify.geometry import frames
+from tamplang.runtime.verify.happenings import kept
+from tamplang.runtime.verify.kinematics import Kinematics
+from tamplang.runtime.verify.statics import _loads, _wrenches
+from tamplang.runtime.verify.strengths import Joined, joined, judge
+
+TEXT = """import std.rules
+
+module arch {{
+    effector A: gripper sphere(0.05 m) normal (0, 0, -1) mass 350 g holds pad(force {pull}, moment {moment})
+    joint j1: revolute(y) in -2 rad .. 2 rad torque 40 N m mass 0.5 kg
+    link 0.5 m: capsule(0.04 m) mass 2 kg
+    joint j2: revolute(y) in -3 rad .. 3 rad torque 40 N m mass 0.5 kg
+    link 0.5 m: capsule(0.04 m) mass 2 kg
+    joint j3: revolute(y) in -3 rad .. 3 rad torque 40 N m mass 0.5 kg
+    effector B: gripper sphere(0.05 m) mass 350 g holds pad(force {pull}, moment {moment})
+    fact (linked A B)
+}}
+
+task t() {{
+    base ground: box(4 m, 4 m, 5 cm) at (0, 0, 0)
+    base other: box(4 m, 4 m, 5 cm) at (0, 0, -3 m)
+    arch c: A on ground
+    goal (on ground c.B)
+}}
+"""
+MODE = frozenset({
+    ("stable", "ground", "c.A"), ("stand", "c.A", "ground"), ("stable", "other", "c.B"), ("stand", "c.B", "other"),
+})  # fmt: skip
+COUNT = 6
+
+
+def both(pull: str, moment: str) -> tuple[np.ndarray, np.ndarray, float]:
+    """The worst ratios `(T,)` of planner and verifier in random postures, and what of the weight is out of balance."""
+    problem, _ = compile_text(TEXT.format(pull=pull, moment=moment))
+    module, random = problem.world.modules["c"], np.random.default_rng(0)
+    rows = np.array([[*module.pose, *random.uniform(-1.0, 1.0, 3)] for _ in range(COUNT)])
+    bodies = {n: np.repeat(np.array([b.pose]), COUNT, 0) for n, b in problem.world.bodies.items()}
+    assert len(structure(problem, MODE).loops) == 1
+    mine = np.max([load.ratio for load in loads(problem, MODE, poses(problem, {"c": rows}, bodies), 1.5)], axis=0)
+    placed = Kinematics(module_record(module)).joint_frames(rows[:, :7], rows[:, 7:])
+    nodes = {("c", joint): frame for joint, frame in placed.items()}
+    nodes |= {(n, -1): frames(b) for n, b in bodies.items()}
+    edges = joined(problem, MODE, kept(problem, MODE))
+    found = _wrenches(problem, edges, nodes, _loads(problem, nodes, None), 1.5)
+    theirs = np.zeros(COUNT)
+    for edge, (force, turn) in found.items():
+        for figure in judge(problem, edge, nodes, force, turn, 1.5):
+            theirs = np.maximum(theirs, figure.amounts)
+    return mine, theirs, off_balance(problem, found)
+
+
+def off_balance(problem: ir.Problem, found: dict[Joined, tuple[np.ndarray, np.ndarray]]) -> float:
+    """Newtons by which what both feet bear differs from the weight."""
+    feet = [force for edge, (force, _) in found.items() if not edge.joint_of]
+    assert len(feet) == 2
+    weight = np.array([0.0, 0.0, -9.81 * (2 * 0.35 + 3 * 0.5 + 2 * 2.0)])
+    return float(np.abs(sum(feet) - weight).max())
+
+
+def test_planner_and_verifier_find_the_same_least_ratio() -> None:
+    mine, theirs, off = both("1 kN", "120 N m")
+    assert off < 1e-6
+    assert np.all(theirs <= 1.001 * mine) and np.all(theirs >= 0.9 * mine)
+
+
+def test_two_feet_bear_what_one_could_not() -> None:
+    problem, _ = compile_text(TEXT.format(pull="1 kN", moment="6 N m"))
+    rows = np.array([[*problem.world.modules["c"].pose, 1.4, 0.1, 0.0]])
+    at = poses(problem, {"c": rows}, {n: np.array([b.pose]) for n, b in problem.world.bodies.items()})
+    alone = frozenset(f for f in MODE if "c.A" in f)
+    one, two = (max(float(x.ratio[0]) for x in loads(problem, mode, at)) for mode in (alone, MODE))
+    assert one > 2.0 and two < 0.7 * one
+    assert two == pytest.approx(max(float(x.ratio[0]) for x in loads(problem, MODE, at)), rel=1e-6)
