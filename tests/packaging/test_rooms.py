@@ -29,6 +29,7 @@ FORBIDDEN = {
     "runtime.verify": ["runtime.planner", "runtime.geometry", "runtime.simulation", "runtime.skeleton",
                        "compiler.motion", "compiler.symbolic"],
     "runtime.report": ["runtime.planner", "runtime.simulation", "runtime.verify"],
+    "runtime.export": ["runtime.planner", "runtime.simulation", "runtime.verify", "runtime.report"],
 }  # fmt: skip
 
 

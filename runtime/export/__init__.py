@@ -1,0 +1,31 @@
+"""Plans for the tools of others. `docs/cli.md` lists the forms; `write` makes each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from ..plan import Plan
+
+FORMS = ("csv", "npz", "ros2", "urdf", "mjcf")
+
+
+def write(
+    plan: Plan, form: str, path: Path, rate: float | None = None, module: str | None = None, phase: int = 0
+) -> None:
+    """Write `plan` to `path` in one of FORMS. `rate`, hertz, is that of samples; None takes those of the plan. `urdf`
+    is the robot that `module` (None: the first) is part of in `phase`. Raises langs.diagnostics.UsageError for what the
+    plan lacks, and OSError."""
+    from . import mujoco, robots, ros2, tables
+
+    makers: dict[str, Callable[[], dict[Path, bytes]]] = {
+        "csv": lambda: {path: tables.csv_table(plan, rate)},
+        "npz": lambda: {path: tables.arrays(plan, rate)},
+        "ros2": lambda: {path: ros2.trajectories(plan, rate)},
+        "urdf": lambda: robots.robot(plan, path, module, phase),
+        "mjcf": lambda: {path: mujoco.scene(plan)},
+    }
+    from ...langs.writer import write_atomically
+
+    for file, content in makers[form]().items():
+        write_atomically(file, content)

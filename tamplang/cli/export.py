@@ -1,0 +1,39 @@
+"""The command `export`: plans for the tools of others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .limits import limit_options, limited
+from .outputs import checked_output
+from .plans import read
+from .sources import reading_sources
+
+FORMS = ("csv", "npz", "ros2", "urdf", "mjcf")
+ENDINGS = {"csv": ".csv", "npz": ".npz", "ros2": ".yaml", "urdf": ".urdf", "mjcf": ".xml"}
+
+
+@click.command()
+@click.argument("file", metavar="PLAN.json", type=click.Path(path_type=Path))
+@click.option("--to", "form", type=click.Choice(FORMS), required=True, help="The form to write.")
+@click.option("--out", type=click.Path(path_type=Path), help="The file to write; beside the plan unless given.")
+@click.option("--rate", type=float, help="Samples a second, of csv, npz and ros2; those of the plan unless given.")
+@click.option("--module", help="Of urdf: a module of the robot to write; the first one of the plan unless given.")
+@click.option("--phase", type=int, default=0, show_default=True, help="Of urdf: the phase to write it in.")
+@limit_options
+def export(
+    file: Path, form: str, out: Path | None, rate: float | None, module: str | None, phase: int,
+    seconds: float, memory: int | None,
+) -> None:  # fmt: skip
+    """Write a plan for other tools: tables, ROS 2, URDF or MuJoCo."""
+    plain = file.name.removesuffix(".json").removesuffix(".plan")
+    target = file.with_name(plain + ENDINGS[form]) if out is None else out
+    with limited(seconds, memory, f"exporting {file}"), reading_sources():
+        plan = read(file)
+        checked_output(target)
+        from ..runtime.export import write
+
+        write(plan, form, target, rate, module, phase)
+    click.echo(f"wrote {target}", err=True)
