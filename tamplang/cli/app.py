@@ -9,6 +9,7 @@ from .check import check, fmt
 from .compile import compile_command
 from .develop import bench, explain, help_command, lsp
 from .execute import run
+from .export import export
 from .new import new
 from .plans import report, verify
 from .simulate import simulate
@@ -23,7 +24,7 @@ def application() -> None:
 
 
 for _command in (
-    new, check, solve, run, sweep, verify, simulate, report, compile_command, explain, fmt, lsp, bench,
+    new, check, solve, run, sweep, verify, simulate, report, export, compile_command, explain, fmt, lsp, bench,
     help_command,
 ):  # fmt: skip
     application.add_command(_command)

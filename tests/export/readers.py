@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from itertools import pairwise
 from pathlib import Path
 
 import mujoco
@@ -42,7 +43,8 @@ def check_tables(plan: Plan, folder: Path) -> None:
             assert np.abs(arrays[f"{track.name}/q"] - stored).max(initial=0.0) < 1e-6
             for found, wanted in zip(arrays[f"{track.name}/poses"], np.array(track.poses)[kept], strict=True):
                 assert apart(placed(found), placed(wanted)) < 1e-9
-            table = np.array([[float(r[f"{track.name}.{n}"]) for n in names] for r in rows]).reshape(len(rows), len(names))
+            told = [[float(r[f"{track.name}.{n}"]) for n in names] for r in rows]
+            table = np.array(told).reshape(len(rows), len(names))
             assert np.array_equal(table, arrays[f"{track.name}/q"])
 
 
@@ -65,7 +67,7 @@ def check_ros2(plan: Plan, folder: Path) -> None:
     for message in messages:
         points, names = message["trajectory"]["points"], message["trajectory"]["joint_names"]
         stamps = [p["time_from_start"]["sec"] + 1e-9 * p["time_from_start"]["nanosec"] for p in points]
-        assert stamps[0] > 0 and all(b > a for a, b in zip(stamps, stamps[1:], strict=False))
+        assert stamps[0] > 0 and all(b > a for a, b in pairwise(stamps))
         assert names == [f"{message['module']}.{j.name}" for j in module_of(plan, message["module"]).joints]
         assert not any(points[-1]["velocities"])
         motion = trajectory(plan, message["module"], np.array(stamps) + message["start"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from shutil import copytree
 
@@ -98,4 +99,4 @@ def test_samples_come_at_the_rate_that_is_asked_for(tmp_path: Path) -> None:
     arguments = ["export", str(plan), "--to", "csv", "--rate", "10", "--out", str(target)]
     assert CliRunner().invoke(application, arguments, obj=0.0).exit_code == 0
     stamps = [float(line.split(",")[0]) for line in target.read_text().splitlines()[1:]]
-    assert stamps[:3] == [0.0, 0.1, 0.2] and all(b > a for a, b in zip(stamps, stamps[1:], strict=False))
+    assert stamps[:3] == [0.0, 0.1, 0.2] and all(b > a for a, b in pairwise(stamps))
