@@ -38,7 +38,7 @@ def check_collisions(plan: Plan, motion: Motion, sampler: Sampler, findings: Fin
     nobody's fault."""
     found, happenings = solids(plan), sampler.happenings
     own = {b for b in happenings.courses if all(b in free for free in happenings.free)}
-    looked_at = np.array(pairs(plan, found, own), dtype=np.intp).reshape(-1, 2)
+    looked_at = np.array(pairs(plan, found, own, findings.check_time), dtype=np.intp).reshape(-1, 2)
     findings.measure("penetration_m", 0.0, "")
     at_rest = _AtRest({}, set())
     for phase in range(len(plan.phases)):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence, Set
+from collections.abc import Callable, Sequence, Set
 from dataclasses import dataclass
 from typing import Any
 
@@ -93,20 +93,25 @@ def _hull(kind: str, size: tuple[float, ...]) -> tuple[Array, float]:
     return np.array(list(itertools.product(*((-h, h) for h in half)))), 0.0
 
 
-def pairs(plan: Plan, found: Sequence[Solid], own: Set[str] = frozenset()) -> list[tuple[int, int]]:
+def pairs(
+    plan: Plan, found: Sequence[Solid], own: Set[str] = frozenset(), check_time: Callable[[], None] | None = None
+) -> list[tuple[int, int]]:  # fmt: skip
     """Indices of all pairs of solids that could come to touch and may not: at least one of them is moved, other than
-    the bodies `own`, which move by themselves; and they are not neighbouring parts of one module."""
+    the bodies `own`, which move by themselves; and they are not neighbouring parts of one module. `check_time` is asked
+    before each solid."""
     moving = {m.name for m in plan.modules} | {t.name for t in plan.body_tracks} - own
     modules = {m.name: m for m in plan.modules}
     neighbours = {name: _Neighbours(module, found) for name, module in modules.items()}
     result = []
-    for i, k in itertools.combinations(range(len(found)), 2):
-        a, b = found[i], found[k]
-        if not (a.thing in moving or b.thing in moving):
-            continue
-        if a.thing == b.thing and neighbours[a.thing].include(a, b):
-            continue
-        result.append((i, k))
+    for i, a in enumerate(found):
+        if check_time is not None:
+            check_time()
+        for k, b in enumerate(found[i + 1 :], start=i + 1):
+            if not (a.thing in moving or b.thing in moving):
+                continue
+            if a.thing == b.thing and neighbours[a.thing].include(a, b):
+                continue
+            result.append((i, k))
     return result
 
 
