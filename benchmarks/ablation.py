@@ -19,6 +19,8 @@ from _mechanisms import MECHANISMS, switch
 
 SAME = 0.05
 """A share of the CPU time that is within what runs differ by."""
+LIMIT = 300.0
+"""Seconds by the wall of a run: so many that no run of a few CPU seconds ends by them on a busy machine."""
 ALL = "all"
 Task = tuple[str, tuple[tuple[str, int], ...], tuple[str, ...]]
 TASKS: tuple[Task, ...] = (
@@ -43,6 +45,11 @@ def run_of(mechanism: str, task: Task, limit: float, seed: int, folder: Path) ->
     program = ("-m", "tamplang") if mechanism == ALL else (str(Path(__file__).resolve()), "--without", mechanism)
     plan = folder / "plan.json"
     return bench.solve(file, parameters, seed, limit, plan, *arguments, *more, program=program)
+
+
+def goes(mechanism: str, task: Task) -> bool:
+    """A horizon goes with one process only."""
+    return mechanism == ALL or not (MECHANISMS[mechanism].arguments and "--horizon" in task[2])
 
 
 def key(mechanism: str, task: Task) -> str:
@@ -99,12 +106,12 @@ def markdown(runs: bench.Runs, seeds: int) -> str:
 
 
 def main() -> None:
-    arguments = bench.options("ablation", __doc__ or "", 60.0)
+    arguments = bench.options("ablation", __doc__ or "", LIMIT)
     names = [ALL, *MECHANISMS]
     kept = bench.chosen(names, arguments.rows)
     tasks = {
         key(name, task): partial(run_of, name, task, arguments.time)
-        for task in TASKS for name, keep in zip(names, kept, strict=True) if keep
+        for task in TASKS for name, keep in zip(names, kept, strict=True) if keep and goes(name, task)
     }  # fmt: skip
     tasks = {k: (lambda seed, folder, run=run: run(seed=seed, folder=folder)) for k, run in tasks.items()}
     runs = bench.measure(tasks, arguments.seeds, arguments.out)
