@@ -42,7 +42,7 @@ OPTIONS: Mapping[str, Option] = {
         Option("physics", "word", "Whether robots must bear themselves: at rest, or also in motion.",
                frozenset(("task",)), "none", ("none", "statics", "dynamics")),
         Option("safety", "number", "How many times its load everything must bear.", frozenset(("task",)), 1.5),
-        Option("margin", "length", "Distance kept to obstacles, metres.", frozenset(("task",))),
+        Option("margin", "length", "Distance that things wish to keep, metres.", frozenset(("task",))),
         Option("solutions", "whole", "How many plans to find.", frozenset(("solve", "python")), 1, most=1000),
     )
 }  # fmt: skip

@@ -72,15 +72,21 @@ def _line(half: float, step: float) -> list[float]:
     return [half * (2 * k / count - 1) for k in range(count + 1)]
 
 
+def _apart(ball: float, margin: float) -> float:
+    """How far apart spheres of radius `ball` that touch a face may be to cover it within `margin`; at least 2 `ball`,
+    as that is at most margin / (√3 − 1)."""
+    return math.sqrt(2 * margin * (margin + 2 * ball))
+
+
 def _cover_box(half: Vec3, margin: float) -> Iterator[tuple[Vec3, float]]:
     """Small spheres along the edges; larger ones, farther apart, behind what is left of the faces."""
     small = min(min(half), margin / (math.sqrt(3) - 1))
     overhang = 0.5 * (margin + math.sqrt(margin * (3 * margin + 8 * small)))
     large = min(min(half), 2 * small + overhang)
     if large < 3 * small:
-        yield from _box_shell(half, small, 2 * small, edges=False)
+        yield from _box_shell(half, small, _apart(small, margin), edges=False)
         return
-    yield from _box_shell(half, small, 2 * small, edges=True)
+    yield from _box_shell(half, small, _apart(small, margin), edges=True)
     yield from _box_shell(half, large, 2 * (large - 2 * small), edges=False)
 
 
@@ -102,11 +108,12 @@ def _cover_capsule(radius: float, length: float, margin: float) -> Iterator[tupl
 def _cover_cylinder(radius: float, length: float, margin: float) -> Iterator[tuple[Vec3, float]]:
     """Rings of spheres: the outermost at every height, all of them at both flat ends."""
     ball = min(radius, length / 2, margin / (math.sqrt(3) - 1))
-    heights = _line(length / 2 - ball, 2 * ball)
-    rings = sorted({abs(r) for r in _line(radius - ball, 2 * ball)}, reverse=True)
+    step = _apart(ball, margin)
+    heights = _line(length / 2 - ball, step)
+    rings = sorted({abs(r) for r in _line(radius - ball, step)}, reverse=True)
     for k, z in enumerate(heights):
         for ring in rings if k in (0, len(heights) - 1) else rings[:1]:
-            count = 1 if ring <= ON_AXIS else max(4, math.ceil(math.pi * (ring + ball) / ball))
+            count = 1 if ring <= ON_AXIS else max(4, math.ceil(2 * math.pi * (ring + ball) / step))
             for i in range(count):
                 angle = 2 * math.pi * i / count
                 yield (ring * math.cos(angle), ring * math.sin(angle), z), ball

@@ -31,8 +31,9 @@ def test_all_pairs_that_are_near_are_found_in_order(mine: list[int], others: lis
     points, other_points = random.uniform(-1, 1, (count, 3)), random.uniform(-1, 1, (other_count, 3))
     margins = np.full((4, 4), 0.05)
     margins[0, 2], margins[1, 3] = -np.inf, 0.2
+    least = random.uniform(0.0, 0.05, (4, 4))
     blocks = Blocks()
-    blocks.grid(7, a, b, margins)
+    blocks.grid(7, a, b, np.stack([margins, least], axis=-1))
     found = blocks.near((points, points), (other_points, other_points), NEAR)
 
     owner, other_owner = np.repeat(a[:, 2], a[:, 1]), np.repeat(b[:, 2], b[:, 1])
@@ -48,13 +49,14 @@ def test_all_pairs_that_are_near_are_found_in_order(mine: list[int], others: lis
     for pair, margin, tag in zip(told, found.wanted, found.tags, strict=True):
         assert by_pair[pair][0] == margin
         assert by_pair[pair][1] == list(tag)
+    assert found.least.tolist() == [least[one, other] for _, one, other in found.tags.tolist()]
 
 
 def test_what_is_far_is_left_out_and_what_took_part_stays() -> None:
     runs = np.array([(0, 2, 0), (2, 1, 1)])
     blocks = Blocks()
-    blocks.pairs(0, np.array([(0, 1, 0)]), np.array([(1, 1, 0)]), np.zeros((2, 2)))
-    blocks.grid(0, runs, np.array([(3, 1, 1)]), np.zeros((2, 2)))
+    blocks.pairs(0, np.array([(0, 1, 0)]), np.array([(1, 1, 0)]), np.zeros((1, 2)))
+    blocks.grid(0, runs, np.array([(3, 1, 1)]), np.zeros((2, 2, 2)))
     close = np.zeros((4, 3))
     far = np.array([[0.0, 0, 0], [9.0, 0, 0], [20.0, 0, 0], [20.1, 0, 0]])
     every = blocks.near((close, close), (close, close), NEAR)

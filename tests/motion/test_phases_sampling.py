@@ -19,13 +19,12 @@ from .fixtures import box, pick_and_place
 from .test_phases_repair import SETTINGS, cart_scene, group_of
 
 
-@pytest.mark.parametrize("fine", [False, True])
 @pytest.mark.parametrize("margin", [0.01, 0.2])
-def test_nothing_near_is_passed_over(fine: bool, margin: float) -> None:
+def test_nothing_near_is_passed_over(margin: float) -> None:
     skeleton = pick_and_place(2)
     sequence = solve_sequence(skeleton, SETTINGS, Seed(0), Budget(20.0))
     batch = group_of(skeleton, sequence.configurations, [1, 3]).batch
-    geometry = batch.fine if fine else batch.coarse
+    geometry = batch.coarse
     values = batch.start[:, None] + np.random.default_rng(0).normal(0.0, 0.5, (2, 7, batch.start.shape[1]))
     obstacles, pairs, *wholes = close(geometry, values, margin)
     expected = to_obstacles(geometry, values)

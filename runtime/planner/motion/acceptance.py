@@ -1,33 +1,24 @@
 """The check that accepts the motion of a phase: kept poses and clearances, on its splines, between its slices.
 
-Clearances are those of spheres that cover the true shapes within CHECK_MARGIN, at samples that are much denser than the
-slices; kept poses are measured at the same samples.
+Clearances are exact, at samples that are much denser than the slices; kept poses are measured at the same samples.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from ....compiler.hulls import hull
-from ....compiler.ir import Fact, Module, Problem, Shape
-from ....compiler.motion.collision import (
-    CHECK_MARGIN,
-    PhaseContacts,
-    bounding_radius,
-    cover,
-    module_spheres,
-    pair,
-    taper,
-)
-from ....compiler.motion.pairs import self_pairs
+from ....compiler.ir import Fact, Problem, Shape
+from ....compiler.motion.collision import PhaseContacts, pair
+from ....compiler.motion.parts import module_parts, own_pairs
+from ...geometry.exact_distances import Forms, Posed, distances
 from ...geometry.resampling import Resampled, effector_poses, kept_pairs, resample
 from ...geometry.transforms import compose, inverse, joint_frames, rotate
 from ...skeleton import Array, Breach, Configuration, PhasePath, Violation
-from .phases.contact_margins import CONTACT_TOLERANCE, EXACT_MARGIN
+from .phases.contact_margins import REQUIRED, kind_of
 from .phases.phase_batch import GREATEST_STEP
 
 FACTOR = 5
@@ -35,9 +26,6 @@ FACTOR = 5
 SAMPLES = 200
 """Least samples per phase."""
 STILL = 1e-9
-
-
-_Record = Callable[[str, str, Array, bool], None]
 
 
 def dense(problem: Problem, mode: frozenset[Fact], path: PhasePath, start: Configuration) -> Resampled:
@@ -82,57 +70,35 @@ def steps(problem: Problem, phase: int, path: PhasePath) -> Iterator[Violation]:
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """One shape of a module or body: what contacts name it, its poses `(T, 7)`, and the spheres that cover it: centres
-    `(T, N, 3)`, radii `(N,)`; none when it rests."""
+    """One shape of a module or body: what contacts name it, and its poses `(T, 7)`."""
 
     thing: str
     tag: str
     shape: Shape
     poses: Array
     moves: bool
-    centres: Array
-    radii: Array
-
-    @property
-    def reach(self) -> float:
-        return bounding_radius(self.shape)
-
-    @property
-    def exact(self) -> bool:
-        return self.shape.kind == "sphere"
 
 
 def clashes(
-    problem: Problem, phase: int, contact: PhaseContacts, motion: Resampled, start: Configuration, slices: int
+    problem: Problem, phase: int, contact: PhaseContacts, motion: Resampled, start: Configuration
 ) -> list[Violation]:
-    """The pairs that come too near in a phase, the worst sample of each; `slices` is how many of them its contacts are
-    counted in. Things that both rest are not looked at."""
-    times = (motion.times - motion.times[0]) / max(motion.times[-1] - motion.times[0], 1e-9) * slices
+    """The pairs that overlap in a phase, the worst sample of each. Things that both rest are not looked at."""
     missed: dict[tuple[str, str], float] = {}
-
-    def record(first: str, second: str, clearance: Array, exact: bool) -> None:
-        """Keep what `clearance` `(T, N)` misses."""
-        share = taper(contact, pair(first, second), times, slices)
-        if share is None:
-            return
-        margin = EXACT_MARGIN if exact else CHECK_MARGIN
-        wanted = np.where(share < 1.0, margin * share - CONTACT_TOLERANCE, margin)
-        amount = float((wanted[:, None] - clearance).max(initial=0.0))
-        if amount > 0.0:
-            key = pair(first, second)
-            missed[key] = max(missed.get(key, 0.0), amount)
-
     parts = [*_module_parts(problem, motion), *_body_parts(problem, motion, start)]
-    for one, other in itertools.combinations(parts, 2):
-        if one.thing != other.thing and (one.moves or other.moves):
-            apart = np.linalg.norm(one.poses[:, :3] - other.poses[:, :3], axis=1)
-            if apart.min() <= one.reach + other.reach + CHECK_MARGIN:
-                balls, solid = sorted((one, other), key=lambda p: (not p.moves, len(p.radii)))
-                clearance = _distance(balls.centres, solid.shape, solid.poses) - balls.radii
-                record(one.tag, other.tag, clearance, balls.exact)
-    for module in problem.world.modules.values():
-        if module.type.joints:
-            _within(module, motion, record)
+    forms = Forms([part.shape for part in parts])
+    centres = [part.poses[:, :3] for part in parts]
+    for i, k in _pairs(problem, parts):
+        one, other = parts[i], parts[k]
+        kind = kind_of(contact, one.tag, other.tag)
+        apart = np.linalg.norm(centres[i] - centres[k], axis=1) - forms.reach[i] - forms.reach[k]
+        near = np.flatnonzero(apart < REQUIRED[kind])
+        if not len(near):
+            continue
+        posed = (_posed(forms, n, parts[n].poses[near]) for n in (i, k))
+        amount = float((REQUIRED[kind] - distances(next(posed), next(posed), np.zeros(len(near))).value).max())
+        if amount > 0.0:
+            key = pair(one.tag, other.tag)
+            missed[key] = max(missed.get(key, 0.0), amount)
     found = [
         Violation(phase, Breach.SELF_COLLISION if _same(a, b) else Breach.COLLISION, (a, b), amount, "m")
         for (a, b), amount in missed.items()
@@ -145,45 +111,30 @@ def _same(one: str, other: str) -> bool:
     return one.partition(".")[0] == other.partition(".")[0]
 
 
-def _within(module: Module, motion: Resampled, record: _Record) -> None:
-    """The spheres of one module that can meet."""
-    frames = _joint_poses(module, motion)
-    spheres = module_spheres(module.type, CHECK_MARGIN)
-    centres = [_points(frames[s.joint], np.array([s.centre]))[:, 0] for s in spheres]
-    tags = [f"{module.name}.{s.effector}" if s.effector else module.name for s in spheres]
-    for i, k in self_pairs(module.type, CHECK_MARGIN):
-        apart = np.linalg.norm(centres[i] - centres[k], axis=1) - spheres[i].radius - spheres[k].radius
-        record(tags[i], tags[k], apart[:, None], spheres[i].exact and spheres[k].exact)
+def _pairs(problem: Problem, parts: Sequence[_Part]) -> Iterator[tuple[int, int]]:
+    """Which parts may not overlap: of different things one of which moves, and those of a module that `own_pairs`
+    names."""
+    for i, k in itertools.combinations(range(len(parts)), 2):
+        if parts[i].thing != parts[k].thing and (parts[i].moves or parts[k].moves):
+            yield i, k
+    first = {part.thing: k for k, part in reversed(list(enumerate(parts)))}
+    for module in problem.world.modules.values():
+        for i, k, _ in own_pairs(module.type):
+            yield first[module.name] + i, first[module.name] + k
 
 
-def _joint_poses(module: Module, motion: Resampled) -> dict[int, Array]:
-    """Poses `(T, 7)` of a module's joint frames, -1 the module frame."""
-    base = np.broadcast_to(motion.poses[module.name], (len(motion.times), 7))
-    frames = joint_frames(module.type.joints, base, motion.joints[module.name])
-    return dict(enumerate(frames, start=-1))
+def _posed(forms: Forms, form: int, poses: Array) -> Posed:
+    turned = rotate(poses[:, None, 3:], np.eye(3)[None]).transpose(0, 2, 1)
+    return Posed(forms, np.full(len(poses), form), poses[:, :3], turned)
 
 
 def _module_parts(problem: Problem, motion: Resampled) -> Iterator[_Part]:
     for module in problem.world.modules.values():
-        frames = _joint_poses(module, motion)
-        ends: dict[int, list[_Part]] = {}
-        for end in module.type.effectors:
-            if end.shape is not None:
-                poses = compose(frames[end.joint], np.asarray(end.placement))
-                ends.setdefault(end.joint, []).append(_part(module.name, f"{module.name}.{end.name}", end.shape, poses))
-        for parts in ends.values():
-            yield from parts
-        for link in module.type.links:
-            part = _part(module.name, module.name, link.shape, compose(frames[link.joint], np.asarray(link.placement)))
-            yield _outside(part, ends.get(link.joint, []))
-
-
-def _outside(link: _Part, ends: Sequence[_Part]) -> _Part:
-    """A link without the spheres that lie inside an effector rigid with it: what touches them touches the effector."""
-    bare = np.ones(len(link.radii), bool)
-    for end in ends:
-        bare &= _distance(link.centres[:1], end.shape, end.poses[:1])[0] > STILL - link.radii
-    return replace(link, centres=link.centres[:, bare], radii=link.radii[bare])
+        base = np.broadcast_to(motion.poses[module.name], (len(motion.times), 7))
+        frames = joint_frames(module.type.joints, base, motion.joints[module.name])
+        for part in module_parts(module.type):
+            tag = f"{module.name}.{part.effector}" if part.effector else module.name
+            yield _part(module.name, tag, part.shape, compose(frames[part.joint + 1], np.asarray(part.placement)))
 
 
 def _body_parts(problem: Problem, motion: Resampled, start: Configuration) -> Iterator[_Part]:
@@ -194,37 +145,4 @@ def _body_parts(problem: Problem, motion: Resampled, start: Configuration) -> It
 
 
 def _part(thing: str, tag: str, shape: Shape, poses: Array) -> _Part:
-    moves = bool(np.ptp(poses, axis=0).max() > STILL)
-    spheres = cover(shape, CHECK_MARGIN) if moves else ()
-    centres = _points(poses, np.array([c for c, _ in spheres]).reshape(-1, 3))
-    return _Part(thing, tag, shape, poses, moves, centres, np.array([r for _, r in spheres]))
-
-
-def _points(poses: Array, points: Array) -> Array:
-    """Points `(N, 3)` fixed to frames `(T, 7)`, in the world `(T, N, 3)`."""
-    times, count = len(poses), len(points)
-    turned = rotate(np.repeat(poses[:, 3:], count, axis=0), np.tile(points, (times, 1))).reshape(times, count, 3)
-    return np.asarray(turned + poses[:, None, :3])
-
-
-def _distance(points: Array, shape: Shape, poses: Array) -> Array:
-    """Signed distances `(T, N)` of points `(T, N, 3)` to the surface of a shape at poses `(T, 7)`."""
-    back, count = inverse(poses), points.shape[1]
-    turned = rotate(np.repeat(back[:, 3:], count, axis=0), points.reshape(-1, 3)).reshape(points.shape)
-    local = turned + back[:, None, :3]
-    size = shape.size
-    if shape.kind == "sphere":
-        return np.asarray(np.linalg.norm(local, axis=2) - size[0])
-    if shape.kind == "capsule":
-        along = np.clip(local[:, :, 2], -size[1] / 2, size[1] / 2)
-        local = np.concatenate([local[:, :, :2], (local[:, :, 2] - along)[:, :, None]], axis=2)
-        return np.asarray(np.linalg.norm(local, axis=2) - size[0])
-    if shape.kind == "convex":
-        return hull(shape).distance(local)
-    if shape.kind == "box":
-        excess = np.abs(local) - np.array(size) / 2
-    else:
-        around = np.hypot(local[:, :, 0], local[:, :, 1]) - size[0]
-        excess = np.stack([around, np.abs(local[:, :, 2]) - size[1] / 2], axis=2)
-    outside = np.linalg.norm(np.maximum(excess, 0.0), axis=2)
-    return np.asarray(outside + np.minimum(excess.max(axis=2), 0.0))
+    return _Part(thing, tag, shape, poses, bool(np.ptp(poses, axis=0).max() > STILL))

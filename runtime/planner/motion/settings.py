@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 @dataclass(frozen=True, slots=True)
 class MotionSettings:
-    """`slices` per phase on a path; `margin` between surfaces along a path and `switch_margin` at switches, metres;
+    """`slices` per phase on a path; `margin` wished for between surfaces along a path and `switch_margin` at switches,
+    metres, and nothing is refused for less;
     `limit_margin` pulls joint limits in at switches, radians; `tolerance` is the largest violation of a single row
     that still counts as feasible (metres or radians). With `polish`, motions become cheaper once they are feasible."""
 

@@ -21,19 +21,22 @@ Edges = tuple[Array, Array]
 
 @dataclass(frozen=True, slots=True)
 class Pairs:
-    """Pairs of things by their numbers `first` and `second` `(K,)`, the distance to keep `(K,)` in metres, and (phase,
-    owner, owner) `(K, 3)` of each; `places` `(K,)` tells them apart and orders them."""
+    """Pairs of things by their numbers `first` and `second` `(K,)`, the distances that are `wanted` and that they must
+    keep at `least` `(K,)` in metres, and (phase, owner, owner) `(K, 3)` of each; `places` `(K,)` tells them apart and
+    orders them."""
 
     places: Indices
     first: Indices
     second: Indices
     wanted: Array
     tags: Indices
+    least: Array
 
     def __getitem__(self, chosen: Indices) -> Pairs:
         return Pairs(
-            self.places[chosen], self.first[chosen], self.second[chosen], self.wanted[chosen], self.tags[chosen]
-        )
+            self.places[chosen], self.first[chosen], self.second[chosen], self.wanted[chosen], self.tags[chosen],
+            self.least[chosen],
+        )  # fmt: skip
 
     def joined(self, other: Pairs) -> tuple[Pairs, NDArray[np.bool_]]:
         """These pairs and others, each once and in order, and which of them `(K,)` are of these."""
@@ -42,13 +45,14 @@ class Pairs:
             places,
             np.concatenate([self.first, other.first])[at], np.concatenate([self.second, other.second])[at],
             np.concatenate([self.wanted, other.wanted])[at], np.concatenate([self.tags, other.tags])[at],
+            np.concatenate([self.least, other.least])[at],
         )  # fmt: skip
         return both, at < len(self.places)
 
 
 NO_PAIRS = Pairs(
     np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0),
-    np.zeros((0, 3), dtype=np.int64),
+    np.zeros((0, 3), dtype=np.int64), np.zeros(0),
 )  # fmt: skip
 
 
@@ -58,7 +62,7 @@ class Blocks:
     def __init__(self) -> None:
         self._size = 0
         self._rows = [np.zeros((0, 9), dtype=np.int64)]
-        self._margins = [np.zeros(0)]
+        self._margins = [np.zeros((0, 2))]
         self._finished: tuple[Indices, Array] | None = None
         self._runs: list[tuple[Indices, Indices]] = []
 
@@ -66,28 +70,28 @@ class Blocks:
         return sum(map(len, self._margins))
 
     def grid(self, phase: int, first: Runs, second: Runs, margins: Array) -> None:
-        """Every run of `first` against every one of `second`, kept apart as `margins` says for their owners: metres, or
-        -inf where they may touch."""
+        """Every run of `first` against every one of `second`, kept apart as `margins` `(owners, owners, 2)` says: the
+        distance wanted, or -inf where they may touch, and the least one."""
         each, every = np.repeat(np.arange(len(first)), len(second)), np.tile(np.arange(len(second)), len(first))
         width = int(second[:, 1].sum())
         place = _before(first)[each] * width + _before(second)[every]
-        self._add(phase, first[each], second[every], place, width, margins)
+        owners = first[each, 2], second[every, 2]
+        self._add(phase, first[each], second[every], place, width, margins[owners])
         self._size += int(first[:, 1].sum()) * width
 
     def pairs(self, phase: int, first: Runs, second: Runs, margins: Array) -> None:
-        """Each run of `first`, a single thing, against the same one of `second`."""
+        """Each run of `first`, a single thing, against the same one of `second`; `margins` `(K, 2)` as for grids."""
         self._add(phase, first, second, np.arange(len(first)), 1, margins)
         self._size += len(first)
 
     def _add(self, phase: int, first: Runs, second: Runs, place: Indices, width: int, margins: Array) -> None:
-        wanted = margins[first[:, 2], second[:, 2]]
-        kept = np.isfinite(wanted)
+        kept = np.isfinite(margins[:, 0])
         rows = np.empty((len(place), 9), dtype=np.int64)
         rows[:, 0], rows[:, 1] = self._size + place, width
         rows[:, 2:4], rows[:, 4:6] = first[:, :2], second[:, :2]
         rows[:, 6], rows[:, 7], rows[:, 8] = phase, first[:, 2], second[:, 2]
         self._rows.append(rows[kept])
-        self._margins.append(wanted[kept])
+        self._margins.append(margins[kept])
         self._finished = None
 
     def _tables(self) -> tuple[Indices, Array]:
@@ -107,7 +111,7 @@ class Blocks:
             for edges, (runs, which) in zip((first, second), self._runs, strict=True)
         )
         apart = np.maximum(np.maximum(low - other_high, other_low - high), 0.0)
-        chosen = np.flatnonzero(np.einsum("ij,ij->i", apart, apart) <= (near + margins + SLACK) ** 2)
+        chosen = np.flatnonzero(np.einsum("ij,ij->i", apart, apart) <= (near + margins[:, 0] + SLACK) ** 2)
         return _expanded(rows[chosen], margins[chosen])
 
 
@@ -139,4 +143,5 @@ def _expanded(rows: Indices, margins: Array) -> Pairs:
     places = rows[block, 0] + i * rows[block, 1] + j
     order = np.argsort(places, kind="stable")
     block, i, j = block[order], i[order], j[order]
-    return Pairs(places[order], rows[block, 2] + i, rows[block, 4] + j, margins[block], rows[block, 6:9])
+    wanted, least = margins[block].T
+    return Pairs(places[order], rows[block, 2] + i, rows[block, 4] + j, wanted, rows[block, 6:9], least)

@@ -2,43 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from .....compiler.ir import Problem
 from .....compiler.motion.collision import Pair
-from .....compiler.motion.pairs import self_pairs
+from .....compiler.motion.parts import are_close, own_pairs
 from ....skeleton import Array, Breach
-from ..nlp.row_groups import RowLabel
+from ..nlp.row_groups import RowGroup, RowLabel
 from ..nlp.unknowns import Indices, UnknownsLayout
 from .broad_phase import Blocks, Runs
-from .clearance_rows import ClearanceGroup, Cloud, Obstacles
+from .clearance_rows import ClearanceGroup, Clearances, Obstacles, Ruler, WishGroup
+from .part_frames import Cloud
 
 
 @dataclass(frozen=True, slots=True)
 class Margins:
-    """The distance that objects must keep in a slice: `usual` metres, but for some pairs another one, or, with None,
-    they may touch."""
+    """The distance that objects wish to keep in a slice: `usual` metres, but for some pairs another one, or, with None,
+    they may touch. What sits next to an effector of a pair in `touching` wishes nothing of the other one of the two,
+    or of what sits next to it."""
 
     usual: float
     special: Mapping[Pair, float | None]
+    least: Mapping[Pair, float] = field(default_factory=dict)
+    """What some pairs must keep, metres; others must not overlap."""
+    touching: frozenset[Pair] = frozenset()
 
 
 class Labels:
-    """Labels of collision rows, made when asked for from (phase, object number, object number)."""
+    """The parts of all things, numbered, and labels of collision rows, made when asked for from (phase, part, part)."""
 
     def __init__(self) -> None:
         self.names: list[str] = []
-        self._numbers: dict[str, int] = {}
+        """The object that each part belongs to: an effector, or the thing itself."""
+        self.of: dict[str, list[int]] = {}
+        """The parts of each object …"""
+        self.first: dict[str, int] = {}
+        """… and the first part of each thing; the others follow."""
 
-    def number(self, name: str) -> int:
-        """The number of an object."""
-        if name not in self._numbers:
-            self._numbers[name] = len(self.names)
-            self.names.append(name)
-        return self._numbers[name]
+    def take_in(self, thing: str, objects: list[str]) -> int:
+        """The number of the first part of a thing, whose parts belong to `objects`."""
+        if thing not in self.first:
+            self.first[thing] = len(self.names)
+            for name in objects:
+                self.of.setdefault(name, []).append(len(self.names))
+                self.names.append(name)
+        return self.first[thing]
 
     def label(self, tag: Indices) -> RowLabel:
         """A pair within one module is a self-collision."""
@@ -57,10 +68,10 @@ class Collisions:
         self.cloud = Cloud(problem, layout)
         self.obstacles = Obstacles()
         self._labels = Labels()
-        self._against_boxes = Blocks()
-        self._against_spheres = Blocks()
-        self._owners: dict[str, Runs] = {}
+        self._against_rest = Blocks()
+        self._among_parts = Blocks()
         self._scenes: dict[tuple[tuple[str, int], ...], Runs] = {}
+        self._close: dict[str, list[int]] = {}
 
     def add_slice(self, slice_: int, phase: int, margins: Margins, before: int | None = None) -> None:
         """Keep what moves in a slice clear. Slots that are those of slice `before` have been looked at there."""
@@ -76,60 +87,94 @@ class Collisions:
         runs = {name: self._runs(slice_, name) for name in names}
         wanted = self._wanted(margins)
         for name in fresh:
-            self._against_boxes.grid(phase, runs[name], scene, wanted)
+            self._against_rest.grid(phase, runs[name], scene, wanted)
             if name in world.modules:
-                self._within(slice_, phase, name, wanted)
+                self._within(phase, name, runs[name], wanted)
         for i, a in enumerate(names):
             for b in names[i + 1 :]:
                 if a in fresh or b in fresh:
-                    self._against_spheres.grid(phase, runs[a], runs[b], wanted)
+                    self._among_parts.grid(phase, runs[a], runs[b], wanted)
 
     def _runs(self, slice_: int, name: str) -> Runs:
-        """The spheres of one slot, and whom they belong to."""
-        if name not in self._owners:
-            owners = [self._labels.number(owner) for owner in self.cloud.owners(name)]
-            begins = [k for k, owner in enumerate(owners) if k == 0 or owner != owners[k - 1]]
-            ends = [*begins[1:], len(owners)]
-            found = [(k, end - k, owners[k]) for k, end in zip(begins, ends, strict=False)]
-            self._owners[name] = np.array(found, dtype=np.int64).reshape(-1, 3)
-        return self._owners[name] + (self.cloud.first(slice_, name), 0, 0)
+        """The parts of one slot, one by one, and their labels."""
+        first, label = self.cloud.first(slice_, name), self._label(name)
+        count = len(self.cloud.parts(name))
+        ones = np.ones(count, dtype=np.int64)
+        return np.stack([first + np.arange(count), ones, label + np.arange(count)], axis=1)
+
+    def _label(self, name: str) -> int:
+        """The label of a thing's first part."""
+        objects = [f"{name}.{part.effector}" if part.effector else name for part in self.cloud.parts(name)]
+        return self._labels.take_in(name, objects)
 
     def _scene(self, bodies: tuple[tuple[str, int], ...]) -> Runs:
-        """The rounded boxes of all bodies that rest at known places, by their names and places in z (-1: those that
-        never move)."""
+        """The bodies that rest at known places, by their names and places in z (-1: those that never move)."""
         if bodies not in self._scenes:
             found = []
             for name, place in bodies:
-                fixed = place < 0
-                pose = self.layout.resting[name] if fixed else self.layout.constants[place : place + 7]
-                numbers = self.obstacles.add(self.problem.world.bodies[name], place, pose)
-                found.append((numbers[0], len(numbers), self._labels.number(name)))
+                pose = self.layout.resting[name] if place < 0 else self.layout.constants[place : place + 7]
+                number = self.obstacles.add(self.problem.world.bodies[name], place, pose)
+                found.append((number, 1, self._label(name)))
             self._scenes[bodies] = np.array(found, dtype=np.int64).reshape(-1, 3)
         return self._scenes[bodies]
 
     def _wanted(self, margins: Margins) -> Array:
-        """The distance to keep by the numbers of both owners; -inf where they may touch."""
-        special = [(self._labels.number(a), self._labels.number(b), m) for (a, b), m in margins.special.items()]
+        """The margins `(labels, labels, 2)`, wished and least, of two parts; -inf where they may touch."""
         count = len(self._labels.names)
-        wanted = np.full((count, count), margins.usual)
-        for a, b, margin in special:
-            wanted[a, b] = wanted[b, a] = -np.inf if margin is None else margin
-        return wanted
+        result = np.zeros((count, count, 2))
+        wanted = result[..., 0]
+        wanted[...] = margins.usual
+        for one, other in sorted(margins.touching):
+            for a in self._next_to(one):
+                for b in self._next_to(other):
+                    wanted[a, b] = wanted[b, a] = 0.0
+        for (one, other), margin in margins.special.items():
+            for a in self._labels.of.get(one, ()):
+                for b in self._labels.of.get(other, ()):
+                    wanted[a, b] = wanted[b, a] = -np.inf if margin is None else min(margin, wanted[a, b])
+                    result[a, b, 1] = result[b, a, 1] = margins.least.get((one, other), 0.0)
+        return result
 
-    def _within(self, slice_: int, phase: int, name: str, wanted: Array) -> None:
-        """The spheres of one module that can meet."""
-        ends = np.array(self_pairs(self.problem.world.modules[name].type), dtype=np.int64).reshape(-1, 2)
-        owners, first = self._owners[name], self.cloud.first(slice_, name)
-        each = np.repeat(owners[:, 2], owners[:, 1])
-        one, other = (np.stack([first + e, np.ones_like(e), each[e]], axis=1) for e in (ends[:, 0], ends[:, 1]))
-        self._against_spheres.pairs(phase, one, other, wanted)
+    def _next_to(self, name: str) -> list[int]:
+        """The labels of the parts at most one joint away from an effector; of a body its own."""
+        if name not in self._close:
+            found = self.problem.world.effector(name)
+            first = self._labels.first.get(found[0].name if found else name)
+            if first is None:
+                return []
+            parts = self.cloud.parts(found[0].name if found else name)
+            self._close[name] = [
+                first + k for k, p in enumerate(parts)
+                if found is None or are_close(found[0].type, found[1].joint, p.joint)
+            ]  # fmt: skip
+        return self._close[name]
 
-    def groups(self) -> list[ClearanceGroup]:
-        """Sphere–box and sphere–sphere rows; none takes part before the first `refresh`."""
-        blocks = ((self._against_boxes, self.obstacles), (self._against_spheres, None))
-        return [ClearanceGroup(self.cloud, o, found, self._labels.label) for found, o in blocks if len(found)]
+    def _within(self, phase: int, name: str, runs: Runs, wanted: Array) -> None:
+        """The parts of one module that can meet; they wish no more than they have at home."""
+        pairs = own_pairs(self.problem.world.modules[name].type)
+        if pairs:
+            one, other = (np.array(side) for side in list(zip(*pairs, strict=True))[:2])
+            home = np.array([far for _, _, far in pairs])
+            first, second = runs[one], runs[other]
+            margins = wanted[first[:, 2], second[:, 2]]
+            margins[:, 0] = np.minimum(margins[:, 0], home)
+            self._among_parts.pairs(phase, first, second, margins)
+
+    def clearances(self) -> list[Clearances]:
+        """Of parts and what rests, and among parts; none takes part before the first `refresh`."""
+        ruler = Ruler(self.cloud, self.obstacles)
+        blocks = ((self._against_rest, self.obstacles.edges()), (self._among_parts, None))
+        return [Clearances(ruler, rest, found, self._labels.label) for found, rest in blocks if len(found)]
 
 
-def refresh(groups: list[ClearanceGroup], z: Array) -> bool:
-    """Take in the pairs that are near at z; whether one that was left out is violated."""
-    return any([group.refresh(z) for group in groups])
+def rows(clearances: list[Clearances], wish: float | None) -> Iterator[RowGroup]:
+    """Their rows, and their wishes of scale `wish`; without, rows hold the margins themselves."""
+    for found in clearances:
+        yield ClearanceGroup(found, strict=wish is None)
+        if wish is not None:
+            yield WishGroup(found, wish)
+
+
+def refresh(clearances: list[Clearances], z: Array) -> bool:
+    """Take in the pairs that are near at z; whether one that was left out overlaps."""
+    return any([found.refresh(z) for found in clearances])

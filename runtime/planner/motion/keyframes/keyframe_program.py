@@ -8,14 +8,14 @@ from functools import cached_property
 import numpy as np
 
 from .....compiler.ir import Arith, Function, Problem, Row, Term, Var, Vector
-from .....compiler.motion.collision import Pair, contacts, keeps_pose, pair, standing_clearance
+from .....compiler.motion.collision import Pair, contacts, keeps_pose
 from .....compiler.motion.permanent import permanent
 from ....budget import Budget
 from ....geometry.attachments import carrier, followers, involved, next_mode
 from ....geometry.drives import braked
 from ....skeleton import Array, Configuration, Skeleton
-from ..collision.clearance_rows import ClearanceGroup
-from ..collision.pairs_in_phases import Collisions, Margins, refresh
+from ..collision.clearance_rows import Clearances
+from ..collision.pairs_in_phases import Collisions, Margins, refresh, rows
 from ..nlp.augmented_lagrangian import SolverOptions, SolverResult, project, solve
 from ..nlp.features import Features, differences, homing, limits, norms
 from ..nlp.program import Program
@@ -35,8 +35,9 @@ TURN = 3.0
 """… and to lie turned as they lay at the start."""
 REFRESHES = 4
 """How often pairs that came near during a solve are taken in and the solve is resumed."""
-NEIGHBOUR = 0.006
-"""Metres kept between a thing that touches another one and the body that this one lies on."""
+WISH = 10.0
+"""The scale of wished clearances: they weigh as much as rows do at first. A margin that can be had is then missed by a
+fraction of a millimetre for the sake of homing."""
 POLISH = SolverOptions(mu=1e4, damping=1e-3, iterations=60)
 
 
@@ -142,7 +143,7 @@ class SwitchProgram:
         return LinearGroup("cost", columns, np.ones((1, 1)), np.array([t for _, t in targets]), [], scale)
 
     @cached_property
-    def _clearance(self) -> list[ClearanceGroup]:
+    def _clearance(self) -> list[Clearances]:
         """The collision rows; made when first asked for, as many spans are refused without them."""
         if not self.settings.collisions:
             return []
@@ -150,33 +151,20 @@ class SwitchProgram:
         touching = contacts(self.skeleton)
         if self._free:
             contact = touching[self.phases[0]]
-            collisions.add_slice(0, self.phases[0], self._margins(self.phases[0], contact.during, contact.start))
+            collisions.add_slice(0, self.phases[0], self._margins(contact.during | contact.start))
         for slice_, phase in enumerate(self.phases, start=1):
-            margin = self._margins(phase, touching[phase].during, touching[phase].end)
+            margin = self._margins(touching[phase].during | touching[phase].end)
             collisions.add_slice(slice_, phase, margin, before=slice_ - 1)
-        return collisions.groups()
+        return collisions.clearances()
 
-    def _margins(self, phase: int, *exempt: frozenset[Pair]) -> Margins:
-        """Contacts are free. What touches a thing may come near to the body that this thing lies on, as on a thin
-        plate, and a module as near to what it stands on as its own foot brings it."""
-        world, usual = self.problem.world, self.settings.switch_margin
-        touching = sorted(frozenset[Pair]().union(*exempt))
-        kept = (keeps_pose(self.problem, literal) for literal in sorted(self.skeleton.phases[phase].mode))
-        lies_on = {upper: lower for lower, upper in (k for k in kept if k) if {lower, upper} <= world.bodies.keys()}
-        special: dict[Pair, float | None] = {}
-        for one, other in (*touching, *(p[::-1] for p in touching)):
-            if other in lies_on:
-                special[pair(one, lies_on[other])] = min(usual, NEIGHBOUR)
-            foot = world.effector(one)
-            if foot:
-                clearance = standing_clearance(foot[0].type, foot[1].name)
-                if clearance < usual:
-                    special[pair(foot[0].name, other)] = clearance
-        return Margins(usual, special | dict.fromkeys(touching))
+    def _margins(self, touching: frozenset[Pair]) -> Margins:
+        """Contacts are free."""
+        return Margins(self.settings.switch_margin, dict.fromkeys(sorted(touching)), touching=touching)
 
     def program(self) -> Program:
         """The program over the pairs that take part at present."""
-        return Program(self.layout.constants, self.layout.unknowns, [*self._groups, *self._loads, *self._clearance])
+        clearances = rows(self._clearance, WISH)
+        return Program(self.layout.constants, self.layout.unknowns, [*self._groups, *self._loads, *clearances])
 
     def bear(self, asked: bool) -> bool:
         """From now on, or no longer, rows keep loads within strengths. Whether there are any."""

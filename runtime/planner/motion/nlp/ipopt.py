@@ -70,13 +70,13 @@ def _functions(program: Program, x: Array) -> tuple[dict[str, Any], dict[str, An
     triangle = _Pattern(below.ravel()[inside], (below + along).ravel()[inside], (n, n))
 
     def cost(x: Array, *_: Array) -> list[Any]:
-        return [program.cost(x)]
+        return [program.objective(x)]
 
     def gradient(x: Array, *_: Array) -> list[Any]:
         residuals = program.residuals(x)
         none = (np.zeros(len(equality)), np.zeros(len(inequality)))
         flat = (residuals[0], np.zeros(len(equality)), np.full(len(inequality), -1.0))
-        return [program.cost(x), program.normal(x, flat, none, 1.0)[0]]
+        return [program.objective(x), program.normal(x, flat, none, 1.0)[0]]
 
     def constraints(x: Array, *_: Array) -> list[Any]:
         return [np.concatenate(program.residuals(x)[1:])]

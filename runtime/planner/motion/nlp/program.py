@@ -14,10 +14,16 @@ from .row_groups import ALL, LinearGroup, RowGroup, RowLabel, merged
 from .unknowns import Indices
 
 KINDS = ("cost", "equality", "inequality")
+WISH = "wish"
+"""The kind of rows max(0, r) that cost what is missing of them, and are nothing to be refused for."""
 SMALL = 100_000
 """Of a group with no more products of rows, all their places are found at once."""
 DIVERGED = 1e9
 """Stands for a violation that is no number: JSON has none, and no comparison would tell it."""
+
+
+def _bounds(groups: Sequence[RowGroup]) -> Indices:
+    return np.cumsum([0, *(count * rows for count, rows in (g.shape for g in groups))])
 
 
 def _linear(group: RowGroup) -> LinearGroup:
@@ -30,21 +36,21 @@ class Program:
     """Minimise Σ ½‖cost‖² subject to equalities and inequalities, over x = z[len(constants):].
 
     Residuals come as three flat vectors: costs, equalities, inequalities (r <= 0), each group after the other. Costs
-    are linear groups, so that their part of the system is made once. The groups must stay as they are while systems are
-    asked for. Raises TypeError for other costs.
+    are linear groups, so that their part of the system is made once, and behind them wishes, r >= 0. The groups must
+    stay as they are while systems are asked for. Raises TypeError for other costs.
     """
 
     def __init__(self, constants: Array, unknowns: int, groups: Sequence[RowGroup]) -> None:
         self.constants = constants
         self.unknowns = unknowns
         self.groups: dict[str, list[RowGroup]] = {
-            kind: [g for g in groups if g.kind == kind and g.shape[0]] for kind in KINDS[1:]
+            kind: [g for g in groups if g.kind == kind and g.shape[0]] for kind in (*KINDS[1:], WISH)
         }
         self._linear = merged([_linear(group) for group in groups if group.kind == "cost"])
         self.groups["cost"] = [*self._linear]
         self.width = 1 + max((self._reach(g) for gs in self.groups.values() for g in gs), default=0)
         self._shape = (unknowns, self.width)
-        self._scatters: dict[int, Scatter] = {}
+        self._scatters: dict[tuple[str, int], Scatter] = {}
 
     @cached_property
     def _always(self) -> Together:
@@ -65,7 +71,12 @@ class Program:
     @cached_property
     def _bounds(self) -> Indices:
         """Where each group of inequalities begins in their residuals, and where the last one ends."""
-        return np.cumsum([0, *(count * rows for count, rows in (g.shape for g in self.groups["inequality"]))])
+        return _bounds(self.groups["inequality"])
+
+    @cached_property
+    def _wished(self) -> Indices:
+        """The same of wishes."""
+        return _bounds(self.groups[WISH])
 
     def _reach(self, group: RowGroup) -> int:
         places = group.span()
@@ -83,7 +94,8 @@ class Program:
         z = self.full(x)
         parts = []
         for kind in KINDS:
-            values = [g.residuals(z).ravel() for g in self.groups[kind]]
+            wishes = self.groups[WISH] if kind == "cost" else []
+            values = [g.residuals(z).ravel() for g in (*self.groups[kind], *wishes)]
             parts.append(np.concatenate(values) if values else np.zeros(0))
         return parts[0], parts[1], parts[2]
 
@@ -98,33 +110,37 @@ class Program:
         cost, equality, inequality = residuals
         if costs:
             for coefficients, scatter in self._costs:
-                sums.pull(scatter.gradient.ravel(), (cost[:, None] * coefficients).ravel())
+                sums.pull(scatter.gradient.ravel(), (cost[: len(coefficients), None] * coefficients).ravel())
+            self._add_pushing(WISH, z, cost[len(cost) - self._wished[-1] :], 1.0, sums)
         self._always.add(z, mu * equality + multipliers[0], mu, sums)
-        self._add_pushing(z, np.maximum(mu * inequality + multipliers[1], 0.0), mu, sums)
+        self._add_pushing("inequality", z, np.maximum(mu * inequality + multipliers[1], 0.0), mu, sums)
         band = sums.band()
         return sums.gradient(), band + self._cost_band if costs else band
 
-    def _add_pushing(self, z: Array, pull: Array, weight: float, sums: Sums) -> None:
-        """Inequalities: only instances with a row that pushes are differentiated."""
+    def _add_pushing(self, kind: str, z: Array, pull: Array, weight: float, sums: Sums) -> None:
+        """Inequalities or wishes: only instances with a row that pushes are differentiated."""
         pushing = np.flatnonzero(pull)
         if not len(pushing):
             return
-        among = np.searchsorted(pushing, self._bounds).tolist()
-        for number, group in enumerate(self.groups["inequality"]):
+        bounds = self._wished if kind == WISH else self._bounds
+        among = np.searchsorted(pushing, bounds).tolist()
+        for number, group in enumerate(self.groups[kind]):
             if among[number] == among[number + 1]:
                 continue
-            block = pull[self._bounds[number] : self._bounds[number + 1]].reshape(group.shape)
+            block = pull[bounds[number] : bounds[number + 1]].reshape(group.shape)
             chosen = np.flatnonzero(block.any(1))
             block = block[chosen]
             jacobian, places = group.jacobians(z, chosen)
             slope = np.matmul(block[:, None, :], jacobian)
             jacobian = jacobian * (block > 0)[:, :, None]
             square = np.matmul(jacobian.transpose(0, 2, 1), weight * jacobian)
-            band, gradient = self._targets(number, group, chosen, places)
+            band, gradient = self._targets((kind, number), group, chosen, places)
             sums.add(band, square.ravel())
             sums.pull(gradient, slope.ravel())
 
-    def _targets(self, number: int, group: RowGroup, chosen: Indices, places: Indices) -> tuple[Indices, Indices]:
+    def _targets(
+        self, number: tuple[str, int], group: RowGroup, chosen: Indices, places: Indices
+    ) -> tuple[Indices, Indices]:
         """Where the products of chosen instances go; those of a small group are all found at once."""
         if group.shape[0] * places.shape[1] ** 2 > SMALL:
             scatter = Scatter(places, len(self.constants), self._shape)
@@ -135,7 +151,8 @@ class Program:
         return scatter.band[chosen].ravel(), scatter.gradient[chosen].ravel()
 
     def hessian(self, x: Array, cost_weight: float, multipliers: tuple[Array, Array]) -> Array:
-        """Lower band (unknowns, width) of the Hessian of cost_weight · ½‖c‖² + λ·e + κ·i; costs are linear rows."""
+        """Lower band (unknowns, width) of the Hessian of cost_weight · ½‖c‖² + λ·e + κ·i; costs are linear rows, wishes
+        are taken for such."""
         z = self.full(x)
         sums = Sums(self._shape)
         for kind, weights in (("equality", multipliers[0]), ("inequality", multipliers[1])):
@@ -147,7 +164,10 @@ class Program:
                 for hessians, places in group.curvature(z, block):
                     scatter = Scatter(places, len(self.constants), self._shape)
                     sums.add(scatter.band.ravel(), hessians.ravel())
-        return sums.band() + cost_weight * self._cost_band
+        wishes = Sums(self._shape)
+        cost = self.residuals(x)[0]
+        self._add_pushing(WISH, z, cost[len(cost) - self._wished[-1] :], 1.0, wishes)
+        return sums.band() + cost_weight * (self._cost_band + wishes.band())
 
     def jacobian(self, x: Array) -> tuple[Array, Indices, Indices]:
         """Values, rows and columns of the Jacobian of equalities, then inequalities, by the unknowns. The pattern
@@ -169,6 +189,12 @@ class Program:
         return np.concatenate(values), np.concatenate(rows_at), np.concatenate(columns)
 
     def cost(self, x: Array) -> float:
+        """What the costs come to, wishes apart."""
+        z = self.full(x)
+        return 0.5 * sum(float(np.square(g.residuals(z)).sum()) for g in self.groups["cost"])
+
+    def objective(self, x: Array) -> float:
+        """What costs and wishes come to."""
         costs = self.residuals(x)[0]
         return 0.5 * float(costs @ costs)
 

@@ -128,7 +128,7 @@ def accepted(
     if drift > SLIP:
         found.append(Violation(phase, Breach.DRIFT, (), drift, "m"))
     elif settings.collisions:
-        found += clashes(problem, phase, contacts(skeleton)[phase], motion, before, settings.slices)
+        found += clashes(problem, phase, contacts(skeleton)[phase], motion, before)
     return finer, sorted(found, key=lambda v: -v.amount)
 
 

@@ -15,9 +15,9 @@ from ....budget import Budget
 from ....geometry.attachments import followers, involved, next_mode
 from ....geometry.drives import braked
 from ....seeds import Seed
-from ....skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton
-from ..collision.clearance_rows import ClearanceGroup
-from ..collision.pairs_in_phases import Collisions, Margins, refresh
+from ....skeleton import Array, BoundResult, Breach, Configuration, PhasePath, Skeleton
+from ..collision.clearance_rows import Clearances
+from ..collision.pairs_in_phases import Collisions, Margins, refresh, rows
 from ..keyframes.keyframe_program import run
 from ..nlp.augmented_lagrangian import PATH, SolverOptions, project
 from ..nlp.features import Features, differences, homing, limits, norms
@@ -30,6 +30,11 @@ from .path_guesses import interpolate
 
 ACCELERATION = 0.1
 HOMING = 0.2
+WISH = 60.0
+"""Scale of wished clearances: against accelerations, whose scale is 9, a margin is missed by less than a millimetre."""
+LEAST = 5e-3
+"""Metres that what begins or ends to touch must be apart once the margin is whole, and on the way there its share: else
+the spline between two slices goes through what both only touch."""
 STIFF = 10.0
 """Scale of kept and switch rows: without it a path slips by up to 2 cm."""
 BUMPS = 6
@@ -52,6 +57,8 @@ class PathProgram:
         self.problem: Problem = skeleton.problem
         self.settings = settings
         self.pinned = pinned
+        self.strict = True
+        """Whether margins are held to, and not only wished for."""
         self.phases = range(len(skeleton)) if phases is None else phases
         self.count = settings.slices
         given = {k * self.count: c for k, c in enumerate(switches) if k} if pinned else None
@@ -111,14 +118,14 @@ class PathProgram:
             differences(self.layout, self.layout.modules, triples, (1.0, -2.0, 1.0), ACCELERATION * step**-1.5),
         ]
 
-    def _collisions(self) -> list[ClearanceGroup]:
+    def _collisions(self) -> list[Clearances]:
         collisions = Collisions(self.problem, self.layout)
         touching = contacts(self.skeleton)
         for k, phase in enumerate(self.phases):
             for u, t in enumerate(self._slices(k)):
                 if u and not (self.pinned and u == self.count):
                     collisions.add_slice(t, phase, self._margins(touching[phase], u), before=t - 1)
-        return collisions.groups()
+        return collisions.clearances()
 
     def _margins(self, contact: PhaseContacts, u: int) -> Margins:
         special: dict[Pair, float | None] = dict.fromkeys(sorted(contact.during))
@@ -126,11 +133,13 @@ class PathProgram:
             share = taper(contact, objects, np.array([float(u)]), self.count)
             ahead = share is not None and share[0] > 0.0
             special[objects] = self.settings.margin * float(share[0]) if ahead and share is not None else None
-        return Margins(self.settings.margin, special)
+        least = {p: m * LEAST / self.settings.margin for p, m in special.items() if m and self.settings.margin > LEAST}
+        return Margins(self.settings.margin, special, least)
 
     def program(self) -> Program:
         """The program over the pairs that take part at present."""
-        return Program(self.layout.constants, self.layout.unknowns, [*self._groups, *self._clearance])
+        clearances = rows(self._clearance, None if self.strict else WISH)
+        return Program(self.layout.constants, self.layout.unknowns, [*self._groups, *clearances])
 
     def refresh(self, x: Array) -> bool:
         """Take in the pairs that are near at x; whether one that was left out is violated."""
@@ -229,9 +238,25 @@ def _worst(result: BoundResult) -> float:
 def attempt(
     path: PathProgram, x: Array, settings: MotionSettings, budget: Budget, options: SolverOptions,
     most: int | None = None,
-) -> tuple[BoundResult, Array]:  # fmt: skip
-    """One solve from x of `most` iterations, resumed when pairs came near meanwhile, and projected when it is feasible.
-    Raises OutOfTime."""
+) -> tuple[BoundResult, Array]:
+    """One solve from x of `most` iterations that holds to the margins, which keeps the spline between slices clear too;
+    where they cannot be had, one from there that wishes for them. Raises OutOfTime."""
+    path.strict = True
+    result, reached = _attempt(path, x, settings, budget, options, most)
+    near = result.violations and result.violations[0].kind in (Breach.COLLISION, Breach.SELF_COLLISION)
+    left = None if most is None else most - result.iterations
+    if near and (left is None or left > 0):
+        path.strict = False
+        before = result.iterations
+        result, reached = _attempt(path, reached, settings, budget, RESUME, left)
+        result.iterations += before
+    return result, reached
+
+
+def _attempt(
+    path: PathProgram, x: Array, settings: MotionSettings, budget: Budget, options: SolverOptions, most: int | None
+) -> tuple[BoundResult, Array]:
+    """One solve, resumed when pairs came near meanwhile, and projected when it is feasible."""
     iterations = 0
     path.refresh(x)
     for number in range(REFRESHES):

@@ -67,8 +67,8 @@ def homeward(batch: Batch, far: float) -> Array:
 
 
 def _within(batch: Batch, inner: Array) -> Array:
-    joints = batch.joints
-    return np.clip(inner, (joints.lower + joints.inset)[:, None], (joints.upper - joints.inset)[:, None])
+    low, high = batch.inner_limits()
+    return np.clip(inner, low[:, None], high[:, None])
 
 
 def _keep_best(group: PhaseGroup, index: Indices, batch: Batch, paths: Array, budget: Budget) -> None:

@@ -133,10 +133,9 @@ def moving_balls(tree: PhaseTree, world: World, margin: float) -> tuple[Ball, ..
 
 class Meetings:
     """Which spheres of a phase can meet: of two robots, all; of one robot, those whose distance two joints change (one,
-    when a body is carried there), far enough apart along the joints. Without `bodies`, spheres of carried bodies meet
-    nothing."""
+    when a body is carried there), far enough apart along the joints."""
 
-    def __init__(self, lineage: Lineage, balls: tuple[Ball, ...], bodies: bool) -> None:
+    def __init__(self, lineage: Lineage, balls: tuple[Ball, ...]) -> None:
         self._lineage, self._balls = lineage, balls
         joints = len(lineage.tree.parents)
         if not balls:
@@ -148,7 +147,7 @@ class Meetings:
         _, place, self._kind = np.unique([row.tobytes() for row in features], return_index=True, return_inverse=True)
         kinds = features[place]
         carried = np.array([owners[k] in lineage.tree.bodies for k in kinds[:, -2]])
-        self._may = _may_meet(kinds, carried, joints, bodies)
+        self._may = _may_meet(kinds, carried, joints)
         self._one_robot = _one_robot(kinds, joints)
         self._radius = np.array([b.radius for b in balls])
 
@@ -203,7 +202,7 @@ def _one_robot(kinds: NDArray[np.intp], joints: int) -> NDArray[np.bool_]:
 
 
 def _may_meet(
-    kinds: NDArray[np.intp], carried: NDArray[np.bool_], joints: int, bodies: bool
+    kinds: NDArray[np.intp], carried: NDArray[np.bool_], joints: int
 ) -> NDArray[np.bool_]:
     """Whether enough joints change the distance of spheres of two kinds."""
     above, still = kinds[:, :joints].astype(bool), kinds[:, joints : 2 * joints].astype(bool)
@@ -212,7 +211,7 @@ def _may_meet(
     needed = np.where(_one_robot(kinds, joints) & ~body, 2, 1)
     wanted = between.sum(axis=2) >= needed
     wanted &= ~((owner[:, None] == owner[None]) & carried[:, None])
-    return np.asarray(wanted if bodies else wanted & ~body)
+    return np.asarray(wanted)
 
 
 def obstacles_near(tree: PhaseTree, lineage: Lineage, balls: tuple[Ball, ...], margin: float) -> list[Obstacle]:

@@ -8,15 +8,18 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from .....compiler.motion.collision import CHECK_MARGIN, PhaseContacts, pair, taper
+from .....compiler.motion.collision import PhaseContacts, pair, taper
 from ....skeleton import Array
 
 FULL, NEVER, START, END, BOTH = range(5)
 """The whole margin; none, as the two touch all the time; less near the start, near the end, or near both."""
-EXACT_MARGIN = 1e-3
-"""The clearance that accepts two whole shapes, metres; covers need CHECK_MARGIN."""
+TOUCHING = 2e-4
+"""How deep two things may press into each other at looks at a path, metres: a fifth of what the verifier forbids, as
+they may be deeper between two looks."""
 CONTACT_TOLERANCE = 5e-4
-"""How deep two things may press into each other next to a contact that begins or ends, metres."""
+"""The same of a contact that begins or ends, which rows at switches may miss by more."""
+REQUIRED = np.array([-TOUCHING, -np.inf, -CONTACT_TOLERANCE, -CONTACT_TOLERANCE, -CONTACT_TOLERANCE])
+"""The clearance, metres, that accepts two things, by their kind."""
 
 Kinds = NDArray[np.int8]
 
@@ -38,14 +41,6 @@ def share_table(times: Array, slices: int) -> Array:
         share = taper(PhaseContacts(none, start, end), ("", ""), times, slices)
         table[kind] = -np.inf if share is None else share
     return table
-
-
-def required_table(times: Array, slices: int) -> Array:
-    """The clearance `(2, kinds, times)` of the fine spheres that proves the true shapes apart, of covers and of whole
-    shapes; next to contacts it fades."""
-    share = share_table(times, slices)
-    margin = np.array([CHECK_MARGIN, EXACT_MARGIN])[:, None, None]
-    return np.asarray(np.where(share < 1.0, margin * share - CONTACT_TOLERANCE, margin))
 
 
 def cross_kinds(contact: PhaseContacts, first: Sequence[str | None], second: Sequence[str | None]) -> Kinds:

@@ -35,17 +35,6 @@ class MovingShape:
     meets: tuple[int, ...] = ()
 
 
-def carried_shapes(tree: PhaseTree, world: World, balls: Sequence[Ball], above: NDArray[np.bool_]) -> list[MovingShape]:
-    """The carried bodies; they meet every sphere that some joint moves against them. `above` is the lineage's."""
-    index = [b.node + 1 for b in balls]
-    found = []
-    for name, (node, local) in tree.bodies.items():
-        moved = (above[index] ^ above[node + 1]).any(axis=1)
-        meets = tuple(k for k, b in enumerate(balls) if moved[k] and b.owner != name)
-        found.append(MovingShape(node, local, world.bodies[name].shape, name, name, (), meets))
-    return found
-
-
 def module_shapes(tree: PhaseTree, world: World, balls: Sequence[Ball]) -> list[MovingShape]:
     """Boxes and cylinders of modules whose covers are many spheres."""
     members: dict[tuple[str, int, int], list[int]] = {}

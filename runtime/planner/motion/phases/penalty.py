@@ -9,12 +9,15 @@ from numpy.typing import NDArray
 
 from ....skeleton import Array
 from .batch_kinematics import Indices
+from .exact_check import near_entries
 from .phase_batch import Batch, Looks
 from .phase_geometry import Geometry
 from .proximity import near_obstacles, near_pairs, near_whole
 
-LIMIT_WEIGHT = 1e3
-"""Weight of the squared excess over a joint limit."""
+LIMITS_ABOVE = 100.0
+"""How much heavier than a missed clearance the excess over a joint limit weighs, which no wish may push joints to."""
+CLOSELY = 3e-3
+"""Metres that true shapes are kept apart, where they are looked at: more than they come nearer between looks."""
 NEGLIGIBLE = 0.02
 """Slices that count less at a time between others get nothing of the Hessian there."""
 
@@ -56,13 +59,14 @@ def penalty(batch: Batch, inner: Array, weight: float, widening: float = 1.0) ->
     the batch looks at, against `widening` times the margin."""
     phases, slices, joints = inner.shape
     rows = _missed(batch, inner, widening * batch.margin)
-    over = np.maximum(inner - (batch.joints.upper - batch.joints.inset)[:, None], 0.0)
-    over += np.minimum(inner - (batch.joints.lower + batch.joints.inset)[:, None], 0.0)
-    value = 0.5 * LIMIT_WEIGHT * (over**2).sum(axis=(1, 2))
-    gradient = LIMIT_WEIGHT * over
+    low, high = batch.inner_limits()
+    over = np.maximum(inner - high[:, None], 0.0) + np.minimum(inner - low[:, None], 0.0)
+    limit = LIMITS_ABOVE * weight
+    value = 0.5 * limit * (over**2).sum(axis=(1, 2))
+    gradient = limit * over
     hessian = np.zeros((phases, slices, joints, joints))
     diagonal = np.arange(joints)
-    hessian[:, :, diagonal, diagonal] += LIMIT_WEIGHT * (over != 0.0)
+    hessian[:, :, diagonal, diagonal] += limit * (over != 0.0)
     overlap = np.zeros(phases)
     if len(rows.amount):
         times = batch.looks.shares.shape[1]
@@ -112,9 +116,8 @@ def _missed(batch: Batch, inner: Array, margin: float) -> _Rows:
     points = geometry.points.placed(frames)
     rows = [make(margin, shares, geometry, points, frames) for make in (_obstacle_rows, _pair_rows)]
     rows += [_whole_rows(margin, shares, geometry, k, points, frames) for k in range(len(geometry.wholes))]
-    if batch.fading is not None:
-        points = batch.fading.points.placed(frames)
-        rows.append(_obstacle_rows(margin, batch.looks.required, batch.fading, points, frames))
+    if batch.closely:
+        rows += _exact_rows(batch, frames)
     slope = geometry.kinematics.by_variables(np.concatenate([r.slope for r in rows]))
     return _Rows(
         np.concatenate([r.amount for r in rows]), slope, np.concatenate([r.place for r in rows])
@@ -165,3 +168,21 @@ def _whole_rows(
     moved_by = geometry.moved_by[a].astype(float) - geometry.wholes_moved_by[number]
     slope = geometry.kinematics.slopes(frames, points[a, :, k, t], normals[hit], k, t) * moved_by
     return _Rows(missed, -slope, k * times + t)
+
+
+def _exact_rows(batch: Batch, frames: Array) -> list[_Rows]:
+    """Of the true shapes, by CLOSELY."""
+    geometry, times = batch.exact, frames.shape[-1]
+    found = []
+    for entries in near_entries(geometry, frames, np.full((len(geometry.nodes), len(batch), times), CLOSELY)):
+        wanted = CLOSELY * batch.looks.shares[entries.kind, entries.time]
+        measured = entries.measured(geometry, frames, wanted)
+        hit = np.flatnonzero(measured.exact & (measured.value < wanted))
+        near, normals = entries[hit], measured.normal[hit]
+        moved_by = geometry.moved_by[near.first].astype(float)
+        slope = geometry.kinematics.slopes(frames, measured.on_first[hit], normals, near.phase, near.time) * moved_by
+        if near.among:
+            against = geometry.kinematics.slopes(frames, measured.on_second[hit], normals, near.phase, near.time)
+            slope = slope - against * geometry.moved_by[near.second]
+        found.append(_Rows((wanted - measured.value)[hit], -slope, near.phase * times + near.time))
+    return found

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .....compiler.ir import World
-from .....compiler.motion.collision import CHECK_MARGIN, PATH_MARGIN, PhaseContacts
+from .....compiler.motion.collision import PATH_MARGIN, PhaseContacts
 from ....geometry.signed_distances import Shapes
 from .batch_kinematics import BatchKinematics, Indices, Points
 from .collision_spheres import Ball, Lineage, Meetings, moving_balls, obstacles_near
-from .contact_margins import NEVER, START, Kinds, cross_kinds
-from .exact_shapes import MovingShape, Whole, carried_shapes, module_shapes
+from .contact_margins import NEVER, Kinds, cross_kinds
+from .exact_check import PhaseParts, phase_parts
+from .exact_shapes import MovingShape, Whole, module_shapes
 from .joint_forest import Obstacle, PhaseTree
 
 
@@ -45,29 +45,20 @@ def _owners(balls: Sequence[Ball]) -> list[int]:
     return [numbers.setdefault(b.owner, len(numbers)) for b in balls]
 
 
-def make_part(lineage: Lineage, world: World, balls: tuple[Ball, ...], near: list[Obstacle], exact: bool) -> Part:
-    """The geometry of a phase. Spheres meet large shapes of modules as they are; with `exact` carried bodies too, and
-    not their spheres."""
-    tree = lineage.tree
-    meetings = Meetings(lineage, balls, bodies=not exact)
-    found = module_shapes(tree, world, balls)
-    pairs, meets = meetings.pairs([np.array(s.members) for s in found])
-    shapes = [replace(s, meets=m) for s, m in zip(found, meets, strict=True)]
-    if exact:
-        shapes += carried_shapes(tree, world, balls, lineage.above)
-    return Part(tree, balls, pairs, near, tuple(shapes))
-
-
-def make_parts(tree: PhaseTree, world: World) -> tuple[Part, Part]:
-    """What the optimiser sees of a phase, and what accepts its path; both of the same obstacles."""
+def make_parts(tree: PhaseTree, world: World) -> tuple[Part, PhaseParts]:
+    """What the optimiser sees of a phase: spheres, which meet large shapes of modules as they are; and the true shapes,
+    which accept its path; both of the same obstacles."""
     lineage = Lineage(tree)
-    coarse, fine = moving_balls(tree, world, PATH_MARGIN), moving_balls(tree, world, CHECK_MARGIN)
-    near = obstacles_near(tree, lineage, coarse, 2 * PATH_MARGIN)
-    return make_part(lineage, world, coarse, near, False), make_part(lineage, world, fine, near, True)
+    balls = moving_balls(tree, world, PATH_MARGIN)
+    near = obstacles_near(tree, lineage, balls, 2 * PATH_MARGIN)
+    found = module_shapes(tree, world, balls)
+    pairs, meets = Meetings(lineage, balls).pairs([np.array(s.members) for s in found])
+    shapes = [replace(s, meets=m) for s, m in zip(found, meets, strict=True)]
+    return Part(tree, balls, pairs, near, tuple(shapes)), phase_parts(lineage, world, near)
 
 
 class Geometry:
-    """Phases of one structure. `owner` numbers the modules and bodies of the spheres `(spheres,)`; `obstacle_kinds`
+    """Phases of one structure. `obstacle_kinds`
     `(spheres, obstacles, phases)`, `pair_kinds` `(pairs, phases)` and one of `whole_kinds` per whole shape
     `(spheres, phases)` tell how much of the margin holds, as in `shares`."""
 
@@ -77,8 +68,6 @@ class Geometry:
         self.points = Points([p.balls for p in parts])
         balls = parts[0].balls
         self.radius = np.array([b.radius for b in balls])[:, None, None]
-        self.exact = np.array([b.exact for b in balls], dtype=np.intp)
-        self.owner = np.array(_owners(balls), dtype=np.intp)
         above = Lineage(parts[0].tree).above
         self.moved_by = above[[b.node + 1 for b in balls]]
         self.wholes_moved_by = above[[s.node + 1 for s in parts[0].wholes]]
@@ -128,35 +117,9 @@ class Geometry:
         result.kinematics, result.points = self.kinematics.take(index), self.points.take(index)
         result.radius, result.moved_by, result.pairs = self.radius, self.moved_by, self.pairs
         result.wholes_moved_by = self.wholes_moved_by
-        result.exact, result.owner = self.exact, self.owner
         result.touching, result.shapes = self.touching, self.shapes.take(index)
         result.obstacle_kinds = self.obstacle_kinds[:, :, index]
         result.pair_kinds = self.pair_kinds[:, index]
         result.wholes = [w.take(index) for w in self.wholes]
         result.whole_kinds = [kinds[:, index] for kinds in self.whole_kinds]
         return result
-
-    def fading(self) -> Geometry:
-        """Only the spheres that begin or end to touch an obstacle, and only against those."""
-        result = copy.copy(self)
-        kinds = np.where(self.obstacle_kinds >= START, self.obstacle_kinds, np.int8(NEVER))
-        kept = np.flatnonzero((kinds != NEVER).any(axis=(1, 2)))
-        result.obstacle_kinds, result.radius, result.exact = kinds[kept], self.radius[kept], self.exact[kept]
-        result.moved_by, result.points = self.moved_by[kept], self.points.some(kept)
-        result.pairs, result.touching = np.zeros((0, 2), int), np.zeros((0, 1, 1))
-        result.pair_kinds, result.wholes, result.whole_kinds = self.pair_kinds[:0], [], []
-        return result
-
-    def name_pair(self, phase: int, block: int, row: int, column: int) -> tuple[str, str]:
-        """The objects behind an entry of one of the phases: of spheres and obstacles (block 0), of pairs (1), or of one
-        of the whole shapes (2 and above)."""
-        part = self.parts[phase]
-        if block == 1:
-            a, b = (part.balls[i] for i in self.pairs[row])
-            return a.tag or a.owner, b.tag or b.owner
-        if block == 0:
-            ball, other = part.balls[row], part.obstacles[column]
-            return ball.tag or ball.owner, other.tag or other.owner
-        shape = part.wholes[block - 2]
-        ball = part.balls[shape.meets[row]]
-        return ball.tag or ball.owner, shape.tag or shape.owner

@@ -23,10 +23,12 @@ from ..settings import MotionSettings
 from ..time_scaling import shortest_duration
 from .attempts import PhaseGroup, improve, polish_groups, solve_groups, start_group
 from .batch_kinematics import mounted_poses
+from .exact_check import blocked, worst_clash
 from .joint_forest import Mount, PhaseTree, UnsupportedPhase, arrive, phase_tree, pose_vector
-from .phase_batch import Batch, blocked, worst_clash
+from .phase_batch import Batch
 from .phase_geometry import make_parts
 from .smoothing import path_cost
+from .swept_check import BEYOND
 from .warm_starts import cost_of, taken_over
 
 LOOKED_AT = 5
@@ -36,10 +38,9 @@ LOOKED_AT = 5
 def _blocked(batch: Batch) -> list[Violation]:
     """Phases whose first or last pose is blocked itself."""
     found = []
-    for poses, column in ((batch.start, 0), (batch.end, len(batch.times) - 1)):
-        at = slice(column, column + 1)
-        for k in np.flatnonzero(blocked(batch, poses[:, None], at)):
-            clash = worst_clash(batch, int(k), poses[k][None], at)
+    for poses in (batch.start, batch.end):
+        for k in np.flatnonzero(blocked(batch.exact, poses[:, None])):
+            clash = worst_clash(batch.exact, int(k), poses[k][None])
             found.append(Violation(int(batch.phases[k]), Breach.COLLISION, clash.pair, clash.amount, "m"))
     return found
 
@@ -52,16 +53,16 @@ def _failures(group: PhaseGroup, world: World) -> list[Violation]:
     for k in np.flatnonzero(~group.solved):
         phase = int(batch.phases[k])
         values = spline_weights(batch.slices, batch.times) @ group.paths[k]
-        clash = worst_clash(batch, int(k), values[::LOOKED_AT], slice(None, None, LOOKED_AT))
+        clash = worst_clash(batch.exact, int(k), values[::LOOKED_AT])
         if clash.amount <= 0.0:
-            clash = worst_clash(batch, int(k), values, slice(None))
+            clash = worst_clash(batch.exact, int(k), values)
         if clash.amount > 0.0:
             found.append(Violation(phase, Breach.COLLISION, clash.pair, clash.amount, "m"))
             continue
         joints = batch.joints
         beyond = np.maximum(values - joints.upper[k], joints.lower[k] - values).max(axis=0)
         step = np.abs(np.diff(group.paths[k], axis=0)).max(axis=0) - joints.step[k]
-        kind, excess = (Breach.JOINT_LIMIT, beyond) if beyond.max() > 0.0 else (Breach.STEP, step)
+        kind, excess = (Breach.JOINT_LIMIT, beyond) if beyond.max() > BEYOND else (Breach.STEP, step)
         module, joint = batch.variables[k][int(excess.argmax())]
         record = world.modules[module].type.joints[joint]
         unit = "rad" if record.kind == "revolute" else "m"

@@ -16,9 +16,8 @@ from .phase_geometry import Geometry
 
 @dataclass(slots=True)
 class Close:
-    """Entries `(m,)` of one block of `Geometry.name_pair` that are nearer than asked for: the row and, for obstacles,
-    the column there (else 0), phase, time, clearance in metres, the kind of pair, and whether whole shapes are
-    measured."""
+    """Entries `(m,)` of one block (obstacles, pairs, whole shapes) that are nearer than asked for: the row and, for
+    obstacles, the column there (else 0), phase, time, clearance in metres, and the kind of pair."""
 
     block: int
     row: Indices
@@ -27,11 +26,6 @@ class Close:
     time: Indices
     clearance: Array
     kind: Kinds
-    exact: Indices
-
-    def missed(self, required: Array) -> Array:
-        """By how much `required` `(2, kinds, times)` is missed `(m,)`, metres."""
-        return np.asarray(required[self.exact, self.kind, self.time] - self.clearance)
 
 
 def near_obstacles(geometry: Geometry, points: Array, margin: float) -> tuple[Indices, Indices, Indices, Indices]:
@@ -102,14 +96,13 @@ def _to_obstacles(geometry: Geometry, points: Array, margin: float) -> Close:
     clearance = distance - geometry.radius[a, 0, 0]
     hit = np.flatnonzero(clearance < margin)
     a, o, k, t = a[hit], o[hit], k[hit], t[hit]
-    return Close(0, a, o, k, t, clearance[hit], geometry.obstacle_kinds[a, o, k], geometry.exact[a])
+    return Close(0, a, o, k, t, clearance[hit], geometry.obstacle_kinds[a, o, k])
 
 
 def _among_themselves(geometry: Geometry, points: Array, margin: float) -> Close:
     p, k, t, apart = near_pairs(geometry, points, margin)
     clearance = np.linalg.norm(apart, axis=1) - geometry.touching[p, 0, 0]
-    exact = geometry.exact[geometry.pairs[p]].min(axis=1)
-    return Close(1, p, np.zeros_like(p), k, t, clearance, geometry.pair_kinds[p, k], exact)
+    return Close(1, p, np.zeros_like(p), k, t, clearance, geometry.pair_kinds[p, k])
 
 
 def _to_whole(geometry: Geometry, frames: Array, points: Array, margin: float, number: int) -> Close:
@@ -120,5 +113,5 @@ def _to_whole(geometry: Geometry, frames: Array, points: Array, margin: float, n
     distance = whole.distance_at(at, points[a, :, k, t][..., None], k)[:, 0]
     clearance = distance - geometry.radius[a, 0, 0]
     hit = np.flatnonzero(clearance < margin)
-    n, k, t, a = n[hit], k[hit], t[hit], a[hit]
-    return Close(2 + number, n, np.zeros_like(n), k, t, clearance[hit], kinds[n, k], geometry.exact[a])
+    n, k, t = n[hit], k[hit], t[hit]
+    return Close(2 + number, n, np.zeros_like(n), k, t, clearance[hit], kinds[n, k])

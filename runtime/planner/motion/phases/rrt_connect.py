@@ -9,11 +9,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .....compiler.motion.collision import CHECK_MARGIN
 from ....budget import Budget
 from ....skeleton import Array
 from .batch_kinematics import Indices
-from .contact_margins import CONTACT_TOLERANCE, share_table
+from .contact_margins import REQUIRED
 from .phase_batch import Batch
 from .proximity import close
 
@@ -37,16 +36,14 @@ class _Checker:
 
     def __init__(self, batch: Batch, phase: int) -> None:
         self.geometry = batch.coarse.take(np.array([phase]))
-        least = share_table(np.arange(batch.slices + 1.0), batch.slices).min(axis=1)
-        self.needed = np.where(least < 1.0, np.minimum(least, 0.0) - CONTACT_TOLERANCE, CHECK_MARGIN)
         joints = batch.joints
         self.lower, self.upper = joints.lower[phase] + 1e-3, joints.upper[phase] - 1e-3
 
     def free(self, poses: Array) -> Array:
         """`(poses,)` whether joint values `(poses, joints)` are free."""
         result = np.asarray(((poses >= self.lower) & (poses <= self.upper)).all(axis=1))
-        for found in close(self.geometry, poses[None], CHECK_MARGIN):
-            result[found.time[found.clearance < self.needed[found.kind]]] = False
+        for found in close(self.geometry, poses[None], 0.0):
+            result[found.time[found.clearance < REQUIRED[found.kind]]] = False
         return result
 
     def advance(self, starts: Array, goals: Array) -> tuple[Array, Array]:

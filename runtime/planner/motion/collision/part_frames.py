@@ -1,0 +1,230 @@
+"""Where the parts of everything that moves are in a motion program, and how they move with its unknowns.
+
+A part is known by its anchors, points fixed to it: the centre of a sphere, the ends of a capsule's axis, of others the
+origin and a point on each axis. They come from one stage Function per module type.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .....compiler.extents import box_sides
+from .....compiler.ir import Problem, Shape, Vec3
+from .....compiler.motion.collision import pose_matrix
+from .....compiler.motion.constraints import sphere_stage
+from .....compiler.motion.parts import NOWHERE, Part, module_parts
+from .....compiler.motion.stages import Stage
+from ....geometry.exact_distances import ROUND, Forms, Posed
+from ....skeleton import Array
+from ..nlp.unknowns import Indices, UnknownsLayout
+from .broad_phase import Edges
+
+ARM = 0.1
+"""Metres from the origin of a part to its anchors on the axes: about a link's size, which keeps rounding small."""
+ANCHORS = 4
+"""The most anchors of a part; those of a part with fewer are repeated."""
+
+
+def anchors(part: Part) -> list[Vec3]:
+    """The anchors of a part in the moving frame of its joint."""
+    frame = pose_matrix(part.placement)
+    origin, axes = frame[:3, 3], frame[:3, :3].T
+    if part.shape.kind == "sphere":
+        points = [origin]
+    elif part.shape.kind == "capsule":
+        points = [origin - part.shape.size[1] / 2 * axes[2], origin + part.shape.size[1] / 2 * axes[2]]
+    else:
+        points = [origin, *(origin + ARM * axis for axis in axes)]
+    return [(float(x), float(y), float(z)) for x, y, z in points]
+
+
+class _Block:
+    """All slots of one kind of thing: what its parts are, and the numbers that they have in each slot."""
+
+    def __init__(self, stage: Stage, parts: Sequence[Part]) -> None:
+        self.stage, self.parts = stage, parts
+        counts = [len(anchors(p)) for p in parts]
+        first = np.cumsum([0, *counts[:-1]]) if parts else np.zeros(0, dtype=np.int64)
+        chosen = [[f + min(k, n - 1) for k in range(ANCHORS)] for f, n in zip(first, counts, strict=True)]
+        self.anchors = np.array(chosen, dtype=np.int64).reshape(-1, ANCHORS)
+        self.slots: list[Indices] = []
+        self._numbers: list[int] = []
+        self._tables = (np.zeros((0, stage.inputs), dtype=np.int64), np.zeros(0, dtype=np.int64))
+
+    def add(self, slot: Indices, number: int) -> None:
+        """Take in a slot, whose parts have numbers from `number` on."""
+        self.slots.append(slot)
+        self._numbers.append(number)
+
+    @property
+    def places(self) -> Indices:
+        """The places (N, n) in z of all slots."""
+        return self._filled()[0]
+
+    @property
+    def numbers(self) -> Indices:
+        """The numbers (N, P) of all parts."""
+        return np.asarray(self._filled()[1][:, None] + np.arange(len(self.parts)))
+
+    def _filled(self) -> tuple[Indices, Indices]:
+        if len(self._tables[0]) < len(self.slots):
+            self._tables = (np.array(self.slots), np.array(self._numbers))
+        return self._tables
+
+    def points(self, z: Array) -> Array:
+        """The anchors (N, A, 3) in the world."""
+        values = self.stage.values(z[self.places], np.zeros((len(self.slots), 0)))
+        return np.asarray(values.reshape(len(self.slots), -1, 3))
+
+
+class Cloud:
+    """The parts of all slots that take part, numbered in the order in which slots are first asked for."""
+
+    def __init__(self, problem: Problem, layout: UnknownsLayout) -> None:
+        self.problem = problem
+        self.layout = layout
+        self.count = 0
+        self.width = max([7 + len(m.type.joints) for m in problem.world.modules.values()], default=7)
+        self._blocks: dict[str, _Block] = {}
+        self._first: dict[int, int] = {}
+        self._where: list[tuple[int, int, int]] = []
+        self._shapes: list[Shape] = []
+        self._last: tuple[Array, Posed, Edges] | None = None
+        self._finished: tuple[Forms, Indices, Array] | None = None
+
+    def _block(self, name: str) -> _Block:
+        world = self.problem.world
+        module = world.modules.get(name)
+        key = f"module {module.type.name}" if module else f"body {name}"
+        if key not in self._blocks:
+            parts = self.parts(name)
+            points = tuple((part.joint, point) for part in parts for point in anchors(part))
+            self._blocks[key] = _Block(sphere_stage(module.type if module else None, points), parts)
+        return self._blocks[key]
+
+    def parts(self, name: str) -> Sequence[Part]:
+        """The parts of a module or body."""
+        module = self.problem.world.modules.get(name)
+        return module_parts(module.type) if module else (Part(-1, NOWHERE, self.problem.world.bodies[name].shape),)
+
+    def first(self, slice_: int, name: str) -> int:
+        """The number of the first part of one slot; those of the others follow."""
+        offset = self.layout.slices[slice_][name]
+        if offset not in self._first:
+            block = self._block(name)
+            number = list(self._blocks.values()).index(block)
+            self._where += [(number, len(block.slots), i) for i in range(len(block.parts))]
+            block.add(self.layout.slot(slice_, name), self.count)
+            self._shapes += [part.shape for part in block.parts]
+            self._first[offset] = self.count
+            self.count += len(block.parts)
+            self._finished = self._last = None
+        return self._first[offset]
+
+    def _tables(self) -> tuple[Forms, Indices, Array]:
+        """The forms, where each part is (block, slot, part), and half the sides of the boxes around the parts."""
+        if self._finished is None:
+            where = np.array(self._where, dtype=np.int64).reshape(-1, 3)
+            half = np.array([box_sides(s) for s in self._shapes]).reshape(-1, 3) / 2
+            self._finished = Forms(self._shapes), where, half
+        return self._finished
+
+    @property
+    def forms(self) -> Forms:
+        return self._tables()[0]
+
+    def posed(self, z: Array) -> Posed:
+        """All parts where they are at z."""
+        return self._placed(z)[0]
+
+    def edges(self, z: Array) -> Edges:
+        """Least and greatest coordinates of all parts."""
+        return self._placed(z)[1]
+
+    def _placed(self, z: Array) -> tuple[Posed, Edges]:
+        if self._last is None or not np.array_equal(self._last[0], z):
+            forms, _, half = self._tables()
+            position, rotation = np.zeros((self.count, 3)), np.zeros((self.count, 3, 3))
+            for block in self._blocks.values():
+                if not block.slots:
+                    continue
+                points = block.points(z)[:, block.anchors]
+                numbers = block.numbers
+                round_ = np.array([p.shape.kind in ("sphere", "capsule") for p in block.parts])
+                axis = points[:, :, 1] - points[:, :, 0]
+                length = np.maximum(np.linalg.norm(axis, axis=2, keepdims=True), 1e-12)
+                middle = 0.5 * (points[:, :, 0] + points[:, :, 1])
+                position[numbers] = np.where(round_[:, None], middle, points[:, :, 0])
+                frame = (points[:, :, 1:] - points[:, :, :1]).transpose(0, 1, 3, 2) / ARM
+                upright = np.zeros_like(frame)
+                upright[..., 2] = axis / length
+                rotation[numbers] = np.where(round_[:, None, None], upright, frame)
+            posed = Posed(forms, np.arange(self.count), position, rotation)
+            around = np.einsum("nij,nj->ni", np.abs(rotation), half)
+            ball = forms.kind == ROUND
+            around[ball] = np.abs(posed.axis[ball]) + posed.radius[ball, None]
+            self._last = (z, posed, (position - around, position + around))
+        return self._last[1], self._last[2]
+
+    def places(self, numbers: Indices) -> Indices:
+        """Places in z (len, width) of the slots of some parts; a short slot repeats place 0, which is constant or
+        carries a zero derivative."""
+        where = self._tables()[1][numbers]
+        result = np.zeros((len(numbers), self.width), dtype=np.int64)
+        for i, block in enumerate(self._blocks.values()):
+            mine = np.flatnonzero(where[:, 0] == i)
+            if len(mine):
+                result[mine, : block.stage.inputs] = block.places[where[mine, 1]]
+        return result
+
+    def shares(self, numbers: Indices, points: Array, posed: Posed) -> Array:
+        """The shares (len, ANCHORS) that anchors have in points (len, 3) fixed to some parts."""
+        parts = posed[numbers]
+        local = parts.local(points)
+        result = np.zeros((len(numbers), ANCHORS))
+        result[:, 1:] = local / ARM
+        result[:, 0] = 1.0 - result[:, 1:].sum(axis=1)
+        round_ = np.flatnonzero(parts.kind == ROUND)
+        half = parts.half[round_, 2]
+        along = np.where(half > 0.0, local[round_, 2] / np.where(half > 0.0, 2.0 * half, 1.0), -0.5)
+        result[round_] = 0.0
+        result[round_, 0], result[round_, 1] = 0.5 - along, 0.5 + along
+        return result
+
+    def derivatives(self, z: Array, numbers: Indices, shares: Array) -> Array:
+        """Derivatives (len, 3, width) by their slots of points that are made of the anchors of parts by shares."""
+        where = self._tables()[1][numbers]
+        result = np.zeros((len(numbers), 3, self.width))
+        for i, block in enumerate(self._blocks.values()):
+            mine = np.flatnonzero(where[:, 0] == i)
+            if len(mine):
+                used, slot = np.unique(where[mine, 1], return_inverse=True)
+                places = block.places[used]
+                jacobian = block.stage.jacobians(z[places], np.zeros((len(places), 0)))
+                local = jacobian.reshape(len(places), -1, 3, block.stage.inputs)
+                chosen = block.anchors[where[mine, 2]]
+                moved = shares[mine, 0, None, None] * local[slot, chosen[:, 0]]
+                for k in range(1, ANCHORS):
+                    rows = np.flatnonzero(shares[mine, k])
+                    if len(rows):
+                        moved[rows] += shares[mine[rows], k, None, None] * local[slot[rows], chosen[rows, k]]
+                result[mine, :, : block.stage.inputs] = moved
+        return result
+
+    def curvature(self, z: Array, ends: Sequence[tuple[Indices, Array, Array]]) -> list[tuple[Array, Indices]]:
+        """Hessians, by slot, of the sum of pull (N, 3) · point over `ends`: numbers (N,), shares and pulls."""
+        numbers, shares, pulls = (np.concatenate(column) for column in zip(*ends, strict=True))
+        where = self._tables()[1][numbers]
+        found = []
+        for i, block in enumerate(self._blocks.values()):
+            mine = np.flatnonzero(where[:, 0] == i)
+            if len(mine):
+                places = block.places
+                weights = np.zeros((len(places), int(block.anchors.max(initial=-1)) + 1, 3))
+                at = (np.repeat(where[mine, 1], ANCHORS), block.anchors[where[mine, 2]].ravel())
+                np.add.at(weights, at, (shares[mine, :, None] * pulls[mine, None, :]).reshape(-1, 3))
+                flat = weights.reshape(len(places), -1)
+                found.append((block.stage.hessians(z[places], np.zeros((len(places), 0)), flat), places))
+        return found

@@ -1,0 +1,302 @@
+"""The true shapes of what moves in phases of one structure, and the exact distances that accept or refuse a path.
+
+Distances are measured at the slices first. A distance changes by no more than its two sides move, so that what is far
+apart there, less how far both go until another slice is nearer, needs no look between the slices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .....compiler.extents import box_sides
+from .....compiler.ir import Shape, World
+from .....compiler.motion.collision import PhaseContacts, pose_matrix
+from .....compiler.motion.parts import module_parts, own_pairs
+from ....geometry.exact_distances import Distances, Forms, Posed, distances
+from ....skeleton import Array
+from .batch_kinematics import BatchKinematics, Indices
+from .collision_spheres import Lineage
+from .contact_margins import NEVER, REQUIRED, Kinds, cross_kinds
+from .joint_forest import Obstacle, PhaseTree
+
+REFINEMENT = 10
+"""Samples of the swept check per slice."""
+FAR = 1e-3
+"""Excess clearance, metres, beyond which nothing is measured: more counts as this much."""
+AT_SLICES = slice(None, None, REFINEMENT)
+NOTHING = Shape("sphere", (0.0,))
+OUT_OF_SIGHT = 1e9
+"""Metres away: where missing obstacles are put."""
+
+
+@dataclass(frozen=True, slots=True)
+class MovingPart:
+    """A shape at `local` `(4, 4)` in its node; `tag` is the effector or body that contacts name, None for a link."""
+
+    node: int
+    local: Array
+    shape: Shape
+    owner: str
+    tag: str | None
+
+
+@dataclass(slots=True)
+class PhaseParts:
+    """What moves in a phase, the pairs `(pairs, 2)` of it that may not overlap, and what rests near."""
+
+    tree: PhaseTree
+    parts: tuple[MovingPart, ...]
+    pairs: tuple[tuple[int, int], ...]
+    obstacles: list[Obstacle]
+
+    @property
+    def structure(self) -> tuple[object, ...]:
+        """Phases with equal structures can be stacked."""
+        return tuple(p.node for p in self.parts), self.pairs
+
+
+def phase_parts(lineage: Lineage, world: World, obstacles: list[Obstacle]) -> PhaseParts:
+    """The true shapes of a phase. Parts of one module meet as `own_pairs` says, others when a joint moves them against
+    each other."""
+    tree = lineage.tree
+    parts: list[MovingPart] = []
+    pairs: list[tuple[int, int]] = []
+    for module, links in tree.links.items():
+        type_, first = world.modules[module].type, len(parts)
+        pairs += [(first + i, first + k) for i, k, _ in own_pairs(type_)]
+        for part in module_parts(type_):
+            node, local = links[part.joint]
+            tag = f"{module}.{part.effector}" if part.effector else None
+            parts.append(MovingPart(node, local @ pose_matrix(part.placement), part.shape, module, tag))
+    for name, (node, local) in tree.bodies.items():
+        parts.append(MovingPart(node, local, world.bodies[name].shape, name, name))
+    pairs += [
+        (i, k) for k in range(len(parts)) for i in range(k) if parts[i].owner != parts[k].owner
+    ]  # fmt: skip
+    above = lineage.above
+    moved = [(i, k) for i, k in pairs if (above[parts[i].node + 1] ^ above[parts[k].node + 1]).any()]
+    return PhaseParts(tree, tuple(parts), tuple(moved), obstacles)
+
+
+class ExactGeometry:
+    """Phases of one structure. Per phase the `forms` of parts and obstacles; `obstacle_kinds` `(parts, obstacles,
+    phases)` and `pair_kinds` `(pairs, phases)` are those of `contact_margins`."""
+
+    def __init__(
+        self, phases: Sequence[PhaseParts], contacts: Sequence[PhaseContacts], kinematics: BatchKinematics
+    ) -> None:
+        self.phases, self.kinematics = list(phases), kinematics
+        parts = phases[0].parts
+        self.nodes = np.array([p.node for p in parts], dtype=np.intp)
+        self.pairs = np.array(phases[0].pairs, dtype=np.intp).reshape(-1, 2)
+        above = Lineage(phases[0].tree).above
+        self.moved_by = above[self.nodes + 1]
+        shapes: dict[Shape, int] = {NOTHING: 0}
+        number = [[shapes.setdefault(p.shape, len(shapes)) for p in phase.parts] for phase in phases]
+        count = max(len(phase.obstacles) for phase in phases)
+        rest = [
+            [shapes.setdefault(o.shape, len(shapes)) for o in phase.obstacles] + [0] * (count - len(phase.obstacles))
+            for phase in phases
+        ]
+        self.forms = Forms(list(shapes))
+        self.form = np.array(number, dtype=np.intp).reshape(len(phases), -1)
+        self.rest = np.array(rest, dtype=np.intp).reshape(len(phases), -1)
+        self.local = np.array([[p.local for p in phase.parts] for phase in phases]).reshape(len(phases), -1, 4, 4)
+        far = np.eye(4)
+        far[:3, 3] = OUT_OF_SIGHT
+        self.at = np.array([
+            [o.pose for o in phase.obstacles] + [far] * (count - len(phase.obstacles)) for phase in phases
+        ]).reshape(len(phases), -1, 4, 4)  # fmt: skip
+        half = np.array([box_sides(s) for s in shapes]) / 2
+        self.extent = np.einsum("koij,koj->koi", np.abs(self.at[..., :3, :3]), half[self.rest])
+        self._set_kinds(contacts, count)
+
+    def _set_kinds(self, contacts: Sequence[PhaseContacts], count: int) -> None:
+        parts = len(self.nodes)
+        self.obstacle_kinds: Kinds = np.full((parts, count, len(self.phases)), NEVER, np.int8)
+        self.pair_kinds: Kinds = np.empty((len(self.pairs), len(self.phases)), np.int8)
+        for k, phase in enumerate(self.phases):
+            contact, tags = contacts[phase.tree.phase], [p.tag for p in phase.parts]
+            kinds = cross_kinds(contact, tags, [o.tag for o in phase.obstacles])
+            self.obstacle_kinds[:, : len(phase.obstacles), k] = kinds
+            self.pair_kinds[:, k] = cross_kinds(contact, tags, tags)[self.pairs[:, 0], self.pairs[:, 1]]
+        self.obstacle_kinds[self.nodes < 0] = NEVER
+
+    def ignore_collisions(self) -> None:
+        """Let everything pass through everything."""
+        self.obstacle_kinds[...] = NEVER
+        self.pair_kinds[...] = NEVER
+
+    def take(self, index: Indices) -> ExactGeometry:
+        """The geometry of some of the phases, possibly repeated."""
+        result = object.__new__(ExactGeometry)
+        result.phases = [self.phases[i] for i in index]
+        result.kinematics, result.nodes, result.pairs = self.kinematics.take(index), self.nodes, self.pairs
+        result.moved_by, result.forms = self.moved_by, self.forms
+        result.form, result.rest, result.local = self.form[index], self.rest[index], self.local[index]
+        result.at, result.extent = self.at[index], self.extent[index]
+        result.obstacle_kinds, result.pair_kinds = self.obstacle_kinds[..., index], self.pair_kinds[..., index]
+        return result
+
+    @property
+    def reach(self) -> Array:
+        """Radii `(phases, parts)` of the spheres around the parts."""
+        return np.asarray(self.forms.reach[self.form])
+
+    def centres(self, frames: Array) -> Array:
+        """The parts' origins `(parts, 3, phases, times)` by frames `(nodes + 1, 4, 3, phases, times)`."""
+        carried = frames[self.nodes]
+        offset = self.local[:, :, :3, 3].transpose(1, 2, 0)[:, :, None, :, None]
+        return np.asarray((carried[:, :3] * offset).sum(axis=1) + carried[:, 3])
+
+    def placed(self, frames: Array, part: Indices, phase: Indices, time: Indices) -> Posed:
+        """Parts `(m,)` in phases and at times `(m,)`."""
+        carried, local = frames[self.nodes[part], :, :, phase, time], self.local[phase, part]
+        turn = carried[:, :3].transpose(0, 2, 1)
+        rotation, position = turn @ local[:, :3, :3], (turn @ local[:, :3, 3:])[:, :, 0] + carried[:, 3]
+        return Posed(self.forms, self.form[phase, part], position, rotation)
+
+    def resting(self, obstacle: Indices, phase: Indices) -> Posed:
+        """Obstacles `(m,)` of phases `(m,)`."""
+        at = self.at[phase, obstacle]
+        return Posed(self.forms, self.rest[phase, obstacle], at[:, :3, 3], at[:, :3, :3])
+
+    def name_pair(self, phase: int, among: bool, first: int, second: int) -> tuple[str, str]:
+        """The objects behind a part and an obstacle of one of the phases, or `among` the parts."""
+        stated = self.phases[phase]
+        part, other = stated.parts[first], stated.parts[second] if among else stated.obstacles[second]
+        return part.tag or part.owner, other.tag or other.owner
+
+
+@dataclass(slots=True)
+class Entries:
+    """Parts `first` `(m,)` and what they may come near, obstacles or, `among` parts, others, at a time of a phase."""
+
+    among: bool
+    first: Indices
+    second: Indices
+    phase: Indices
+    time: Indices
+    kind: Kinds
+
+    def __getitem__(self, chosen: Indices) -> Entries:
+        return Entries(
+            self.among, self.first[chosen], self.second[chosen], self.phase[chosen], self.time[chosen],
+            self.kind[chosen],
+        )  # fmt: skip
+
+    def measured(self, geometry: ExactGeometry, frames: Array, beyond: Array) -> Distances:
+        """Their distances, exact where they are less than `beyond` `(m,)` metres."""
+        one = geometry.placed(frames, self.first, self.phase, self.time)
+        if self.among:
+            other = geometry.placed(frames, self.second, self.phase, self.time)
+        else:
+            other = geometry.resting(self.second, self.phase)
+        return distances(one, other, beyond)
+
+
+def near_entries(geometry: ExactGeometry, frames: Array, room: Array) -> list[Entries]:
+    """What may come nearer than `room` `(parts, phases, times)`, in metres and of both sides the sum: by spheres around
+    parts and boxes around obstacles."""
+    centres = geometry.centres(frames)
+    grown = room + geometry.reach.T[:, :, None]
+    found = []
+    if geometry.at.shape[1]:
+        low, high = (centres - grown[:, None]).min(axis=-1), (centres + grown[:, None]).max(axis=-1)
+        middle, extent = geometry.at[:, :, :3, 3].transpose(1, 2, 0), geometry.extent.transpose(1, 2, 0)
+        near = geometry.obstacle_kinds != NEVER
+        for axis in (2, 0, 1):
+            near &= low[:, None, axis] < middle[:, axis] + extent[:, axis]
+            near &= high[:, None, axis] > middle[:, axis] - extent[:, axis]
+        a, o, k = np.nonzero(near)
+        away = np.abs(centres[a, :, k] - geometry.at[k, o, :3, 3, None]) - geometry.extent[k, o, :, None]
+        away = np.maximum(away, 0.0)
+        row, t = np.nonzero((away * away).sum(axis=1) < grown[a, k] ** 2)
+        a, o, k = a[row], o[row], k[row]
+        found.append(Entries(False, a, o, k, t, geometry.obstacle_kinds[a, o, k]))
+    if len(geometry.pairs):
+        i, j = geometry.pairs.T
+        apart = centres[i] - centres[j]
+        near = (apart * apart).sum(axis=1) < (grown[i] + grown[j]) ** 2
+        p, k, t = np.nonzero(near & (geometry.pair_kinds != NEVER)[:, :, None])
+        found.append(Entries(True, i[p], j[p], k, t, geometry.pair_kinds[p, k]))
+    return found
+
+
+def departure(vectors: Array) -> Array:
+    """How far vectors `(…, fine times)` go from where they are at a slice, until another one is nearer, the sum of
+    squares over the axis before `phases`: `(…, phases, slices + 1)` for `(…, k, phases, fine times)`."""
+    times = np.arange(vectors.shape[-1])
+    away = vectors - vectors[..., (times + REFINEMENT // 2) // REFINEMENT * REFINEMENT]
+    first = np.maximum(times[AT_SLICES] - REFINEMENT // 2, 0)
+    return np.asarray(np.sqrt(np.maximum.reduceat((away * away).sum(axis=-3), first, axis=-1)))
+
+
+def swept_clearance(geometry: ExactGeometry, values: Array) -> Array:
+    """The least excess clearance `(phases,)` at all fine times, for joint values `(phases, times, joints)`; FAR when it
+    is more."""
+    frames = geometry.kinematics.frames(values)
+    nodes, _, _, phases, times = frames.shape
+    shift, turn = departure(frames[:, 3]), departure(frames[:, :3].reshape(nodes, 9, phases, times))
+    lever = np.linalg.norm(geometry.local[:, :, :3, 3], axis=2) + geometry.reach
+    moved = shift[geometry.nodes] + lever.T[:, :, None] * turn[geometry.nodes]
+    least = np.full(phases, FAR)
+    at_slices = frames[..., AT_SLICES]
+    for entries in near_entries(geometry, at_slices, moved + FAR):
+        room = moved[entries.first, entries.phase, entries.time]
+        if entries.among:
+            room = room + moved[entries.second, entries.phase, entries.time]
+        distance = entries.measured(geometry, at_slices, room + FAR).value
+        _lower(least, entries, distance)
+        closer = np.flatnonzero(distance - room < REQUIRED[entries.kind] + FAR)
+        fine = _between(entries[closer], times)
+        _lower(least, fine, fine.measured(geometry, frames, np.full(len(fine.first), FAR)).value)
+    return least
+
+
+def _between(entries: Entries, times: int) -> Entries:
+    """The entries, which are at slices, at the fine times nearest to these."""
+    around = entries.time[:, None] * REFINEMENT + np.arange(REFINEMENT) - REFINEMENT // 2
+    result = entries[np.repeat(np.arange(len(entries.first)), REFINEMENT)]
+    result.time = np.clip(around, 0, times - 1).ravel()
+    return result
+
+
+def _lower(least: Array, entries: Entries, distance: Array) -> None:
+    np.minimum.at(least, entries.phase, distance - REQUIRED[entries.kind])
+
+
+@dataclass(slots=True)
+class Clash:
+    """The worst pair of one phase and by how much its clearance is missed, metres."""
+
+    pair: tuple[str, str]
+    amount: float
+
+
+def worst_clash(geometry: ExactGeometry, phase: int, values: Array) -> Clash:
+    """The worst pair of one phase for joint values `(times, joints)`; its amount is 0 where nothing is missed."""
+    one = geometry.take(np.array([phase]))
+    frames = one.kinematics.frames(values[None])
+    worst = Clash(("", ""), 0.0)
+    for entries in near_entries(one, frames, np.full((len(one.nodes), 1, len(values)), FAR)):
+        missed = REQUIRED[entries.kind] - entries.measured(one, frames, np.full(len(entries.first), FAR)).value
+        if missed.max(initial=0.0) > worst.amount:
+            k = int(missed.argmax())
+            pair = one.name_pair(0, entries.among, int(entries.first[k]), int(entries.second[k]))
+            worst = Clash(pair, float(missed[k]))
+    return worst
+
+
+def blocked(geometry: ExactGeometry, poses: Array) -> NDArray[np.bool_]:
+    """`(phases,)` whether the clearance that is required is missed, for joint values `(phases, times, joints)`."""
+    frames = geometry.kinematics.frames(poses)
+    result = np.zeros(len(poses), bool)
+    for entries in near_entries(geometry, frames, np.full((len(geometry.nodes), *poses.shape[:2]), FAR)):
+        distance = entries.measured(geometry, frames, np.full(len(entries.first), FAR)).value
+        result[entries.phase[distance < REQUIRED[entries.kind]]] = True
+    return result
