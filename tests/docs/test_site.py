@@ -1,0 +1,78 @@
+"""The pages of the site: their programs are sound, their commands and links exist, and nothing is lost from it."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import shlex
+from pathlib import Path
+
+import click
+import pytest
+
+from tamplang.cli.app import application
+from tamplang.compiler.pipeline import check_sources
+from tamplang.langs.source import Source
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+PAGES = sorted(DOCS.glob("*.md"))
+TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")
+PROGRAMS = re.findall(r"```tamp\n(.*?)```", TUTORIAL, re.DOTALL)
+
+
+@pytest.mark.parametrize("program", PROGRAMS, ids=[re.findall(r"^task (\w+)", p, re.MULTILINE)[0] for p in PROGRAMS])
+def test_programs_of_the_tutorial_are_sound(program: str) -> None:
+    found = check_sources([Source("tutorial.tamp", program)])
+    assert [f"{d.code} {d.message}" for d in found if d.span is None or d.span.file == "tutorial.tamp"] == []
+
+
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "README.md"], ids=lambda p: p.stem)
+def test_commands_of_a_page_exist(page: Path) -> None:
+    """Every `tamplang COMMAND --option` in a block of shell, or between backticks."""
+    text = page.read_text(encoding="utf-8")
+    blocks = "\n".join(re.findall(r"```sh\n(.*?)```", text, re.DOTALL))
+    lines = re.findall(r"^(?:\.venv/bin/)?tamplang (.+)$", blocks, re.MULTILINE)
+    for line in lines:
+        words = shlex.split(line.split("#")[0].split("|")[0])
+        if words[0].startswith("-"):
+            continue
+        assert words[0] in application.commands, line
+        known = {o for p in application.commands[words[0]].params if isinstance(p, click.Option) for o in p.opts}
+        given = {w.split("=")[0] for w in words[1:] if re.fullmatch(r"--?[a-z][a-z-]*(=.*)?", w)}
+        assert words[0] == "bench" or given <= {*known, "--help", "-h"}, line
+    named = {m for m in re.findall(r"`tamplang ([a-z]+)", text)}
+    assert named <= {*application.commands, "lsp"}, page
+
+
+def test_the_page_of_codes_is_that_of_the_table() -> None:
+    spec = importlib.util.spec_from_file_location("write_codes", DOCS / "write_codes.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    assert (DOCS / "codes.md").read_text(encoding="utf-8") == module.text(), "python docs/write_codes.py writes it anew"
+
+
+def test_the_pages_of_the_site_exist() -> None:
+    nav = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").split("nav:")[1]
+    pages = re.findall(r": (\S+\.md)$", nav, re.MULTILINE)
+    assert len(pages) > 10 and [p for p in pages if not (DOCS / p).is_file()] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
+def test_links_to_a_heading_lead_there(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    for target, anchor in re.findall(r"\]\(([^)#\s]*)#([\w-]+)\)", text):
+        if "://" not in target:
+            other = page if not target else page.parent / target
+            assert anchor in _anchors(other.read_text(encoding="utf-8")), (page.name, target, anchor)
+
+
+def _anchors(text: str) -> set[str]:
+    heads = re.findall(r"^#+ (.+)$", re.sub(r"```.*?```", "", text, flags=re.DOTALL), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", h.lower()).strip().replace(" ", "-") for h in heads}
+
+
+def test_the_glossary_is_sorted() -> None:
+    words = re.findall(r"^\| (\w[\w ]*) \|", (DOCS / "glossary.md").read_text(encoding="utf-8"), re.MULTILINE)[1:]
+    assert words == sorted(words, key=str.lower) and len(words) > 15
