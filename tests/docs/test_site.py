@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import math
 import re
 import shlex
 from pathlib import Path
@@ -10,6 +11,7 @@ from pathlib import Path
 import click
 import pytest
 
+import tamplang
 from tamplang.cli.app import application
 from tamplang.compiler.pipeline import check_sources
 from tamplang.langs.source import Source
@@ -25,6 +27,13 @@ PROGRAMS = re.findall(r"```tamp\n(.*?)```", TUTORIAL, re.DOTALL)
 def test_programs_of_the_tutorial_are_sound(program: str) -> None:
     found = check_sources([Source("tutorial.tamp", program)])
     assert [f"{d.code} {d.message}" for d in found if d.span is None or d.span.file == "tutorial.tamp"] == []
+
+
+def test_the_two_robots_of_the_tutorial_dock_and_climb(tmp_path: Path) -> None:
+    (program,) = (p for p in PROGRAMS if "task third" in p)
+    (tmp_path / "third.tamp").write_text(program)
+    result = tamplang.load(tmp_path / "third.tamp").solve(time=math.inf)
+    assert [action.split("(")[0] for action in result.actions] == ["connect", "stepTogether", "grasp"]
 
 
 @pytest.mark.parametrize("page", [*PAGES, ROOT / "README.md"], ids=lambda p: p.stem)
