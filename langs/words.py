@@ -107,6 +107,11 @@ TYPES: Mapping[str, str] = {
     "angle": "an angle, in radians inside",
     "time": "a time, in seconds inside",
     "speed": "a length per second",
+    "mass": "a mass, in kilograms inside",
+    "density": "a mass per volume",
+    "force": "a force, in newtons inside",
+    "torque": "a torque, in newton metres inside",
+    "inertia": "a moment of inertia",
 }
 SHAPES: Mapping[str, str] = {
     "box": "box(x, y, z): a box with these sides",

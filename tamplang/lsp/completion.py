@@ -8,6 +8,7 @@ from lsprotocol import types
 
 from ..compiler.builtins import FUNCTIONS
 from ..compiler.imports import neighbours, on_disk
+from ..compiler.library import VALUE_TYPE_NAMES
 from ..compiler.naming import Naming, Place
 from ..compiler.options import OPTIONS, given_at
 from ..compiler.standard import STANDARD_FOLDER
@@ -26,7 +27,6 @@ KINDS = {
     "rule": Kind.Method, "heuristic": Kind.Constant, "scene": Kind.Module, "variable": Kind.Variable,
     "object": Kind.Variable, "effector": Kind.Field, "joint": Kind.Property,
 }  # fmt: skip
-_VALUES = ("int", "real", "length", "angle", "time", "speed")
 
 
 def completion(documents: Documents, uri: str, position: types.Position) -> types.CompletionList:
@@ -94,7 +94,7 @@ class _Completion:
         braces = [i for i in self.context.opened if self.context.before[i] == "{"]
         in_parameters = bool(self.context.opened) and self.context.before[self.context.opened[-1]] == "("
         if in_parameters and head in ("scene", "task", "module") and not braces:
-            yield from (_plain(t, Kind.TypeParameter, TYPES[t]) for t in _VALUES)
+            yield from (_plain(t, Kind.TypeParameter, TYPES[t]) for t in VALUE_TYPE_NAMES)
             return
         line = [str(t) for t in self.context.before if t.line == self.context.before[-1].line]
         if "fail" in line:

@@ -11,9 +11,11 @@ from pathlib import Path
 
 import pytest
 
+from tamplang.compiler.library import BUILT_IN_TYPES, VALUE_TYPE_NAMES
 from tamplang.highlight import coloured
 from tamplang.langs.reader import read_source
 from tamplang.langs.source import Source
+from tamplang.langs.words import TYPES
 from tamplang.lsp.tokens import classified
 from tamplang.pygments_lexer import TamplangLexer
 
@@ -50,6 +52,10 @@ def test_literals_and_attributes_are_told_apart(path: Path) -> None:
         if k in meant and plain.get(s) not in meant[k]
     ]
     assert wrong == []
+
+
+def test_the_types_are_those_of_the_compiler() -> None:
+    assert set(TYPES) == {*VALUE_TYPE_NAMES, *BUILT_IN_TYPES}
 
 
 def generated() -> dict[Path, str]:
