@@ -37,7 +37,11 @@ class Diagnostic:
         return self.code.startswith("E")
 
 
-class SourceError(Exception):
+class Error(Exception):
+    """The base of all that tamplang raises for what a user can mend."""
+
+
+class SourceError(Error):
     """The source has errors; `diagnostics` holds all that were found, errors and warnings, in source order."""
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
@@ -45,7 +49,7 @@ class SourceError(Exception):
         super().__init__("; ".join(f"{d.code} {d.message}" for d in self.diagnostics))
 
 
-class UsageError(Exception):
+class UsageError(Error):
     """The command asks for what cannot be, such as a task or parameter that the file does not have, or an unfit value;
     `diagnostic`, if any, says the same with code, place and hint."""
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import msgspec
 
+from ..langs.diagnostics import Error
 from ..langs.writer import write_atomically
 from .plan import FORMAT, KNOWN_NEEDS, Plan
 from .plan_upgrade import FORMAT_1, Plan1, upgraded
@@ -26,7 +27,7 @@ NUMBERS = re.compile(rb"(?<=:)\s*\[[\[\]0-9eE+\-.,\s]*\]")
 """The value of a field that is nothing but rows of numbers."""
 
 
-class PlanFileError(Exception):
+class PlanFileError(Error):
     """The file is not a readable plan; the message says why."""
 
 

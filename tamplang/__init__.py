@@ -8,17 +8,34 @@ if result.plan is not None:
 
 TYPE_CHECKING = False  # as in `typing`, which takes too long to load: the command is to be ready for Ctrl-C at once
 if TYPE_CHECKING:
-    from .api import Plan, Result, Task, load, read_plan
+    from .api import Plan, Result, RunResult, Task, load, loads, read_plan
+    from .langs.diagnostics import Error, SourceError, UsageError
+    from .runtime.plan_files import PlanFileError
 
-__all__ = ["Plan", "Result", "Task", "__version__", "load", "read_plan"]
+__all__ = [
+    "Error", "Plan", "PlanFileError", "Result", "RunResult", "SourceError", "Task", "UsageError", "__version__", "load",
+    "loads", "read_plan",
+]  # fmt: skip
+_HOMES = {
+    "Error": ".langs.diagnostics",
+    "PlanFileError": ".runtime.plan_files",
+    "SourceError": ".langs.diagnostics",
+    "UsageError": ".langs.diagnostics",
+}
+"""Where names are that `api` has not."""
 __version__ = "0.1.0"
 
 
 def __getattr__(name: str) -> object:
-    """What `api` offers, loaded at first use."""
-    if name in __all__:
-        from . import api
+    """What `api` and the errors offer, loaded at first use."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
 
-        found: object = getattr(api, name)
-        return found
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    found: object = getattr(import_module(_HOMES.get(name, ".api"), __name__), name)
+    return found
+
+
+def __dir__() -> list[str]:
+    """All names, also those that are not loaded yet."""
+    return sorted({*globals(), *__all__})

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .compiler.ir import Problem
     from .langs.diagnostics import Diagnostic
+    from .runtime.export.motion import Array, Trajectory
     from .runtime.plan import Plan as PlanRecord
     from .runtime.plan import StatisticsRecord, TimingRecord, VerdictRecord
     from .runtime.planner.lgp import Outcome, Progress, SolveOptions
@@ -41,12 +42,29 @@ def load(path: str | PathLike[str], /, task: str | None = None, seed: int = 0, *
     return Task(problem, warnings)
 
 
-@dataclass(frozen=True, slots=True)
+def loads(text: str, /, task: str | None = None, seed: int = 0, **parameters: str | float) -> Task:
+    """`load` for a program that is a text; what it imports and names is looked for in the current folder.
+
+    >>> task = loads("predicate (lit) rule light() { pre not (lit) post (lit) } task t() { goal (lit) }")
+    >>> task
+    <Task t: 0 modules, 0 bodies>
+    """
+    from .compiler.pipeline import compile_text
+
+    texts = {name: str(value) for name, value in parameters.items()}
+    return Task(*compile_text(text, "<text>", task, texts, seed))
+
+
+@dataclass(frozen=True, slots=True, repr=False)
 class Task:
     """A compiled task: its intermediate representation, and the warnings on the way to it."""
 
     problem: Problem
     warnings: tuple[Diagnostic, ...] = ()
+
+    def __repr__(self) -> str:
+        world = self.problem.world
+        return f"<Task {self.problem.task}: {len(world.modules)} modules, {len(world.bodies)} bodies>"
 
     def solve(
         self,
@@ -115,7 +133,7 @@ class Task:
     def run(
         self,
         *,
-        plan: PlanRecord | None = None,
+        plan: Plan | PlanRecord | None = None,
         horizon: int | str | None = None,
         noise: Noise | None = None,
         latency: float | None = None,
@@ -130,7 +148,8 @@ class Task:
         """
         from .runtime.simulation.execution import execute
 
-        return RunResult(*execute(self.problem, plan, horizon, noise, time, seed, latency, progress))
+        record = plan.record if isinstance(plan, Plan) else plan
+        return RunResult(*execute(self.problem, record, horizon, noise, time, seed, latency, progress))
 
 
 def _solved(
@@ -150,7 +169,7 @@ def _solved(
     return solve_receding(problem, options, None if horizon == "auto" else int(horizon), progress, found)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Result:
     """What a run found. `status` is "solved", "infeasible" (proved), "exhausted", "budget", "interrupted" or
     "refused" (by the verifier); `plans` are best first, and all verified; `explanation` says what refused the task.
@@ -166,13 +185,16 @@ class Result:
     cost: float
     refused: Plan | None = None
 
+    def __repr__(self) -> str:
+        return f"<Result {self.status}: {len(self.plans)} plans, cost {self.cost:g}>"
+
     @property
     def plan(self) -> Plan | None:
         """The best plan, or None."""
         return self.plans[0] if self.plans else None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class RunResult:
     """What came of a run. `status` is "solved", "stuck", "infeasible", "lost" (with a module that left), "budget",
     "interrupted" or "refused" (by the verifier); `plan` is what was carried out; `deviations` tell how simulated drives
@@ -182,6 +204,9 @@ class RunResult:
     record: PlanRecord
     explanation: tuple[Diagnostic, ...]
     deviations: Deviations
+
+    def __repr__(self) -> str:
+        return f"<RunResult {self.status}: {len(self.record.phases)} actions, {self.replans} replans>"
 
     @property
     def plan(self) -> Plan:
@@ -224,13 +249,39 @@ def task_of_plan(record: PlanRecord) -> Task:
     return Task(*compile_sources(sources, record.task.name, texts, record.task.seed, files))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Plan:
     """A plan; `record` is what a plan file holds (`docs/plan-format.md`). The verdict in it is `fresh` when it was made
     in this process, and not read from a file."""
 
     record: PlanRecord
     fresh: bool = False
+
+    def __repr__(self) -> str:
+        return f"<Plan of {self.record.task.name}: {len(self.record.phases)} actions, {self.record.times[-1]:.2f} s>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the actions in order, with their times."""
+        from html import escape
+
+        rows = "".join(
+            f"<tr><td>{p.start:.2f} s</td><td><code>{escape(p.action)}</code></td></tr>" for p in self.record.phases
+        )
+        return f"<p>{escape(repr(self)[1:-1])}</p><table>{rows}</table>"
+
+    def trajectory(self, module: str, rate: float | None = None) -> Trajectory:
+        """The joint motion of a module such as "c[1]" at the samples of the plan, or at `rate` hertz: `joints` by name,
+        `t` (T,) in seconds, and `q`, `dq`, `ddq` (T, joints), in rad or m. Raises UsageError."""
+        from .runtime.export.motion import times, trajectory
+
+        return trajectory(self.record, module, times(self.record, rate))
+
+    def poses(self, name: str, rate: float | None = None) -> Array:
+        """Poses (T, 7) in the world, x, y, z, qx, qy, qz, qw, of a module, a body, or an effector such as "c[1].A", at
+        the samples of the plan or at `rate` hertz. Raises UsageError."""
+        from .runtime.export.motion import poses, times
+
+        return poses(self.record, name, times(self.record, rate))
 
     @property
     def actions(self) -> tuple[str, ...]:

@@ -1,0 +1,57 @@
+"""The Python interface: names, errors, plans as arrays."""
+
+from __future__ import annotations
+
+import doctest
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tamplang
+from tamplang import api
+from tamplang.runtime.plan_files import PlanFileError
+
+PLAN = Path(__file__).resolve().parents[1] / "verify" / "format_1.plan.json"
+LAMP = "predicate (lit) rule light() { pre not (lit) post (lit) } task t() { goal (lit) }"
+
+
+def test_every_name_is_listed_and_there() -> None:
+    assert set(tamplang.__all__) <= set(dir(tamplang))
+    assert all(getattr(tamplang, name) is not None for name in tamplang.__all__)
+    with pytest.raises(AttributeError):
+        tamplang.lod  # noqa: B018
+
+
+def test_what_users_can_mend_has_one_base(tmp_path: Path) -> None:
+    (tmp_path / "a.json").write_text("[]")
+    for wrong in (
+        lambda: tamplang.loads("task t() {"),
+        lambda: tamplang.load(tmp_path / "lost.tamp"),
+        lambda: tamplang.loads(LAMP, task="u"),
+        lambda: tamplang.loads(LAMP).solve(bound="paht"),
+        lambda: tamplang.read_plan(tmp_path / "a.json"),
+        lambda: tamplang.read_plan(PLAN).poses("c[9]"),
+        lambda: tamplang.read_plan(PLAN).trajectory("nobody"),
+    ):
+        with pytest.raises(tamplang.Error):
+            wrong()
+    assert tamplang.PlanFileError is PlanFileError
+
+
+def test_texts_are_loaded_and_shown_in_short() -> None:
+    assert doctest.testmod(api, extraglobs={"loads": tamplang.loads}).failed == 0
+    plan = tamplang.read_plan(PLAN)
+    assert len(repr(plan)) < 100 and plan.record.task.name in repr(plan)
+    assert plan.actions[0].split("(")[0] in plan._repr_html_()
+
+
+def test_motion_comes_as_arrays() -> None:
+    plan = tamplang.read_plan(PLAN)
+    module = plan.record.modules[0]
+    motion = plan.trajectory(module.name, rate=20.0)
+    assert motion.q.shape == motion.dq.shape == motion.ddq.shape == (len(motion.t), len(module.joints))
+    assert motion.q[0] == pytest.approx(module.start, abs=1e-6)
+    poses = plan.poses(module.name, rate=20.0)
+    assert poses.shape == (len(motion.t), 7) and np.allclose(np.linalg.norm(poses[:, 3:], axis=1), 1.0)
+    assert plan.poses(f"{module.name}.{module.effectors[0].name}").shape[1] == 7
