@@ -18,7 +18,7 @@ import numpy as np
 from tamplang.compiler import ir
 from tamplang.compiler.physics.frames import poses
 from tamplang.compiler.physics.statics import drives, loads
-from tamplang.compiler.pipeline import compile_problem, compile_text
+from tamplang.compiler.pipeline import compile_text
 from tamplang.runtime.engine import carry_out
 from tamplang.runtime.planner.lgp import SolveOptions, solve
 from tamplang.runtime.verify.inertia import weights
@@ -120,31 +120,27 @@ def statics(count: int) -> None:
 def peaks(count: int) -> None:
     """Greatest torque ratio of a plan with inertia, predicted and simulated."""
     text = EXAMPLE.read_text(encoding="utf-8").replace("physics = statics", "physics = dynamics")
-    path = EXAMPLE.with_name(".bench_physics.tamp")
-    path.write_text(text, encoding="utf-8")
-    try:
-        for number in range(count):
-            n, seed = 1 + number % 3, number
-            problem, _ = compile_problem(path, None, {"n": str(n), "crawlers": "1"}, seed)
-            outcome = solve(problem, SolveOptions(time=60.0, seed=seed))
-            if not outcome.plans:
-                print(f"real_climb n={n} seed={seed}: {outcome.status}")
-                continue
-            plan = outcome.plans[0]
-            begun = time.process_time()
-            carried = carry_out(problem, plan)
-            spent = time.process_time() - begun
-            simulated = max(peak / most for peak, most in carried.peaks.values())
-            predicted = plan.verdict.worst["torque_ratio"] / SAFETY if plan.verdict is not None else float("nan")
-            print(
-                f"real_climb n={n} seed={seed}: torque {predicted:.3f} predicted, {simulated:.3f} simulated "
-                f"({100 * (simulated / predicted - 1):+.1f} %), base {1e3 * carried.base:.2f} mm, "
-                f"{'reached' if carried.reached else 'not reached'}, "
-                f"{spent / max(carried.seconds, 1e-9):.2f} s per second",
-                flush=True,
-            )
-    finally:
-        path.unlink()
+    for number in range(count):
+        n = 1 + number % 3
+        problem, _ = compile_text(text, "real_climb.tamp", None, {"n": str(n), "crawlers": "1"}, number)
+        outcome = solve(problem, SolveOptions(time=60.0, seed=number))
+        print(f"real_climb n={n} seed={number}: ", end="")
+        if not outcome.plans:
+            print(outcome.status)
+            continue
+        plan = outcome.plans[0]
+        begun = time.process_time()
+        carried = carry_out(problem, plan)
+        spent = (time.process_time() - begun) / max(carried.seconds, 1e-9)
+        simulated = max(peak / most for peak, most in carried.peaks.values())
+        predicted = plan.verdict.worst["torque_ratio"] / SAFETY if plan.verdict is not None else float("nan")
+        off = 100 * (simulated / predicted - 1)
+        print(
+            f"torque {predicted:.3f} predicted, {simulated:.3f} simulated ({off:+.1f} %), "
+            f"base {1e3 * carried.base:.2f} mm, {'reached' if carried.reached else 'not reached'}, "
+            f"{spent:.2f} s per second",
+            flush=True,
+        )
 
 
 def main() -> None:

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import msgspec
 import numpy as np
 
 from ...compiler import ir
@@ -27,6 +28,8 @@ SETTLED = 0.05
 """Seconds after a switch in which the blow of fastening does not count against a weld."""
 LOOKED = 5
 """Every so many steps the welds are looked at."""
+HELD = 0.5
+"""Seconds for which the end is held."""
 LOST = 10.0
 """Metres: a module that is so far from where it should be has not just fallen."""
 
@@ -56,7 +59,8 @@ def carry_out(problem: ir.Problem, plan: Plan, tick: Callable[[], None] = lambda
 class _Run:
     def __init__(self, problem: ir.Problem, plan: Plan, tick: Callable[[], None]) -> None:
         self.problem, self.plan, self.tick = problem, plan, tick
-        self.modes = [frozenset((m.predicate, *m.args) for m in p.mode) for p in plan.phases]
+        held = [*(p.mode for p in plan.phases), plan.final_mode]
+        self.modes = [frozenset((m.predicate, *m.args) for m in mode) for mode in held]
         self.edges = [self._fastened(mode) for mode in self.modes]
         self.world: World = build(problem, [pair for edges in self.edges for pair in edges])
         self.result = Carried()
@@ -87,12 +91,23 @@ class _Run:
             self._switch(number)
             if not self._phase(number, record):
                 return self.result
+        if not self._settle():
+            return self.result
         moved = {p.name for p in self.plan.body_tracks}
         off = max((self._off(m, -1) for m in self.problem.world.modules), default=0.0)
         off = max([off, *(self._body_off(name) for name in sorted(moved))])
         goal = self.plan.verdict is not None and self.plan.verdict.goal_reached
         self.result.reached = goal and not self.result.broken and off <= FAR
         return self.result
+
+    def _settle(self) -> bool:
+        """Hold what the last action leaves, for a while; whether that made sense."""
+        if not self.plan.phases:
+            return True
+        end, last = self.result.seconds, self.plan.phases[-1]
+        still = msgspec.structs.replace(last, start=end, end=end + HELD, mode=self.plan.final_mode)
+        self._switch(len(self.plan.phases))
+        return self._phase(len(self.plan.phases), still)
 
     def _here(self) -> Poses:
         """Where everything is in the engine."""
@@ -172,8 +187,10 @@ class _Run:
         if name in curves:
             return curves[name](times)
         track = next(t for t in self.plan.tracks if t.name == name)
-        begun = self.plan.phases[number].start + 1e-9
-        first = int(np.searchsorted(np.asarray(self.plan.times), begun, side="right")) - 1
+        first = -1
+        if number < len(self.plan.phases):
+            begun = self.plan.phases[number].start + 1e-9
+            first = int(np.searchsorted(np.asarray(self.plan.times), begun, side="right")) - 1
         return np.tile(np.asarray(track.joints[first]), (len(times), 1))
 
     def _expected(

@@ -76,7 +76,7 @@ class CandidateLoop:
             if conflict.bound != EXPECTED:
                 self.refusals.add(replace(skeleton, problem=self.refusals.problem), conflict)
                 self.penalties.refused(candidate.numbers, conflict.first, conflict.last)
-            paths = conflict.bound not in ("seq", EXPECTED)
+            paths = conflict.bound not in ("seq", "statics", EXPECTED)
             self.paths_refused |= paths
             anywhere = not self.rounds and not paths and 0 < conflict.last < self.remembered
             from_start = conflict.from_start and not anywhere

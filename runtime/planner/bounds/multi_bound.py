@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ....compiler.ir import Action, Problem
+from ....compiler.ir import Action, Chain, Problem
 from ...budget import Budget, unless_spent
 from ...plan import Plan, StatisticsRecord, TimingRecord
 from ...seeds import Seed
-from ...skeleton import BoundResult, Configuration, Skeleton, beginning
+from ...skeleton import BoundResult, Configuration, Skeleton, Violation, beginning
 from ...verify import verify
 from ..conflicts.nogoods import GeneralisedNoGoods
 from ..motion.keyframes.initial_guesses import guess
@@ -50,7 +50,7 @@ class MultiBound(Solves):
         expected = self.experience.expected_refusals(skeleton.phases, strains)
         if expected:
             return Judgement(False, conflicts=[Conflict(EXPECTED, *window, ()) for window in expected])
-        heavy = [Conflict("statics", k, k, False, tuple(v)) for k, v in unbearable(skeleton).items()]
+        heavy = [self._too_heavy(skeleton, k, told) for k, told in list(unbearable(skeleton).items())[:1]]
         conflicts = heavy or self._refused_actions(skeleton, strains)
         if not conflicts:
             sequence, end = self._whole(skeleton)
@@ -64,6 +64,12 @@ class MultiBound(Solves):
             if not (c.from_start and self.tries is None):
                 self.experience.refuse(skeleton.phases[window], strains[window], c.from_start)
         return Judgement(False, conflicts=conflicts)
+
+    def _too_heavy(self, skeleton: Skeleton, phase: int, told: Sequence[Violation]) -> Conflict:
+        """An action after which no posture could bear what hangs together. Where it names whole chains it is refused
+        wherever it starts, else from the start: who else holds the thing the action alone does not tell."""
+        chains = any(isinstance(a, Chain) for a in skeleton.phases[phase].action.args)
+        return Conflict("statics", phase if chains else 0, phase, not chains, tuple(told))
 
     def go_on(self, skeleton: Skeleton, motions: int, ahead: Sequence[Configuration]) -> Judgement:
         """As `judge`, for a way that was seen before: `ahead` holds its first switch configurations as they were
