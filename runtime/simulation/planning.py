@@ -24,16 +24,6 @@ from ..skeleton import BoundResult, Breach, Phase, PhasePath, Skeleton, beginnin
 from .scene_prediction import concerned
 from .settings import SIMULATION
 
-SHORTER = ((2, -0.005), (2, -0.01))
-"""After a first try while things move: so many actions, as what comes later may be in reach by then, and so
-many metres added to margins, as a robot that stands a little off may be nearer to things than it should."""
-FEW_CANDIDATES = 6
-"""Ways that a search judges where the run can give way and search again a moment later: as a rule the first one is
-taken (benchmarks/horizon.py)."""
-FARTHER = 3
-"""Actions that are looked at beyond others for every time that the run has been in the same state before: it goes in
-circles when what is refused lies behind what it looks at."""
-
 Item = TypeVar("Item")
 
 
@@ -83,16 +73,16 @@ class Planner:
         budget: Budget,
     ) -> Window | None:  # fmt: skip
         """A window on a way that is known, without a search; None when it is not possible so. Raises OutOfTime."""
-        skeleton = self.skeleton(problem, actions[: horizon + RECEDING.lookahead + self.returns * FARTHER])
+        skeleton = self.skeleton(problem, actions[: horizon + RECEDING.lookahead + self.returns * SIMULATION.farther])
         if skeleton is None:
             return None
         moving = concerned(beginning(skeleton, horizon), moving)
         motions = 1 if moving else horizon
-        far = horizon + self.returns * FARTHER
-        shorter = [(far if self.returns else min(horizon, count), margin) for count, margin in SHORTER]
-        shorter += [(1, SHORTER[-1][1])] if self.failures and not self.returns else []
+        far = horizon + self.returns * SIMULATION.farther
+        shorter = [(far if self.returns else min(horizon, count), margin) for count, margin in SIMULATION.shorter]
+        shorter += [(1, SIMULATION.shorter[-1][1])] if self.failures and not self.returns else []
         seen = far if moving else horizon + RECEDING.lookahead
-        tries = [(seen, 0.0), *(shorter if moving else [(horizon, SHORTER[0][1])])]
+        tries = [(seen, 0.0), *(shorter if moving else [(horizon, SIMULATION.shorter[0][1])])]
         for attempt, (count, margin) in enumerate(tries):
             settings = motion_settings(problem, self.options).wider(wider + margin)
             seed = Seed(self.options.seed).child("failures", self.failures, attempt)
@@ -114,14 +104,14 @@ class Planner:
     ) -> Window | None:
         """Search a way to the goal of which the first `horizon` actions have motions. Raises OutOfTime."""
         short = bool(self.failures) and not self.returns
-        seen = RECEDING.lookahead if not moving else FARTHER * self.returns + (0 if short else 1)
+        seen = RECEDING.lookahead if not moving else SIMULATION.farther * self.returns + (0 if short else 1)
         memory = remember(problem, self.options, budget)
-        memory.bounds.settings = memory.bounds.settings.wider(wider + (SHORTER[-1][1] if moving else 0.0))
-        count = SHORTER[0][0] if moving else horizon
+        memory.bounds.settings = memory.bounds.settings.wider(wider + (SIMULATION.shorter[-1][1] if moving else 0.0))
+        count = SIMULATION.shorter[0][0] if moving else horizon
         found = plan_window(
             problem, start(problem), self.options, count, budget, memory, lookahead=seen,
             seed=Seed(self.options.seed).child("search", self.failures),
-            candidates=FEW_CANDIDATES if self.hasty else RECEDING.candidates,
+            candidates=SIMULATION.hasty_candidates if self.hasty else RECEDING.candidates,
         )  # fmt: skip
         if found.status != PLANNED:
             self.status, self.refusals = found.status, memory.refusals

@@ -25,31 +25,6 @@ from .settings import SIMULATION
 from .steering import Steering
 from .world import SimulatedWorld
 
-FIRST_GUESS = 2.0
-"""Seconds that a phase is assumed to take before any was seen."""
-ROOM = 1.1
-"""What is added to the seconds that a phase takes."""
-ATTEMPTS = 5
-"""How often a window is planned anew because its first phase takes longer than assumed, or meets what it lets go."""
-SHORT = 0.3
-"""What is left of a phase that was broken off may take so many seconds more."""
-WIDER = 0.01
-"""Metres by which margins grow for a phase that would get into what moves."""
-DEEP = 8e-4
-"""Metres that a phase may be in something, as when it leaves what rises."""
-PRESSED = 2e-4
-"""The same for a robot at rest, which what changes its way may press further before it is noticed."""
-THREAT = 3e-3
-"""Metres from a motion within which what has changed its way breaks it off: it takes time to brake."""
-MORE = 5e-5
-"""Metres that are no more."""
-LATER = 6
-"""Looks by which a motion may be broken off later than it could be."""
-NEARLY = 1e-3
-"""Metres that a motion may end off what it meets, where it is too late for anything else."""
-AROUND = 0.05
-"""Metres from a robot within which bodies are looked out for."""
-
 
 @dataclass(slots=True)
 class Route:
@@ -73,8 +48,8 @@ class Route:
         """A window on the known way; `left` is how long a phase that was broken off would have taken still."""
         if not self.way:
             return None
-        usual = self._seconds.get(self.way[0].rule, FIRST_GUESS)
-        guesses = [usual, 0.5 * usual] if left is None else [min(usual, left + SHORT), usual]
+        usual = self._seconds.get(self.way[0].rule, SIMULATION.first_guess)
+        guesses = [usual, 0.5 * usual] if left is None else [min(usual, left + SIMULATION.left_over), usual]
         for seconds in guesses:
             window = self._timed(world, seconds, search=False)
             if window is not None:
@@ -84,7 +59,7 @@ class Route:
     def another_way(self, world: SimulatedWorld) -> Window | None:
         """A window on a way that is searched anew, in haste where the scene may have moved on a moment later."""
         self.planner.hasty = bool(world.on_course) and world.time > 0.0 and not self.planner.redraws
-        window = self._timed(world, FIRST_GUESS, search=True)
+        window = self._timed(world, SIMULATION.first_guess, search=True)
         self.way = window.actions if window is not None else self.way
         return window
 
@@ -105,7 +80,7 @@ class Route:
         poses = self.lookout.look(world)
         self.lookout.expect(world.time, poses)
         met, passed, wider = frozenset[str](), dict[str, str](), 0.0
-        for _ in range(ATTEMPTS):
+        for _ in range(SIMULATION.attempts):
             expected = self._at(poses, world.time + seconds)
             base = self.failures.base(self.problem)
             problem = self.failures.stuck(foreseen_problem(base, world.reached, expected, met, passed))
@@ -125,11 +100,11 @@ class Route:
                 met |= elsewhere
                 passed = {body: module for body, module in passed.items() if body not in elsewhere}
             elif window.paths[0].duration > seconds:
-                seconds = ROOM * window.paths[0].duration
-            elif self._deepest(world, first, in_time(window.paths[0], seconds), poses) > DEEP:
-                wider += WIDER
+                seconds = SIMULATION.time_room * window.paths[0].duration
+            elif self._deepest(world, first, in_time(window.paths[0], seconds), poses) > SIMULATION.deep:
+                wider += SIMULATION.wider
             else:
-                self._seconds[first.action.rule] = ROOM * window.paths[0].duration
+                self._seconds[first.action.rule] = SIMULATION.time_room * window.paths[0].duration
                 return replace(window, paths=[in_time(window.paths[0], seconds)])
         return None
 
@@ -144,7 +119,8 @@ class Route:
         """Whether nothing presses upon a robot on a way that no window is for, such as rest, or no more than now."""
         poses, now = self.lookout.look(world), waiting(world.reached.configuration, SAME_TIME)
         pressed = self._deepest(world, phase, now, poses, everyone=True)
-        return self._deepest(world, phase, path, poses, everyone=True) <= max(PRESSED, min(pressed + MORE, DEEP))
+        bearable = max(SIMULATION.pressed, min(pressed + SIMULATION.no_more, SIMULATION.deep))
+        return self._deepest(world, phase, path, poses, everyone=True) <= bearable
 
     def is_time_to_stop(
         self, world: SimulatedWorld, phase: Phase, path: PhasePath, since: float, until: float,
@@ -153,15 +129,15 @@ class Route:
         """Whether a motion that is to be broken off had better be so now, `since` seconds after its begin, than a
         little later or not at all: it comes to rest, and stays there `until` so many seconds after its begin while
         things move on as they seem to. One that all but meets what it is to meet soon goes on to its end."""
-        soon = steering if path.duration - since < LATER * SIMULATION.sensing_period else None
-        if soon and self._off(world, path, since, soon) < NEARLY and (
-            self._pressed(world, phase, path, since, path.duration) <= DEEP
+        soon = steering if path.duration - since < SIMULATION.later_looks * SIMULATION.sensing_period else None
+        if soon and self._off(world, path, since, soon) < SIMULATION.nearly_met and (
+            self._pressed(world, phase, path, since, path.duration) <= SIMULATION.deep
         ):
             return False
         depths: list[float] = []
-        for stop in since + SIMULATION.sensing_period * np.arange(LATER + 1):
+        for stop in since + SIMULATION.sensing_period * np.arange(SIMULATION.later_looks + 1):
             slowed = path if stop >= path.duration else self.brought_to_rest(world, path, float(stop))
-            if slowed is path and not (steering and self._off(world, path, since, steering) < NEARLY):
+            if slowed is path and not (steering and self._off(world, path, since, steering) < SIMULATION.nearly_met):
                 break
             depths.append(self._pressed(world, phase, slowed, since, until))
             if depths[-1] <= self._bearable(world, phase, path, since):
@@ -177,7 +153,7 @@ class Route:
     def _bearable(self, world: SimulatedWorld, phase: Phase, path: PhasePath, since: float) -> float:
         """How deep, metres, a robot may be pressed upon: little more than now."""
         now = self._pressed(world, phase, path, since, since + SAME_TIME, instant=True)
-        return max(PRESSED, min(now + MORE, DEEP))
+        return max(SIMULATION.pressed, min(now + SIMULATION.no_more, SIMULATION.deep))
 
     def _pressed(
         self, world: SimulatedWorld, phase: Phase, path: PhasePath, since: float, until: float, instant: bool = False
@@ -192,7 +168,7 @@ class Route:
 
     def aside(self, world: SimulatedWorld) -> PhasePath | None:
         """A motion, standing where it stands, of the robot that the next action moves, to where it has room."""
-        expected = self._at(self.lookout.look(world), world.time + FIRST_GUESS)
+        expected = self._at(self.lookout.look(world), world.time + SIMULATION.first_guess)
         base = self.failures.base(self.problem)
         problem = self.failures.stuck(foreseen_problem(base, world.reached, expected, frozenset(), {}))
         skeleton = self.planner.skeleton(problem, self.way[:1])
@@ -207,7 +183,7 @@ class Route:
         poses = self.lookout.look(world)
         own = self._own(poses, times)
         found = nearest(self.problem, world.reached.configuration, phase, path, own)
-        return frozenset(body for (_, body), distance in found.items() if distance < AROUND and body in own)
+        return frozenset(body for (_, body), distance in found.items() if distance < SIMULATION.around and body in own)
 
     def threatens(
         self, world: SimulatedWorld, phase: Phase, path: PhasePath, since: float, bodies: Iterable[str]
@@ -216,7 +192,7 @@ class Route:
         the motion began in the state that the world is in."""
         rest, own = self._what_is_left(world, path, since)
         found = nearest(self.problem, world.reached.configuration, phase, rest, own)
-        return any(distance < THREAT for (_, body), distance in found.items() if body in bodies)
+        return any(distance < SIMULATION.threat for (_, body), distance in found.items() if body in bodies)
 
     def steering(self, world: SimulatedWorld, phase: Phase, path: PhasePath) -> Steering:
         """What steers a phase that begins now to where what it meets will be."""
@@ -236,7 +212,7 @@ class Route:
         if found is None:
             return path, off
         rest, own = self._what_is_left(world, found, since)
-        clear = deepest(self.problem, world.reached.configuration, phase, rest, own) <= DEEP
+        clear = deepest(self.problem, world.reached.configuration, phase, rest, own) <= SIMULATION.deep
         return (found if clear else path), off
 
     def _off(self, world: SimulatedWorld, path: PhasePath, since: float, steering: Steering) -> float:
@@ -248,7 +224,7 @@ class Route:
 
     def near(self, world: SimulatedWorld) -> frozenset[str]:
         """The bodies on courses that a robot at rest has to look out for."""
-        found = clearances(self.problem.world, world.reached.configuration, AROUND)
+        found = clearances(self.problem.world, world.reached.configuration, SIMULATION.around)
         return frozenset(body for _, body in found if body in world.on_course)
 
     def _deepest(

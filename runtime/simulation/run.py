@@ -42,17 +42,6 @@ from .settings import SIMULATION
 from .steering import Steering
 from .world import Interval, SimulatedWorld, moves
 
-BACK, SHORT = 0.5, 0.4
-"""Share of a broken-off motion that is gone back where nothing leads on from its end; one of so many seconds is gone
-back as a whole."""
-INSTANT = 1e-3
-"""Seconds that make no difference."""
-WAIT = 0.5
-"""Seconds that the run waits where nothing leads on, in the hope that what moves does so."""
-MOST_WAITS = 40
-AT_LAST = 0.1
-"""Seconds before its end from which a motion is not steered any more."""
-
 
 class Run:
     """One run of a task; `run` carries it out. `first` is a window that is there already, such as a whole plan."""
@@ -134,7 +123,7 @@ class Run:
         end = self._asked + self.options.latency
         failure = self._failures.due(end)
         end = end if failure is None else min(end, failure.time)
-        if not self.steps or not self._route.way or not self._unmet() or end < self.world.time + INSTANT:
+        if not self.steps or not self._route.way or not self._unmet() or end < self.world.time + SIMULATION.instant:
             return
         phase = Phase(self._route.way[0], self.world.reached.mode, frozenset[ir.Fact]())
         path = waiting(self.world.reached.configuration, end - self.world.time)
@@ -209,10 +198,10 @@ class Run:
         path = self._back(phase)
         if path is not None:
             return path
-        if self._waits >= MOST_WAITS or not world.on_course:
+        if self._waits >= SIMULATION.most_waits or not world.on_course:
             return None
         self._waits += 1
-        rest = waiting(world.reached.configuration, WAIT)
+        rest = waiting(world.reached.configuration, SIMULATION.wait)
         if route.is_clear(world, phase, rest):
             return rest
         aside = route.aside(world)
@@ -223,7 +212,7 @@ class Run:
         if not self._trail:
             return None
         last = self._trail.pop()
-        share = BACK if last.duration > SHORT else 1.0
+        share = SIMULATION.back_share if last.duration > SIMULATION.back_short else 1.0
         path = reversed_path(self.problem.world, last, share)
         stuck = any(moves(last.modules[name]) for name in self._failures.locked)
         if not stuck and self._route.is_clear(self.world, phase, path):
@@ -285,7 +274,7 @@ class Run:
                 self._break_off(phase, path, since, completed=completed)
             return found
         if failure is not None and failure.time < begin + path.duration:
-            if failure.time - begin > INSTANT:
+            if failure.time - begin > SIMULATION.instant:
                 self._perform(phase, path, completed=False)
             self.world.time = self._asked = max(self.world.time, failure.time)
             return f"{failure.module} is {failure.kind}"
@@ -294,7 +283,7 @@ class Run:
 
     def _steer(self, phase: Phase, path: PhasePath, since: float, steering: Steering | None) -> PhasePath:
         """The motion, steered to what it meets where that is not where it was expected and can be met."""
-        if steering is None or path.duration - since < AT_LAST:
+        if steering is None or path.duration - since < SIMULATION.at_last:
             return path
         found, off = self._route.steered(self.world, phase, path, since, steering)
         if found is not path:
@@ -328,7 +317,7 @@ class Run:
         """Carry out a motion until it ends, or until something breaks down that it moves. Raises Struck where something
         that moves goes right through a robot meanwhile."""
         failure = self._failures.next_of(phase, self.world.time)
-        if failure is not None and INSTANT < failure.time - self.world.time < path.duration:
+        if failure is not None and SIMULATION.instant < failure.time - self.world.time < path.duration:
             path, completed = stopped(self.problem.world, path, failure.time - self.world.time), False
         hit = first_hit(self.problem, self.world, phase, path)
         if hit is None:

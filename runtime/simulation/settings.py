@@ -92,6 +92,59 @@ class SimulationSettings:
     steer_lever: float = setting(0.1, "m", "Metres: what a radian counts for.")
     steer_steps: int = setting(3, "steps", "Steps in which a motion is corrected at most.")
     steer_damping: float = setting(1e-3, "m/rad", "Metres per radian below which joints count as having no effect.")
+    shorter: tuple[tuple[int, float], ...] = setting(
+        ((2, -0.005), (2, -0.01)), "actions, m",
+        "After a first try while things move: so many actions, as what comes later may be in reach by then, and "
+        "so many metres added to margins, as a robot that stands a little off may be nearer to things than it "
+        "should.",
+    )
+    hasty_candidates: int = setting(
+        6, "plans",
+        "Ways that a search judges where the run can give way and search again a moment later.",
+        "as a rule the first one is taken (benchmarks/horizon.py)",
+    )
+    farther: int = setting(
+        3, "actions",
+        "Actions that are looked at beyond others for every time that the run has been in the same state before: "
+        "it goes in circles when what is refused lies behind what it looks at.",
+    )
+    first_guess: float = setting(2.0, "s", "Seconds that a phase is assumed to take before any was seen.")
+    time_room: float = setting(1.1, "1", "What the seconds that a phase takes are multiplied by.")
+    attempts: int = setting(
+        5, "times",
+        "How often a window is planned anew because its first phase takes longer than assumed, or meets what it "
+        "lets go.",
+    )
+    left_over: float = setting(0.3, "s", "What is left of a phase that was broken off may take so many seconds more.")
+    wider: float = setting(0.01, "m", "Metres by which margins grow for a phase that would get into what moves.")
+    deep: float = setting(8e-4, "m", "Metres that a phase may be in something, as when it leaves what rises.")
+    pressed: float = setting(
+        2e-4, "m",
+        "The same for a robot at rest, which what changes its way may press further before it is noticed.",
+    )
+    threat: float = setting(
+        3e-3, "m",
+        "Metres from a motion within which what has changed its way breaks it off: it takes time to brake.",
+    )
+    no_more: float = setting(5e-5, "m", "Metres that are no more.")
+    later_looks: int = setting(6, "looks", "Looks by which a motion may be broken off later than it could be.")
+    nearly_met: float = setting(
+        1e-3, "m",
+        "Metres that a motion may end off what it meets, where it is too late for anything else.",
+    )
+    around: float = setting(0.05, "m", "Metres from a robot within which bodies are looked out for.")
+    back_share: float = setting(
+        0.5, "1",
+        "Share of a broken-off motion that is gone back where nothing leads on from its end.",
+    )
+    back_short: float = setting(0.4, "s", "One of so many seconds is gone back as a whole.")
+    instant: float = setting(1e-3, "s", "Seconds that make no difference.")
+    wait: float = setting(
+        0.5, "s",
+        "Seconds that the run waits where nothing leads on, in the hope that what moves does so.",
+    )
+    most_waits: int = setting(40, "times", "How often it waits so, one time after the other.")
+    at_last: float = setting(0.1, "s", "Seconds before its end from which a motion is not steered any more.")
 
 
 SIMULATION = SimulationSettings()

@@ -16,7 +16,7 @@ from tamplang.runtime.simulation.failures import Failures
 from tamplang.runtime.simulation.monitor import Lookout
 from tamplang.runtime.simulation.planning import Planner
 from tamplang.runtime.simulation.predicted_clearance import clearances, deepest, nearest
-from tamplang.runtime.simulation.route import PRESSED, Route
+from tamplang.runtime.simulation.route import Route
 from tamplang.runtime.simulation.scene_prediction import foreseen_problem
 from tamplang.runtime.simulation.sensing import Sensing
 from tamplang.runtime.simulation.settings import SIMULATION
@@ -76,7 +76,7 @@ def test_a_robot_rests_only_while_nothing_presses_upon_it(apart: float, seconds:
     lid = world.body_poses("lid", np.array([world.time + seconds]))
     own = {"lid": np.tile(lid, (SIMULATION.phase_looks, 1))}
     deep = -nearest(world.problem, world.reached.configuration, phase, path, own)["c", "lid"]
-    assert (deep <= PRESSED) is clear
+    assert (deep <= SIMULATION.pressed) is clear
 
 
 def test_what_comes_near_before_the_phase_ends_is_left_where_it_is_seen_from_the_robot() -> None:

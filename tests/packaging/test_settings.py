@@ -31,11 +31,9 @@ ROUNDING = {
 }  # fmt: skip
 """How near two numbers are that count as one, and steps of differences."""
 PENDING = {
-    "run", "joint_forest", "penalty", "phase_paths",
-    "keyframe_program", "ipopt", "clearance_rows", "closed_chains", "path_program",
-    "contact_margins", "exact_shapes", "phase_batch", "rrt_connect", "swept_check", "solves", "initial_guesses",
-    "multi_start", "planning", "route", "acceptance", "end_conditions", "time_scaling", "plan_assembly",
-    "program", "pddl",
+    "joint_forest", "penalty", "phase_paths", "keyframe_program", "ipopt", "clearance_rows", "closed_chains",
+    "path_program", "contact_margins", "exact_shapes", "phase_batch", "rrt_connect", "swept_check", "solves",
+    "multi_start", "acceptance", "end_conditions", "time_scaling", "plan_assembly", "program", "pddl",
 }  # fmt: skip
 """Modules whose numbers still stand in them."""
 

@@ -12,13 +12,13 @@ from ...skeleton import BoundResult, Configuration, Skeleton, Violation, beginni
 from ...verify import verify
 from ..conflicts.nogoods import GeneralisedNoGoods
 from ..motion.keyframes.initial_guesses import guess
-from ..motion.keyframes.multi_start import NOISE, judged_alone
+from ..motion.keyframes.multi_start import judged_alone
 from ..motion.keyframes.settings import KEYFRAMES
 from ..plan_assembly import assemble
 from ..statics import unbearable
 from .requests import SequenceRequest, WindowRequest
 from .settings import BOUNDS
-from .solves import QUICK, Solves
+from .solves import Solves
 from .verdicts import Conflict, Judgement
 
 EXPECTED = "expected"
@@ -37,7 +37,7 @@ class MultiBound(Solves):
     def restart(self, problem: Problem, seed: Seed, budget: Budget) -> None:
         """Go on with the same task from another state: what was learnt of phases wherever they start stays."""
         self.problem, self.seed, self.budget = problem, seed, budget
-        self.tries = QUICK
+        self.tries = BOUNDS.quick_starts
         self._windows.clear()
         self._feasible.clear()
         self.experience.leave_start()
@@ -80,7 +80,7 @@ class MultiBound(Solves):
         """P_seq from the first switch configurations `ahead`, and guesses behind them."""
         random = self.seed.child("onward").random()
         rest = range(len(ahead), len(skeleton))
-        warm = [*ahead[: len(skeleton)], *guess(skeleton, rest, ahead[-1], random, NOISE)]
+        warm = [*ahead[: len(skeleton)], *guess(skeleton, rest, ahead[-1], random, KEYFRAMES.noise)]
         return self._sequence(skeleton, self.seed, warm, tries=self.tries)
 
     def retry(self, skeleton: Skeleton, motions: int) -> Judgement:

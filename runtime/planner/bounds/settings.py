@@ -33,6 +33,17 @@ class BoundSettings:
         3, "pairs of poses",
         "Between how many pairs of poses a phase must fail before it is refused wherever it starts.",
     )
+    quick_starts: int = setting(3, "starts", "Starts of a span before a skeleton is refused for the first time.")
+    redraws: int = setting(
+        4, "times",
+        "How often all switch poses are drawn anew at least when mending them around phases without a path does "
+        "not help.",
+    )
+    path_effort: int = setting(
+        400_000, "iterations × unknowns",
+        "What P_path of one skeleton may take.",
+        "about 12 s, at 25 to 50 µs each",
+    )
 
 
 BOUNDS = BoundSettings()

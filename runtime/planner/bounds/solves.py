@@ -19,18 +19,13 @@ from ..motion.path.path_program import solve_path
 from ..motion.settings import MotionSettings
 from ..statics import borne, slowed
 from .requests import AttemptRequest, SequenceRequest, sequence_path
+from .settings import BOUNDS
 from .speculation import Speculation
 from .verdicts import Conflict, Judgement, blame, with_motion
 
-QUICK = 3
-"""Starts of a span before a skeleton is refused for the first time."""
-RESAMPLES = 4
-"""How often all switch poses are drawn anew at least when mending them around phases without a path does not help."""
 REDRAWN_PHASES = 32
 """So many phases are drawn anew in all where none closes a loop: a draw then takes some 40 ms for each, P_path of the
 same 4 s. Grasping a convex body takes up to 13 draws."""
-PATH_EFFORT = 400_000
-"""What P_path of one skeleton may take, iterations times unknowns: about 12 s, at 25 to 50 µs each."""
 
 
 @dataclass(eq=False)
@@ -46,7 +41,7 @@ class Solves:
     tell: Callable[[str, str], None]
     ahead: Speculation = field(default_factory=Speculation)
     clock: Clock = field(default_factory=Clock, init=False)
-    tries: int | None = field(default=QUICK, init=False)
+    tries: int | None = field(default=BOUNDS.quick_starts, init=False)
     _counts: dict[str, list[int]] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -134,7 +129,7 @@ class Solves:
     def _draws(self, first: Skeleton) -> int:
         """How often the switches of a skeleton, of which `first` is to get its motion, are drawn anew."""
         loops = self._closes_a_loop(first, range(len(first)))
-        return RESAMPLES if loops else max(RESAMPLES, REDRAWN_PHASES // len(first))
+        return BOUNDS.redraws if loops else max(BOUNDS.redraws, REDRAWN_PHASES // len(first))
 
     def _closes_a_loop(self, skeleton: Skeleton, phases: Collection[int]) -> bool:
         return any(looped(self.problem, skeleton.phases[phase].mode) for phase in phases)
@@ -181,7 +176,7 @@ class Solves:
         """P_path, with bounded effort."""
         self.tell("path", f"P_path of {len(skeleton)} actions")
         with self.clock("path"):
-            result = solve_path(skeleton, self.settings, self.seed, self.budget, sequence, effort=PATH_EFFORT)
+            result = solve_path(skeleton, self.settings, self.seed, self.budget, sequence, effort=BOUNDS.path_effort)
             result = borne(skeleton, result)
         self._count("path", result.feasible)
         return result

@@ -17,13 +17,8 @@ from ....geometry.drives import braked
 from ....skeleton import Array, Configuration, Skeleton
 from .placement_samples import outline, places
 from .posture_samples import Aim, Stance, closing, freedom, reaching, rooms
+from .settings import KEYFRAMES
 
-LIMIT = 0.1
-"""Radians by which guesses keep away from joint limits."""
-SPREAD = 0.4
-"""The share of a base's top, around its middle, over which guesses spread what is put down there."""
-ANY = 6
-"""Directions in which a hand can move with which a solve finds its way from any posture."""
 HALF_TURN = (1.0, 0.0, 0.0, 0.0)
 """About x: effectors that are docked look at each other."""
 
@@ -82,7 +77,7 @@ class Guess:
         closed = looped(self.problem, mode) if self.steady else frozenset[str]()
         held = braked(self.problem, mode)
         for name, slot in self.current.modules.items():
-            lower, upper = rooms(self.problem.world.modules[name], LIMIT)
+            lower, upper = rooms(self.problem.world.modules[name], KEYFRAMES.limit_inset)
             shaken = np.clip(slot[7:] + self.noise * self.random.normal(size=len(lower)), lower, upper)
             still = [*held.get(name, ())]
             shaken[still] = slot[7:][still]
@@ -100,7 +95,7 @@ class Guess:
         if planned is not None:
             return planned
         side = outline(self.problem.world.bodies[base])
-        return self.current.bodies[base][:2] + SPREAD * self.random.uniform(-0.5, 0.5, 2) * side
+        return self.current.bodies[base][:2] + KEYFRAMES.base_spread * self.random.uniform(-0.5, 0.5, 2) * side
 
     def advance(self, phase: int) -> Configuration:
         """The guess for the switch of the next phase; call for rising phases."""
@@ -193,12 +188,12 @@ class Guess:
             module, slot, aim = self.problem.world.modules[name], self.current.modules[name], aims.get(name)
             if aim is None or aim.effector == stance[0] or any(j.passive for j in module.type.joints):
                 continue
-            if not self.wide and freedom(module.type, stance[0], aim.effector) >= ANY:
+            if not self.wide and freedom(module.type, stance[0], aim.effector) >= KEYFRAMES.free_directions:
                 continue
-            slot[7:] = reaching(module, slot[7:], stance, aim, LIMIT, self.random)
+            slot[7:] = reaching(module, slot[7:], stance, aim, KEYFRAMES.limit_inset, self.random)
             foot = f"{name}.{aim.effector}"
             if foot in feet:
-                slot[7:] = closing(module, slot[7:], stance, aim, LIMIT)
+                slot[7:] = closing(module, slot[7:], stance, aim, KEYFRAMES.limit_inset)
             put_effector(module, stance[0], slot, stance[1])
             if foot in feet:
                 feet[foot] = (*feet[foot][:3], *self._pose(foot)[3:])

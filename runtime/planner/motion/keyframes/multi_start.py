@@ -15,22 +15,11 @@ from ..nlp.augmented_lagrangian import SolverOptions
 from ..settings import MotionSettings
 from .initial_guesses import guess
 from .keyframe_program import SwitchProgram, run
+from .settings import KEYFRAMES
 
 SEQUENCE, SINGLE = SolverOptions(inner_tolerance=3e-2), SolverOptions()
 """For several phases and for one. Multipliers that are taken up soon save a fifth of the steps of several; one phase
 has them lead astray more often: grasps from unknown postures are then refused in 10 % of draws instead of none."""
-NOISE = 0.3
-TRIES = 8
-MORE = 6
-"""Attempts that a span gets at least that can be done but for collisions."""
-REPAIR = 2
-"""Every so many attempts the best one is repaired; the others start anew."""
-ALIKE = 1.1
-"""A span is refused when three starts end with the same largest row within this factor …"""
-FAR, EQUAL = 0.02, 1.03
-"""… or two without collisions with more than the first, in metres or radians, alike within the second …"""
-HOPELESS = 0.15
-"""… or two without collisions with more than this."""
 ACCURATE = 1e-6
 LEAST = 1e-6
 
@@ -52,7 +41,7 @@ def solve_span(
     or with `free` an unknown one, and `start` is then the scene at time 0. With `end` it leads there."""
     began = time.monotonic()
     span = Span(skeleton, first, last, settings, random, budget, start, free, end)
-    best = span.search(warm, tries or min(TRIES, 4 + last - first))
+    best = span.search(warm, tries or min(KEYFRAMES.tries, 4 + last - first))
     best.iterations, best.seconds = span.iterations, time.monotonic() - began
     return best
 
@@ -75,7 +64,9 @@ def _hopeless(amounts: list[float]) -> bool:
     if len(amounts) < 2:
         return False
     least = min(amounts)
-    return least > HOPELESS or (least > FAR and _alike(amounts, EQUAL) >= 2) or _alike(amounts, ALIKE) >= 3
+    if least > KEYFRAMES.hopeless or _alike(amounts, KEYFRAMES.alike) >= 3:
+        return True
+    return least > KEYFRAMES.far and _alike(amounts, KEYFRAMES.far_alike) >= 2
 
 
 class Span:
@@ -105,9 +96,9 @@ class Span:
         """All slices, the state before included."""
         if not self.free:
             phases = range(self.first, self.last + 1)
-            return [self.start, *guess(self.skeleton, phases, self.start, self.random, NOISE, wide, steady)]
+            return [self.start, *guess(self.skeleton, phases, self.start, self.random, KEYFRAMES.noise, wide, steady)]
         phases = range(self.last + 1)
-        return guess(self.skeleton, phases, self.start, self.random, NOISE, wide, steady)[self.first - 1 :]
+        return guess(self.skeleton, phases, self.start, self.random, KEYFRAMES.noise, wide, steady)[self.first - 1 :]
 
     def search(self, warm: Sequence[Configuration] | None, tries: int) -> BoundResult:
         """Attempt after attempt, from `warm` first. Until one has succeeded so, a new guess is solved without
@@ -117,13 +108,14 @@ class Span:
         best = nearest = None
         loose: list[float] = []
         full: list[float] = []
-        for number in range(max(tries, MORE)):
+        for number in range(max(tries, KEYFRAMES.more_tries)):
             if number >= tries and (warm is not None or not self.reached):
                 break
             switches = self._program(number % 2 == 0)
             given = warm is not None and number == 0
-            slices = [self.start, *(warm or ())] if given else self._guess(bool(loose), number < REPAIR)
-            if best is not None and number % REPAIR == 1:
+            period = KEYFRAMES.repair_period
+            slices = [self.start, *(warm or ())] if given else self._guess(bool(loose), number < period)
+            if best is not None and number % period == 1:
                 slices = _repair(switches, best.configurations, slices)
             elif (warm is None or number > 0) and not self.reached:
                 reached = self._solve_loose(switches, slices)
@@ -139,7 +131,7 @@ class Span:
             full.append(_worst(result))
             if best is None or full[-1] < _worst(best):
                 best = result
-            if result.feasible or _alike(full, ALIKE) >= 3:
+            if result.feasible or _alike(full, KEYFRAMES.alike) >= 3:
                 return best
         found = best or nearest
         assert found is not None

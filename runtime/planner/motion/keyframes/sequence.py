@@ -9,7 +9,7 @@ from ....budget import Budget
 from ....seeds import Seed
 from ....skeleton import BoundResult, Configuration, Skeleton, start_configuration
 from ..settings import MotionSettings
-from .multi_start import TRIES, Span, solve_span
+from .multi_start import Span, solve_span
 from .placement_samples import places
 from .settings import KEYFRAMES
 from .sliding_windows import led_around, solve_windows
@@ -37,7 +37,7 @@ def solve_sequence(
     if len(skeleton) > KEYFRAMES.longest_whole and warm is None:
         result = solve_windows(skeleton, settings, seed, budget, origin, tries, patient=True)
     else:
-        result = span.search(warm, tries or min(TRIES, 4 + last))
+        result = span.search(warm, tries or min(KEYFRAMES.tries, 4 + last))
         if not result.feasible and span.reached and len(skeleton) > KEYFRAMES.window and warm is None and tries is None:
             result = solve_windows(skeleton, settings, seed, budget, origin, KEYFRAMES.few_backtracks)
         elif result.feasible:

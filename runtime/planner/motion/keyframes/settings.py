@@ -82,6 +82,26 @@ class KeyframeSettings:
         1e-4, "1",
         "A direction in which a hand moves by less, as a share of what it can move at all, is none.",
     )
+    limit_inset: float = setting(0.1, "rad", "Radians by which guesses keep away from joint limits.")
+    base_spread: float = setting(
+        0.4, "1",
+        "The share of a base's top, around its middle, over which guesses spread what is put down there.",
+    )
+    free_directions: int = setting(
+        6, "directions",
+        "Directions in which a hand can move with which a solve finds its way from any posture.",
+    )
+    noise: float = setting(0.3, "rad", "Standard deviation of the joints of a new start around what it starts from.")
+    tries: int = setting(8, "starts", "Starts of a window where nothing else is said.")
+    more_tries: int = setting(6, "starts", "Attempts that a span gets at least that can be done but for collisions.")
+    repair_period: int = setting(2, "starts", "Every so many attempts the best one is repaired; the others start anew.")
+    alike: float = setting(
+        1.1, "1",
+        "A span is refused when three starts end with the same largest row within this factor …",
+    )
+    far: float = setting(0.02, "m or rad", "… or two without collisions with more than this …")
+    far_alike: float = setting(1.03, "1", "… alike within this factor …")
+    hopeless: float = setting(0.15, "m or rad", "… or two without collisions with more than this.")
 
 
 KEYFRAMES = KeyframeSettings()

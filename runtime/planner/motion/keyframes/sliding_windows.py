@@ -16,7 +16,7 @@ from ....skeleton import Array, BoundResult, Configuration, Skeleton, start_conf
 from ..settings import MotionSettings
 from .initial_guesses import guess, shake
 from .keyframe_program import SwitchProgram
-from .multi_start import NOISE, judged_alone, solve_span
+from .multi_start import judged_alone, solve_span
 from .prismatic_sweeps import all_pierced, held_back
 from .settings import KEYFRAMES
 
@@ -58,7 +58,7 @@ def _continue(
     the gait repeated."""
     found = [*known, *ahead]
     phases = range(len(found) - 1, last + 1)
-    for phase, guessed in zip(phases, guess(skeleton, phases, found[-1], random, NOISE), strict=True):
+    for phase, guessed in zip(phases, guess(skeleton, phases, found[-1], random, KEYFRAMES.noise), strict=True):
         found.append(_repeat(skeleton, phase, found, guessed, random))
     return found[len(known) :]
 
