@@ -34,6 +34,7 @@ PENDING = {
     "joint_forest", "penalty", "phase_paths", "keyframe_program", "ipopt", "clearance_rows", "closed_chains",
     "path_program", "contact_margins", "exact_shapes", "phase_batch", "rrt_connect", "swept_check", "solves",
     "multi_start", "acceptance", "end_conditions", "time_scaling", "plan_assembly", "program", "pddl",
+    "part_frames", "exact_check",
 }  # fmt: skip
 """Modules whose numbers still stand in them."""
 
