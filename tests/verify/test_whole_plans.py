@@ -15,6 +15,7 @@ from tamplang.runtime.plan import Plan
 from tamplang.runtime.verify import verify
 from tamplang.runtime.verify.limits import LIMITS
 
+from .loaded import LOADED
 from .motions import Maker
 from .stamping import even, stamped
 from .test_between import moving
@@ -222,6 +223,7 @@ WHOLE: dict[str, Callable[[float], Plan]] = {
     "stuck_rad": stuck,
     "quaternion": changed(stretch),
     "time_s": changed(shift_time),
+    **LOADED,
 }
 """Plans whose figure of a kind is the amount that is given."""
 
