@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from ..hulls import hull
 from ..ir import Body, ModuleType, Pose, Shape
 
 DENSITY = 1000.0
@@ -15,6 +14,8 @@ def shape_mass(shape: Shape, density: float = DENSITY) -> float:
     """Kilograms of a solid shape."""
     size = shape.size
     if shape.kind == "convex":
+        from ..hulls import hull
+
         return density * hull(shape).volume
     if shape.kind == "box":
         return density * size[0] * size[1] * size[2]

@@ -1,5 +1,5 @@
 """Plans carried out in a physics engine that shares nothing with planner and verifier: MuJoCo."""
 
-from .playback import Carried, carry_out
+from .playback import Simulated, carry_out
 
-__all__ = ["Carried", "carry_out"]
+__all__ = ["Simulated", "carry_out"]

@@ -41,7 +41,7 @@ def load_mujoco() -> PythonModule:
 
 
 @dataclass(slots=True)
-class World:
+class EngineWorld:
     """The engine's model and state, and how it calls things. `bodies` maps a node to its body, `joints` a joint to the
     place of its value, of its rate and of its drive, `welds` a pair of nodes to its constraint."""
 
@@ -53,7 +53,7 @@ class World:
     welds: dict[tuple[Node, Node], int]
 
 
-def build(problem: ir.Problem, pairs: Iterable[tuple[Node, Node]]) -> World:
+def build(problem: ir.Problem, pairs: Iterable[tuple[Node, Node]]) -> EngineWorld:
     """The scene at its start, with a weld for each of the pairs. Raises MissingLibrary."""
     mujoco = load_mujoco()
     spec = mujoco.MjSpec()
@@ -87,7 +87,7 @@ def build(problem: ir.Problem, pairs: Iterable[tuple[Node, Node]]) -> World:
     mujoco.mj_forward(model, data)
     bodies = {node: int(model.body(called).id) for node, called in names.items()}
     welds = {pair: int(model.equality(f"w{number}").id) for number, pair in enumerate(listed)}
-    return World(mujoco, model, data, bodies, joints, welds)
+    return EngineWorld(mujoco, model, data, bodies, joints, welds)
 
 
 def _turn(pose: Iterable[float]) -> list[float]:

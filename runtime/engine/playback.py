@@ -18,7 +18,7 @@ from ..geometry.splines import ClampedSpline
 from ..plan import PhaseRecord, Plan
 from ..skeleton import Array
 from . import welds
-from .model import STEP, World, build
+from .model import STEP, EngineWorld, build
 
 EXPECTED = 60
 """Instants of a phase for which the torques of drives are computed ahead."""
@@ -35,7 +35,7 @@ LOST = 10.0
 
 
 @dataclass(slots=True)
-class Carried:
+class Simulated:
     """What came of a plan: `tracking` rad or m and `base` m, the worst of joints and of module frames; `droop` m, by
     how much welds gave; `peaks` the greatest torque of each drive and its strength; `broken` what broke, when, and by
     which ratio; `diverged` when the simulation stopped making sense."""
@@ -51,19 +51,19 @@ class Carried:
     reached: bool = False
 
 
-def carry_out(problem: ir.Problem, plan: Plan, tick: Callable[[], None] = lambda: None) -> Carried:
+def carry_out(problem: ir.Problem, plan: Plan, tick: Callable[[], None] = lambda: None) -> Simulated:
     """Carry a plan out. `tick` is called before every phase, and may raise. Raises MissingLibrary."""
-    return _Run(problem, plan, tick).run()
+    return _Playback(problem, plan, tick).run()
 
 
-class _Run:
+class _Playback:
     def __init__(self, problem: ir.Problem, plan: Plan, tick: Callable[[], None]) -> None:
         self.problem, self.plan, self.tick = problem, plan, tick
         held = [*(p.mode for p in plan.phases), plan.final_mode]
         self.modes = [frozenset((m.predicate, *m.args) for m in mode) for mode in held]
         self.edges = [self._fastened(mode) for mode in self.modes]
-        self.world: World = build(problem, [pair for edges in self.edges for pair in edges])
-        self.result = Carried()
+        self.world: EngineWorld = build(problem, [pair for edges in self.edges for pair in edges])
+        self.result = Simulated()
         self.dead: set[tuple[Node, Node]] = set()
         rows = np.array(list(self.world.joints.values()), dtype=np.intp).reshape(-1, 3)
         self.places, self.rates, self.drives = rows.T
@@ -85,7 +85,7 @@ class _Run:
                 found[WORLD, (name, -1)] = None
         return found
 
-    def run(self) -> Carried:
+    def run(self) -> Simulated:
         for number, record in enumerate(self.plan.phases):
             self.tick()
             self._switch(number)

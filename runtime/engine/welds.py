@@ -6,10 +6,10 @@ import numpy as np
 
 from ...compiler.physics.structure import Node
 from ..skeleton import Array
-from .model import TORQUE_SCALE, World
+from .model import TORQUE_SCALE, EngineWorld
 
 
-def fasten(world: World, pair: tuple[Node, Node], point: Array) -> None:
+def fasten(world: EngineWorld, pair: tuple[Node, Node], point: Array) -> None:
     """Weld two bodies as they are now, at a point of the world. A row of the engine holds the point in the second body,
     the same in the first, the orientation of the second in the first, and the scale of its rotation rows."""
     engine, model, data, weld = world.engine, world.model, world.data, world.welds[pair]
@@ -24,15 +24,15 @@ def fasten(world: World, pair: tuple[Node, Node], point: Array) -> None:
     data.eq_active[weld] = True
 
 
-def loosen(world: World, pair: tuple[Node, Node]) -> None:
+def loosen(world: EngineWorld, pair: tuple[Node, Node]) -> None:
     world.data.eq_active[world.welds[pair]] = False
 
 
-def is_on(world: World, pair: tuple[Node, Node]) -> bool:
+def is_on(world: EngineWorld, pair: tuple[Node, Node]) -> bool:
     return bool(world.data.eq_active[world.welds[pair]])
 
 
-def wrenches(world: World) -> dict[int, tuple[Array, Array]]:
+def wrenches(world: EngineWorld) -> dict[int, tuple[Array, Array]]:
     """Force and moment at its point, in the world, that the first body of every weld puts on the second. The rotation
     rows are of half the angle, in the frame of the second."""
     data = world.data
@@ -49,7 +49,7 @@ def wrenches(world: World) -> dict[int, tuple[Array, Array]]:
     return found
 
 
-def drift(world: World, pair: tuple[Node, Node]) -> float:
+def drift(world: EngineWorld, pair: tuple[Node, Node]) -> float:
     """By how many metres the point of a weld has come apart."""
     row, data = world.model.eq_data[world.welds[pair]], world.data
     ends = []

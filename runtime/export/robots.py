@@ -30,10 +30,10 @@ def robot(plan: Plan, path: Path, module: str | None, phase: int) -> dict[Path, 
     if not plan.modules:
         raise UsageError("the plan has no module")
     first = module_of(plan, module) if module is not None else plan.modules[0]
-    return _Writer(plan, path, phase).files(first)
+    return _UrdfWriter(plan, path, phase).files(first)
 
 
-class _Writer:
+class _UrdfWriter:
     def __init__(self, plan: Plan, path: Path, phase: int) -> None:
         self.modules = {m.name: m for m in plan.modules}
         self.docks = [d for d in docks(plan) if phase in d.phases]

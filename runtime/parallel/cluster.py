@@ -10,6 +10,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
 from importlib import import_module
+from importlib.util import find_spec
 from typing import Any, ParamSpec, TypeVar
 
 from ... import __version__
@@ -101,6 +102,8 @@ def _attempt_alone(function: Callable[..., T], /, *args: Any, **kwargs: Any) -> 
 def _check_answer(address: str) -> None:
     """Let another process connect first: what stands at the address may be no cluster, and `distributed` waits without
     end for one that is silent, and breaks on what others answer. Raises ClusterUnavailable."""
+    if find_spec("distributed") is None:
+        raise _missing()
     host, _, port = address.removeprefix("tcp://").rpartition(":")
     with Processes(1) as side:
         try:
@@ -156,8 +159,12 @@ def _library() -> Any:
     try:
         return import_module("distributed")
     except ImportError as error:
-        hint = "install the extra `cluster`: pip install 'tamplang[cluster]'"
-        raise ClusterUnavailable("a cluster needs the package `distributed`, which is missing", hint) from error
+        raise _missing() from error
+
+
+def _missing() -> ClusterUnavailable:
+    hint = "install the extra `cluster`: pip install 'tamplang[cluster]'"
+    return ClusterUnavailable("a cluster needs the package `distributed`, which is missing", hint)
 
 
 def _check_workers(client: Any) -> None:

@@ -15,7 +15,7 @@ from .sources import reading_sources
 from .status import ExitStatus
 
 if TYPE_CHECKING:
-    from ..runtime.engine import Carried
+    from ..runtime.engine import Simulated
 
 MOST_BROKEN = 5
 
@@ -53,7 +53,7 @@ def simulate(file: Path, seconds: float, memory: int | None, as_json: bool) -> i
     return ExitStatus.DONE if carried.reached else ExitStatus.REFUSED
 
 
-def _told(carried: Carried) -> dict[str, object]:
+def _told(carried: Simulated) -> dict[str, object]:
     """Metres, radians, N m; strengths that are not stated are null."""
     return {
         "reached": carried.reached,
@@ -71,7 +71,7 @@ def _told(carried: Carried) -> dict[str, object]:
     }
 
 
-def _lines(carried: Carried) -> list[str]:
+def _lines(carried: Simulated) -> list[str]:
     """The outcome for a terminal."""
     if carried.diverged is not None:
         lines = [f"S0013: the simulation broke down at {carried.diverged:.2f} s; figures of later mean nothing"]

@@ -30,6 +30,7 @@ def test_every_stage_of_an_example(tamplang: Tamplang, stage: str) -> None:
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
 def test_the_ir_is_the_same_every_time(tamplang: Tamplang, example: Path) -> None:
-    first, second = (tamplang("compile", example, "--emit", "ir", "--seed", "3") for _ in range(2))
+    task = ["drawer"] if example.stem == "mechanisms" else []
+    first, second = (tamplang("compile", example, *task, "--emit", "ir", "--seed", "3") for _ in range(2))
     assert first.returncode == 0
     assert first.stdout == second.stdout

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....compiler.ir import Fact, Problem, Shape
+from ....compiler.module_parts import module_parts, own_pairs
 from ....compiler.motion.collision import PhaseContacts, pair
-from ....compiler.motion.parts import module_parts, own_pairs
 from ...geometry.exact_distances import Forms, Posed, distances
 from ...geometry.resampling import Resampled, effector_poses, kept_pairs, resample
 from ...geometry.transforms import compose, inverse, joint_frames, rotate

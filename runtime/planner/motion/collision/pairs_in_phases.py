@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .....compiler.ir import Problem
+from .....compiler.module_parts import are_close, own_pairs
 from .....compiler.motion.collision import Pair
-from .....compiler.motion.parts import are_close, own_pairs
 from ....skeleton import Array, Breach
 from ..nlp.row_groups import RowGroup, RowLabel
 from ..nlp.unknowns import Indices, UnknownsLayout

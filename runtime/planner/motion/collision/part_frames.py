@@ -12,9 +12,9 @@ import numpy as np
 
 from .....compiler.extents import box_sides
 from .....compiler.ir import Problem, Shape, Vec3
+from .....compiler.module_parts import NOWHERE, ModulePart, module_parts
 from .....compiler.motion.collision import pose_matrix
 from .....compiler.motion.constraints import sphere_stage
-from .....compiler.motion.parts import NOWHERE, Part, module_parts
 from .....compiler.motion.stages import Stage
 from ....geometry.exact_distances import ROUND, Forms, Posed
 from ....skeleton import Array
@@ -27,7 +27,7 @@ ANCHORS = 4
 """The most anchors of a part; those of a part with fewer are repeated."""
 
 
-def anchors(part: Part) -> list[Vec3]:
+def anchors(part: ModulePart) -> list[Vec3]:
     """The anchors of a part in the moving frame of its joint."""
     frame = pose_matrix(part.placement)
     origin, axes = frame[:3, 3], frame[:3, :3].T
@@ -43,7 +43,7 @@ def anchors(part: Part) -> list[Vec3]:
 class _Block:
     """All slots of one kind of thing: what its parts are, and the numbers that they have in each slot."""
 
-    def __init__(self, stage: Stage, parts: Sequence[Part]) -> None:
+    def __init__(self, stage: Stage, parts: Sequence[ModulePart]) -> None:
         self.stage, self.parts = stage, parts
         counts = [len(anchors(p)) for p in parts]
         first = np.cumsum([0, *counts[:-1]]) if parts else np.zeros(0, dtype=np.int64)
@@ -104,10 +104,12 @@ class Cloud:
             self._blocks[key] = _Block(sphere_stage(module.type if module else None, points), parts)
         return self._blocks[key]
 
-    def parts(self, name: str) -> Sequence[Part]:
+    def parts(self, name: str) -> Sequence[ModulePart]:
         """The parts of a module or body."""
         module = self.problem.world.modules.get(name)
-        return module_parts(module.type) if module else (Part(-1, NOWHERE, self.problem.world.bodies[name].shape),)
+        if module is None:
+            return (ModulePart(-1, NOWHERE, self.problem.world.bodies[name].shape),)
+        return module_parts(module.type)
 
     def first(self, slice_: int, name: str) -> int:
         """The number of the first part of one slot; those of the others follow."""

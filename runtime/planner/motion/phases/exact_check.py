@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from .....compiler.extents import box_sides
 from .....compiler.ir import Shape, World
+from .....compiler.module_parts import module_parts, own_pairs
 from .....compiler.motion.collision import PhaseContacts, pose_matrix
-from .....compiler.motion.parts import module_parts, own_pairs
 from ....geometry.exact_distances import Distances, Forms, Posed, distances
 from ....skeleton import Array
 from .batch_kinematics import BatchKinematics, Indices

@@ -6,15 +6,15 @@ import itertools
 from dataclasses import dataclass
 from functools import lru_cache
 
-from ..ir import ModuleType, Pose, Shape
-from ..poses import compose, joint_frames
-from ..symbolic.geometry import Placed, shape_distance
+from .ir import ModuleType, Pose, Shape
+from .poses import compose, joint_frames
+from .symbolic.geometry import Placed, shape_distance
 
 NOWHERE: Pose = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class ModulePart:
     """A shape at `placement` in the moving frame of `joint` (-1: the module frame); `effector` names the effector that
     it belongs to, None for a link."""
 
@@ -25,10 +25,10 @@ class Part:
 
 
 @lru_cache(maxsize=64)
-def module_parts(type_: ModuleType) -> tuple[Part, ...]:
+def module_parts(type_: ModuleType) -> tuple[ModulePart, ...]:
     """The shapes of a module's effectors, then of its links."""
-    ends = tuple(Part(e.joint, e.placement, e.shape, e.name) for e in type_.effectors if e.shape is not None)
-    return (*ends, *(Part(link.joint, link.placement, link.shape) for link in type_.links))
+    ends = tuple(ModulePart(e.joint, e.placement, e.shape, e.name) for e in type_.effectors if e.shape is not None)
+    return (*ends, *(ModulePart(link.joint, link.placement, link.shape) for link in type_.links))
 
 
 def _line(type_: ModuleType, joint: int) -> list[int]:
