@@ -88,7 +88,7 @@ def test_every_horizon_solves_the_task(horizon: int) -> None:
 
 
 def test_a_slot_without_room_is_given_up_after_some_starts() -> None:
-    outcome = solve_receding(_slots(length="0.09 m"), _options(), 2)
+    outcome = solve_receding(_slots(length="0.05 m", width="0.05 m"), _options(), 2)
     assert outcome.status == "exhausted"
     assert "0 actions in 0 windows were planned, and 0 windows undone" in outcome.explanation[0].message
 
