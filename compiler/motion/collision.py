@@ -336,22 +336,6 @@ def taper(contact: PhaseContacts, objects: Pair, times: Array, slices: int, over
 # --- what is near ---------------------------------------------------------------------------------
 
 
-@lru_cache(maxsize=256)
-def standing_clearance(type_: ModuleType, effector: str) -> float:
-    """How far the links that are rigid with an effector stay from what it stands on upright; at least 0."""
-    e = type_.effector(effector)
-    if e.shape is None:
-        return math.inf
-    sole = box_sides(e.shape)[2] / 2
-    frame = np.linalg.inv(pose_matrix(e.placement))
-    heights = (
-        sole - float((frame @ np.array([*s.centre, 1.0]))[2]) - s.radius
-        for s in module_spheres(type_)
-        if s.effector is None and s.joint == e.joint
-    )
-    return max(0.0, min(heights, default=math.inf))
-
-
 def shape_distance(shape: Shape, frame: Array, point: Array) -> float:
     """Distance from a point `(3,)` to a shape whose frame is `(4, 4)`, both in the world; 0 inside, and a lower
     bound unless the shape is a box or a sphere."""

@@ -81,16 +81,6 @@ class Shapes:
         result.turned, result.any_round = self.turned, self.any_round
         return result
 
-    def boxed(self, lowest: Array, highest: Array, wanted: Array) -> NDArray[np.bool_]:
-        """Whether points between `lowest` and `highest` `(points, 3, phases)` can be nearer than `wanted`
-        `(points, 1, phases or 1)` to a shape, by the box around it in the world's axes: `(points, count, phases)`."""
-        extent = self.extent
-        near = np.ones((len(lowest), *self.rounding.shape[:2]), bool)
-        for i in (2, 0, 1):
-            top, bottom = self.centre[:, i, :, 0] + extent[:, i], self.centre[:, i, :, 0] - extent[:, i]
-            near &= (lowest[:, None, i] < top + wanted) & (highest[:, None, i] > bottom - wanted)
-        return near
-
     def distance_at(
         self, points: Array, shape: NDArray[np.intp], phase: NDArray[np.intp]
     ) -> tuple[Array, Array, Array]:
