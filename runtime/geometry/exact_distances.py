@@ -85,6 +85,20 @@ class Posed:
     def radius(self) -> Array:
         return np.asarray(self.forms.radius[self.form])
 
+    def frames(self) -> Array:
+        """The rotations (N, 3, 3), in full for round shapes too (Duff et al., Building an Orthonormal Basis, Revisited,
+        2017). Of those that know no axis, any."""
+        x, y, z = (self.rotation[:, row, 2] for row in range(3))
+        z = np.where((x == 0.0) & (y == 0.0) & (z == 0.0), 1.0, z)
+        sign = np.copysign(1.0, z)
+        a = -1.0 / (sign + z)
+        full = np.stack([
+            1.0 + sign * x * x * a, x * y * a, x,
+            sign * x * y * a, sign + y * y * a, y,
+            -sign * x, -y, z,
+        ], axis=1).reshape(-1, 3, 3)  # fmt: skip
+        return np.where((self.kind == ROUND)[:, None, None], full, self.rotation)
+
     @property
     def reach(self) -> Array:
         return np.asarray(self.forms.reach[self.form])
@@ -259,14 +273,17 @@ def _by_coal(found: Distances, pairs: Indices, first: Posed, second: Posed) -> N
     coal = load_coal()
     request = coal.DistanceRequest()
     request.enable_signed_distance = True
-    for k in pairs.tolist():
+    sides = [(side.forms.shapes, side.form.tolist(), side.frames(), side.position, side.radius)
+             for side in (first[pairs], second[pairs])]  # fmt: skip
+    for i, k in enumerate(pairs.tolist()):
         one, other = (
-            (coal_geometry(side.forms.shapes[side.form[k]]),
-             coal.Transform3s(np.ascontiguousarray(side.rotation[k]), side.position[k].copy()))
-            for side in (first, second)
-        )  # fmt: skip
+            (coal_geometry(shapes[form[i]]), coal.Transform3s(rotation[i], position[i]))
+            for shapes, form, rotation, position, _ in sides
+        )
         result = coal.DistanceResult()
         value = coal.distance(*one, *other, request, result)
         if np.isfinite(value) and np.isfinite(result.normal).all():
-            found.value[k], found.normal[k], found.exact[k] = value, -result.normal, True
-            found.on_first[k], found.on_second[k] = result.getNearestPoint1(), result.getNearestPoint2()
+            normal = -result.normal
+            found.value[k], found.normal[k], found.exact[k] = value, normal, True
+            found.on_first[k] = result.getNearestPoint1() + sides[0][4][i] * normal
+            found.on_second[k] = result.getNearestPoint2() - sides[1][4][i] * normal

@@ -53,6 +53,39 @@ def test_values_are_those_of_coal_and_bounds_are_bounds(pairs: tuple[Posed, Pose
     assert deep.sum() > 100 and (found.value[deep] < 0.0).all() and (found.value[deep] >= truth[deep] - 1e-4).all()
 
 
+def test_of_round_shapes_only_the_axis_counts(pairs: tuple[Posed, Posed]) -> None:
+    bare = []
+    for side in pairs:
+        rotation = side.rotation.copy()
+        capsules, balls = (np.flatnonzero(side.form == k) for k in (1, 0))
+        rotation[capsules, :, :2] = 0.0
+        rotation[balls] = 0.0
+        bare.append(Posed(side.forms, side.form, side.position, rotation))
+    found, full = distances(*bare, np.full(COUNT, 0.1)), distances(*pairs, np.full(COUNT, 0.1))
+    assert found.value == pytest.approx(full.value, abs=1e-5)
+
+
+def test_round_shapes_turn_about_their_nearest_points(pairs: tuple[Posed, Posed]) -> None:
+    """What a capsule at a hull does when it turns a little, also deep within: the nearest points are on its axis."""
+    first, second = pairs
+    found, random = distances(first, second, np.full(COUNT, 0.1)), np.random.default_rng(5)
+    turn = 1e-4 * random.normal(size=(COUNT, 3))
+    ends = [
+        distances(
+            Posed(first.forms, first.form, first.position, Rotation.from_rotvec(s * turn).as_matrix() @ first.rotation),
+            second, np.full(COUNT, 0.1),
+        ).value
+        for s in (1, -1)
+    ]  # fmt: skip
+    lever = np.cross(turn, found.on_first - first.position)
+    slope = (ends[0] - ends[1]) - 2.0 * (found.normal * lever).sum(axis=1)
+    chosen = found.exact & (first.form == 1) & (second.form == 5) & (np.abs(found.value) > 2e-3)
+    chosen[: COUNT // 3] = False
+    at = found.on_first[chosen] - first.position[chosen]
+    assert chosen.sum() > 5 and np.linalg.norm(at, axis=1).max() <= 0.1 + 1e-6
+    assert np.quantile(np.abs(slope[chosen]), 0.9) < 4e-7
+
+
 def test_normals_are_the_slopes_of_the_distance(pairs: tuple[Posed, Posed]) -> None:
     first, second = pairs
     found = distances(first, second, np.full(COUNT, 0.1))
