@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .apart import apart
-from .ir import Shape, Vec3
+from .ir import Shape, ShapeKind, Vec3
 
 Array = NDArray[np.float64]
 
@@ -70,7 +70,7 @@ def convex_shape(points: ArrayLike) -> tuple[Shape, Vec3, bool]:
         corners = _around(corners)
     middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
     x, y, z = (float(v) for v in middle)
-    return Shape("convex", tuple(float(v) for v in (corners - middle).ravel())), (x, y, z), simpler
+    return Shape(ShapeKind.CONVEX, tuple(float(v) for v in (corners - middle).ravel())), (x, y, z), simpler
 
 
 @lru_cache(maxsize=1024)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 
 from ..langs.source import Source, Span
 from .lifted_ir import (
@@ -81,12 +82,22 @@ IDENTITY: Pose = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 # --- the world ---------------------------------------------------------------------------------------------------
 
 
+class ShapeKind(StrEnum):
+    """A convex shape is the hull of corners, from a mesh or a list."""
+
+    BOX = "box"
+    SPHERE = "sphere"
+    CAPSULE = "capsule"
+    CYLINDER = "cylinder"
+    CONVEX = "convex"
+
+
 @dataclass(frozen=True, slots=True)
 class Shape:
     """`size` in metres: box (x, y, z), sphere (radius,), capsule and cylinder (radius, length along z without caps),
     convex (the coordinates of all corners in turn, of a hull whose box along the axes has its middle at the origin)."""
 
-    kind: str
+    kind: ShapeKind
     size: tuple[float, ...]
 
 
@@ -100,9 +111,14 @@ class Coupling:
     offset: float
 
 
+class JointKind(StrEnum):
+    REVOLUTE = "revolute"
+    PRISMATIC = "prismatic"
+
+
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """`kind` is "revolute" or "prismatic". `parent` is the index of the joint whose moving frame carries it, -1 for
+    """`parent` is the index of the joint whose moving frame carries it, -1 for
     the module frame. The moving frame is parent · placement · motion(axis, q). Limits in rad or m, greatest speed per
     s, greatest acceleration per s². A `passive` joint has no drive; one that `follows` another has its leader's. A
     drive weighs `mass`, kg, sits at the joint on the parent's frame, gives at most `torque`, N m (N of a prismatic
@@ -110,7 +126,7 @@ class Joint:
     `bearing`, N m. `stated` is where that is written."""
 
     name: str
-    kind: str
+    kind: JointKind
     parent: int
     placement: Pose
     axis: Vec3
@@ -209,14 +225,18 @@ class Course:
     span: Span | None = field(default=None, compare=False, repr=False)
 
 
+class BreakdownKind(StrEnum):
+    LOCKED = "locked"
+    GONE = "gone"
+
+
 @dataclass(frozen=True, slots=True)
 class Breakdown:
-    """From `time` (s) on a module's joints are stuck where they are (`kind` "locked") or the module has left the scene
-    ("gone")."""
+    """From `time` (s) on a module's joints are stuck where they are or the module has left the scene."""
 
     module: str
     time: float
-    kind: str
+    kind: BreakdownKind
     span: Span | None = field(default=None, compare=False, repr=False)
 
 

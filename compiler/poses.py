@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from .ir import IDENTITY, ModuleType, Pose, Vec3
+from .ir import IDENTITY, JointKind, ModuleType, Pose, Vec3
 
 Quaternion = tuple[float, float, float, float]
 
@@ -100,7 +100,7 @@ def joint_frames(module: ModuleType, pose: Pose, values: Sequence[float]) -> Map
         if joint.follows is not None:
             value = joint.follows.factor * values[joint.follows.leader] + joint.follows.offset
         base = compose(frames[joint.parent], joint.placement)
-        if joint.kind == "revolute":
+        if joint.kind == JointKind.REVOLUTE:
             motion = make((0.0, 0.0, 0.0), about(joint.axis, value))
         else:
             motion = make((joint.axis[0] * value, joint.axis[1] * value, joint.axis[2] * value), (0.0, 0.0, 0.0, 1.0))

@@ -15,19 +15,19 @@ from .names import Scope
 from .values import number, vector
 
 SHAPES: Mapping[str, tuple[str, ...]] = {
-    "box": ("x", "y", "z"),
-    "sphere": ("radius",),
-    "capsule": ("radius", "length"),
-    "cylinder": ("radius", "length"),
+    ir.ShapeKind.BOX: ("x", "y", "z"),
+    ir.ShapeKind.SPHERE: ("radius",),
+    ir.ShapeKind.CAPSULE: ("radius", "length"),
+    ir.ShapeKind.CYLINDER: ("radius", "length"),
 }
 SMALLEST = 1e-6
 """Metres: no shape is smaller."""
 HULLS: Mapping[str, str] = {"hull": "hull((x, y, z), …)", "mesh": 'mesh("file.stl")'}
 LINK_SHAPES: Mapping[str, tuple[str, ...]] = {
-    "box": ("x", "y"),
-    "sphere": ("radius",),
-    "capsule": ("radius",),
-    "cylinder": ("radius",),
+    ir.ShapeKind.BOX: ("x", "y"),
+    ir.ShapeKind.SPHERE: ("radius",),
+    ir.ShapeKind.CAPSULE: ("radius",),
+    ir.ShapeKind.CYLINDER: ("radius",),
 }
 
 
@@ -63,7 +63,7 @@ def shape(
             findings.report("E0509", arg.span, message)
             value = None
         sizes.append(value)
-    return None if None in sizes else ir.Shape(call.function, tuple(s for s in sizes if s is not None))
+    return None if None in sizes else ir.Shape(ir.ShapeKind(call.function), tuple(s for s in sizes if s is not None))
 
 
 def _convex(context: Context, scope: Scope, call: syntax.Call) -> ir.Shape | None:

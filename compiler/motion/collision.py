@@ -18,7 +18,22 @@ import numpy as np
 
 from ..extents import box_sides
 from ..hulls import Array, hull
-from ..ir import Action, Body, Chain, Fact, Function, ModuleType, MotionPredicate, Pose, Problem, Shape, Var, Vec3
+from ..ir import (
+    Action,
+    Body,
+    Chain,
+    Fact,
+    Function,
+    JointKind,
+    ModuleType,
+    MotionPredicate,
+    Pose,
+    Problem,
+    Shape,
+    ShapeKind,
+    Var,
+    Vec3,
+)
 from ..remembering import remembered
 from .covers import cover_hull
 
@@ -122,13 +137,13 @@ def _cover_cylinder(radius: float, length: float, margin: float) -> Iterator[tup
 def cover(shape: Shape, margin: float) -> tuple[tuple[Vec3, float], ...]:
     """Spheres `(centre, radius)` in the frame of the shape, within it, that cover it within `margin`."""
     size = shape.size
-    if shape.kind == "sphere":
+    if shape.kind == ShapeKind.SPHERE:
         return (((0.0, 0.0, 0.0), size[0]),)
-    if shape.kind == "box":
+    if shape.kind == ShapeKind.BOX:
         return tuple(_cover_box((size[0] / 2, size[1] / 2, size[2] / 2), margin))
-    if shape.kind == "convex":
+    if shape.kind == ShapeKind.CONVEX:
         return cover_hull(shape, margin)
-    if shape.kind == "capsule":
+    if shape.kind == ShapeKind.CAPSULE:
         return tuple(_cover_capsule(size[0], size[1], margin))
     return tuple(_cover_cylinder(size[0], size[1], margin))
 
@@ -136,13 +151,13 @@ def cover(shape: Shape, margin: float) -> tuple[tuple[Vec3, float], ...]:
 def bounding_radius(shape: Shape) -> float:
     """Radius of the sphere around the shape's centre that holds it."""
     size = shape.size
-    if shape.kind == "sphere":
+    if shape.kind == ShapeKind.SPHERE:
         return size[0]
-    if shape.kind == "convex":
+    if shape.kind == ShapeKind.CONVEX:
         return hull(shape).radius
-    if shape.kind == "box":
+    if shape.kind == ShapeKind.BOX:
         return 0.5 * math.hypot(*size)
-    if shape.kind == "capsule":
+    if shape.kind == ShapeKind.CAPSULE:
         return size[0] + size[1] / 2
     return math.hypot(size[0], size[1] / 2)
 
@@ -155,7 +170,7 @@ def on_axis(axis: Vec3, point: Array) -> bool:
 def _hoist(type_: ModuleType, joint: int, centre: Array) -> tuple[int, Array]:
     """The same point in the frame nearest to the root that carries it: a joint that turns about an axis
     through a point does not move it."""
-    while joint >= 0 and type_.joints[joint].kind == "revolute":
+    while joint >= 0 and type_.joints[joint].kind == JointKind.REVOLUTE:
         if not on_axis(type_.joints[joint].axis, centre):
             break
         centre = (pose_matrix(type_.joints[joint].placement) @ np.append(centre, 1.0))[:3]
@@ -190,18 +205,18 @@ def module_spheres(type_: ModuleType, margin: float = PATH_MARGIN) -> tuple[Sphe
         if e.shape is not None:
             for joint, centre, radius in _placed(type_, e.joint, e.placement, e.shape, margin):
                 x, y, z = centre.tolist()
-                spheres.append(Sphere(joint, (x, y, z), radius, e.name, e.shape.kind == "sphere", part))
+                spheres.append(Sphere(joint, (x, y, z), radius, e.name, e.shape.kind == ShapeKind.SPHERE, part))
     for part, link in enumerate(type_.links, start=len(type_.effectors)):
         for joint, centre, radius in _placed(type_, link.joint, link.placement, link.shape, margin):
             if not _inside((joint, centre, radius), spheres):
                 x, y, z = centre.tolist()
-                spheres.append(Sphere(joint, (x, y, z), radius, None, link.shape.kind == "sphere", part))
+                spheres.append(Sphere(joint, (x, y, z), radius, None, link.shape.kind == ShapeKind.SPHERE, part))
     return tuple(spheres)
 
 
 def body_spheres(body: Body, margin: float = PATH_MARGIN) -> tuple[Sphere, ...]:
     """Spheres that cover a body within `margin`, in its own frame."""
-    exact = body.shape.kind == "sphere"
+    exact = body.shape.kind == ShapeKind.SPHERE
     return tuple(Sphere(-1, centre, radius, None, exact) for centre, radius in cover(body.shape, margin))
 
 
@@ -340,6 +355,6 @@ def shape_distance(shape: Shape, frame: Array, point: Array) -> float:
     """Distance from a point `(3,)` to a shape whose frame is `(4, 4)`, both in the world; 0 inside, and a lower
     bound unless the shape is a box or a sphere."""
     x, y, z = (abs(v) for v in (frame[:3, :3].T @ (point - frame[:3, 3])).tolist())
-    if shape.kind in ("box", "convex"):
+    if shape.kind in (ShapeKind.BOX, ShapeKind.CONVEX):
         return math.hypot(*(max(v - s / 2, 0.0) for v, s in zip((x, y, z), box_sides(shape), strict=True)))
     return max(0.0, math.hypot(x, y, z) - bounding_radius(shape))

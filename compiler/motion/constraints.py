@@ -49,7 +49,7 @@ class BodyKind:
     """A body that may move: its pose is slot number `slot`, its sizes are parameters; a convex one is given as a
     whole."""
 
-    shape: str | ir.Shape
+    shape: ir.ShapeKind | ir.Shape
     slot: int
     mass: float | None = None
 
@@ -58,7 +58,7 @@ class BodyKind:
 class RestKind:
     """A body that never moves: pose and sizes are parameters; a convex one is given as a whole."""
 
-    shape: str | ir.Shape
+    shape: ir.ShapeKind | ir.Shape
     mass: float | None = None
 
 
@@ -128,9 +128,10 @@ def parameter_sizes(kinds: tuple[Kind, ...]) -> list[int]:
 def _solid(kind: Kind, slots: list[Expression], constants: Expression) -> DistanceShape:
     match kind:
         case EffectorKind(type=module, effector="", slot=slot):
-            return DistanceShape(pose_frame(slots[slot]), "sphere", (0.0,), partial(_balance, module, slots[slot]))
+            weight = partial(_balance, module, slots[slot])
+            return DistanceShape(pose_frame(slots[slot]), ir.ShapeKind.SPHERE, (0.0,), weight)
         case EffectorKind(type=module, effector=name, slot=slot):
-            shape = module.effector(name).shape or ir.Shape("sphere", (0.0,))
+            shape = module.effector(name).shape or ir.Shape(ir.ShapeKind.SPHERE, (0.0,))
             frame = effector_frame(module, name, slots[slot])
             return DistanceShape(frame, shape.kind, shape.size, partial(_balance, module, slots[slot]))
         case BodyKind(shape=shape, slot=slot):
@@ -139,11 +140,11 @@ def _solid(kind: Kind, slots: list[Expression], constants: Expression) -> Distan
             return _shaped(Frame(constants[:3], constants[3:7]), shape, constants[7:], kind.mass)
 
 
-def _size_count(shape: str | ir.Shape) -> int:
+def _size_count(shape: ir.ShapeKind | ir.Shape) -> int:
     return 0 if isinstance(shape, ir.Shape) else SIZES[shape]
 
 
-def _shaped(frame: Frame, shape: str | ir.Shape, sizes: Expression, mass: float | None) -> DistanceShape:
+def _shaped(frame: Frame, shape: ir.ShapeKind | ir.Shape, sizes: Expression, mass: float | None) -> DistanceShape:
     balance = None if mass is None else lambda: (ca.SX(mass), frame.position)
     if isinstance(shape, ir.Shape):
         return DistanceShape(frame, shape.kind, shape.size, balance)

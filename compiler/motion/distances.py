@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from ..hulls import Array, Hull, hull, top_edges
-from ..ir import Shape
+from ..ir import Shape, ShapeKind
 from ..physics.masses import DENSITY
 from .kinematics import Expression, Frame, axis, unrotate
 
@@ -20,7 +20,7 @@ SMOOTH = 1e-10
 PARALLEL = 1e-6
 """Squared sine below which two edges count as parallel and give no separating axis."""
 
-SIZES = {"box": 3, "sphere": 1, "capsule": 2, "cylinder": 2}
+SIZES = {ShapeKind.BOX: 3, ShapeKind.SPHERE: 1, ShapeKind.CAPSULE: 2, ShapeKind.CYLINDER: 2}
 """How many numbers describe each kind of shape that is not given as a whole, in the order of `ir.Shape.size`."""
 
 NOWHERE = -1.0
@@ -32,7 +32,7 @@ class DistanceShape:
     """A shape at a symbolic frame. `size` as in `ir.Shape`; an object without a shape is a sphere of radius 0."""
 
     frame: Frame
-    kind: str
+    kind: ShapeKind
     size: Sequence[Expression]
     balance: Callable[[], tuple[Expression, Expression]] | None = None
     """Mass and centre of mass of the whole module that the shape belongs to; None for a body that states no mass."""
@@ -57,7 +57,7 @@ def rounded_box_distance(excess: Sequence[Expression]) -> Expression:
 
 def _hull(solid: DistanceShape) -> Hull:
     """The planes and corners of a convex solid, the sizes of which are always plain numbers."""
-    return hull(Shape("convex", tuple(float(s) for s in solid.size)))
+    return hull(Shape(ShapeKind.CONVEX, tuple(float(s) for s in solid.size)))
 
 
 def _hull_distance(body: Hull, point: Expression) -> Expression:
@@ -82,15 +82,15 @@ def _segment_distance(a: Array, b: Array, point: Expression) -> Expression:
 
 def _point_gap(point: Expression, solid: DistanceShape) -> Expression:
     """Signed distance of a point (3,) to the surface of a shape."""
-    if solid.kind == "sphere":
+    if solid.kind == ShapeKind.SPHERE:
         return _length(point - solid.frame.position) - solid.size[0]
     local = unrotate(solid.frame.quaternion, point - solid.frame.position)
-    if solid.kind == "convex":
+    if solid.kind == ShapeKind.CONVEX:
         return _hull_distance(_hull(solid), local)
-    if solid.kind == "box":
+    if solid.kind == ShapeKind.BOX:
         return rounded_box_distance([ca.fabs(local[i]) - solid.size[i] / 2 for i in range(3)])
     radius, half = solid.size[0], solid.size[1] / 2
-    if solid.kind == "capsule":
+    if solid.kind == ShapeKind.CAPSULE:
         beyond = local[2] - ca.fmin(ca.fmax(local[2], -half), half)
         return _length(ca.vertcat(local[0], local[1], beyond)) - radius
     return rounded_box_distance([_length(local[:2]) - radius, ca.fabs(local[2]) - half])
@@ -99,15 +99,15 @@ def _point_gap(point: Expression, solid: DistanceShape) -> Expression:
 def extent(solid: DistanceShape, direction: Expression) -> Expression:
     """How far the shape reaches from its centre along a unit direction (3,)."""
     along = [ca.dot(direction, axis(solid.frame.quaternion, letter)) for letter in "xyz"]
-    if solid.kind == "convex":
+    if solid.kind == ShapeKind.CONVEX:
         local = ca.vertcat(*along)
         return _largest([ca.dot(ca.SX(corner), local) for corner in _hull(solid).corners])
-    if solid.kind == "sphere":
+    if solid.kind == ShapeKind.SPHERE:
         return solid.size[0]
-    if solid.kind == "box":
+    if solid.kind == ShapeKind.BOX:
         return sum(ca.fabs(along[i]) * solid.size[i] / 2 for i in range(3))
     radius, straight = solid.size[0], ca.fabs(along[2]) * solid.size[1] / 2
-    if solid.kind == "capsule":
+    if solid.kind == ShapeKind.CAPSULE:
         return straight + radius
     return straight + radius * ca.sqrt(along[0] ** 2 + along[1] ** 2 + SMOOTH)
 
@@ -120,7 +120,7 @@ def _separation(a: DistanceShape, b: DistanceShape) -> Expression:
     def along(direction: Expression) -> Expression:
         return ca.fabs(ca.dot(offset, direction)) - extent(a, direction) - extent(b, direction)
 
-    if "convex" in (a.kind, b.kind):
+    if ShapeKind.CONVEX in (a.kind, b.kind):
         return _faces_apart(a, b)
     axes_a = [axis(a.frame.quaternion, letter) for letter in "xyz"]
     axes_b = [axis(b.frame.quaternion, letter) for letter in "xyz"]
@@ -139,7 +139,7 @@ def _faces_apart(a: DistanceShape, b: DistanceShape) -> Expression:
     gaps = []
     for one, other in ((a, b), (b, a)):
         letters = [axis(one.frame.quaternion, letter) for letter in "xyz"]
-        normals = _hull(one).normals if one.kind == "convex" else np.vstack([np.eye(3), -np.eye(3)])
+        normals = _hull(one).normals if one.kind == ShapeKind.CONVEX else np.vstack([np.eye(3), -np.eye(3)])
         for normal in normals.tolist():
             direction = sum(c * letter for c, letter in zip(normal, letters, strict=True))
             offset = ca.dot(other.frame.position - one.frame.position, direction)
@@ -149,9 +149,9 @@ def _faces_apart(a: DistanceShape, b: DistanceShape) -> Expression:
 
 def gap(a: DistanceShape, b: DistanceShape) -> Expression:
     """Signed distance between two shapes, negative when they overlap. Exact when one is a sphere."""
-    if a.kind == "sphere":
+    if a.kind == ShapeKind.SPHERE:
         return _point_gap(a.frame.position, b) - a.size[0]
-    if b.kind == "sphere":
+    if b.kind == ShapeKind.SPHERE:
         return _point_gap(b.frame.position, a) - b.size[0]
     return _separation(a, b)
 
@@ -171,11 +171,11 @@ def inside(solid: DistanceShape, surface: DistanceShape) -> Expression:
     `surface` (4,); for a round surface four times the distance to its rim, for a convex one to a quarter of its edges
     each."""
     local = unrotate(surface.frame.quaternion, solid.frame.position - surface.frame.position)
-    if surface.kind == "box":
+    if surface.kind == ShapeKind.BOX:
         x, y = surface.size[0] / 2, surface.size[1] / 2
         return ca.vertcat(x - local[0], x + local[0], y - local[1], y + local[1])
-    if surface.kind == "convex":
-        normals, offsets = top_edges(Shape("convex", tuple(float(s) for s in surface.size)))
+    if surface.kind == ShapeKind.CONVEX:
+        normals, offsets = top_edges(Shape(ShapeKind.CONVEX, tuple(float(s) for s in surface.size)))
         within = [d - ca.dot(ca.SX(n), local[:2]) for n, d in zip(normals, offsets, strict=True)]
         quarters = [within[len(within) * k // 4 :][: max(1, len(within) // 4 + 1)] for k in range(4)]
         return ca.vertcat(*[-_largest([-w for w in quarter]) if quarter else NOWHERE for quarter in quarters])
@@ -184,13 +184,13 @@ def inside(solid: DistanceShape, surface: DistanceShape) -> Expression:
 
 def radius(solid: DistanceShape) -> Expression:
     """Radius of a sphere, or of the sphere around another shape."""
-    if solid.kind == "sphere":
+    if solid.kind == ShapeKind.SPHERE:
         return ca.SX(solid.size[0])
-    if solid.kind == "box":
+    if solid.kind == ShapeKind.BOX:
         return ca.sqrt(sum(s**2 for s in solid.size)) / 2
-    if solid.kind == "convex":
+    if solid.kind == ShapeKind.CONVEX:
         return ca.SX(_hull(solid).radius)
-    if solid.kind == "capsule":
+    if solid.kind == ShapeKind.CAPSULE:
         return solid.size[0] + solid.size[1] / 2
     return ca.sqrt(solid.size[0] ** 2 + (solid.size[1] / 2) ** 2)
 
@@ -198,15 +198,15 @@ def radius(solid: DistanceShape) -> Expression:
 def mass(solid: DistanceShape) -> Expression:
     """Kilograms of a solid shape at the density of water."""
     size = solid.size
-    if solid.kind == "convex":
+    if solid.kind == ShapeKind.CONVEX:
         return ca.SX(DENSITY * _hull(solid).volume)
-    if solid.kind == "box":
+    if solid.kind == ShapeKind.BOX:
         return DENSITY * size[0] * size[1] * size[2]
     ball = 4.0 / 3.0 * math.pi * size[0] ** 3
-    if solid.kind == "sphere":
+    if solid.kind == ShapeKind.SPHERE:
         return ca.SX(DENSITY * ball)
     straight = math.pi * size[0] ** 2 * size[1]
-    return DENSITY * (straight + ball if solid.kind == "capsule" else straight)
+    return DENSITY * (straight + ball if solid.kind == ShapeKind.CAPSULE else straight)
 
 
 PAIRS: dict[str, Callable[[DistanceShape, DistanceShape], Expression]] = {"gap": gap, "inside": inside}

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 import casadi as ca
 
-from ..ir import Joint, ModuleType, Pose
+from ..ir import Joint, JointKind, ModuleType, Pose
 
 Expression: TypeAlias = Any
 """A `casadi.SX` column, or for scalars also a float: CasADi carries no types."""
@@ -128,7 +128,7 @@ def joint_frame(parent: Frame, joint: Joint, value: Expression) -> Frame:
     base = compose(parent, joint.placement)
     length = sum(a * a for a in joint.axis) ** 0.5
     direction = [a / length for a in joint.axis]
-    if joint.kind == "prismatic":
+    if joint.kind == JointKind.PRISMATIC:
         return Frame(base.position + value * rotate(base.quaternion, ca.SX(ca.DM(direction))), base.quaternion)
     turn = vector([a * ca.sin(value / 2) if a else 0 for a in direction] + [ca.cos(value / 2)])
     return Frame(base.position, multiply(base.quaternion, turn))

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..ir import Joint, ModuleType, Vec3
+from ..ir import Joint, JointKind, ModuleType, Vec3
 from .collision import PATH_MARGIN, Sphere, module_spheres, on_axis, pose_matrix
 
 
@@ -23,7 +23,7 @@ def _lineage(type_: ModuleType, joint: int) -> list[int]:
 
 def _slide(joint: Joint) -> float:
     """How far a joint can carry its frame from where it is placed."""
-    return max(abs(joint.lower), abs(joint.upper)) if joint.kind == "prismatic" else 0.0
+    return max(abs(joint.lower), abs(joint.upper)) if joint.kind == JointKind.PRISMATIC else 0.0
 
 
 def _length_between(type_: ModuleType, a: tuple[int, Vec3], b: tuple[int, Vec3]) -> float:
@@ -52,7 +52,7 @@ def _joints_between(type_: ModuleType, a: Sphere, b: Sphere) -> int:
     for count, index in enumerate(between):
         joint = type_.joints[index]
         point = np.linalg.solve(pose_matrix(joint.placement), point)
-        if joint.kind != "revolute" or not on_axis(joint.axis, point[:3]):
+        if joint.kind != JointKind.REVOLUTE or not on_axis(joint.axis, point[:3]):
             return len(between) - count
     return 0
 

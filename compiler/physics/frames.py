@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ..ir import ModuleType, Problem, Shape
+from ..ir import JointKind, ModuleType, Problem, Shape, ShapeKind
 from .masses import body_mass, part_mass
 from .moments import shape_moments
 from .records import CONTACTS
@@ -109,7 +109,7 @@ def poses(
             axis = np.asarray(joint.axis) / np.linalg.norm(joint.axis)
             at = at + base @ offset
             base = base @ turn
-            if joint.kind == "revolute":
+            if joint.kind == JointKind.REVOLUTE:
                 base = base @ _turned(axis, rows[:, 7 + index])
             else:
                 at = at + rows[:, 7 + index, None] * (base @ axis)
@@ -190,7 +190,7 @@ def meeting(problem: Problem, edge: Edge, at: Poses) -> tuple[Array, Array]:
     upright = np.broadcast_to(np.eye(3), turn.shape)
     if edge.manner in CONTACTS:
         return place - upright[:, :, 2] * _low(shape, turn)[:, None], upright
-    far = shape.size[0] if shape is not None and shape.kind == "sphere" and found is not None else 0.0
+    far = shape.size[0] if shape is not None and shape.kind == ShapeKind.SPHERE and found is not None else 0.0
     return place + far * turn[:, :, 2], turn
 
 
@@ -199,14 +199,15 @@ def _low(shape: Shape | None, turn: Array) -> Array:
     down = turn[:, 2, :]
     if shape is None:
         return np.zeros(len(turn))
-    if shape.kind == "box":
+    if shape.kind == ShapeKind.BOX:
         return np.asarray(np.abs(down) @ (np.asarray(shape.size) / 2.0))
-    if shape.kind == "convex":
+    if shape.kind == ShapeKind.CONVEX:
         return np.asarray(-(down @ np.asarray(shape.size).reshape(-1, 3).T).min(axis=1))
-    if shape.kind == "sphere":
+    if shape.kind == ShapeKind.SPHERE:
         return np.full(len(turn), shape.size[0])
     along, radius = np.abs(down[:, 2]) * shape.size[1] / 2.0, shape.size[0]
-    return along + (radius if shape.kind == "capsule" else radius * np.sqrt(np.maximum(0.0, 1.0 - down[:, 2] ** 2)))
+    round_end = shape.kind == ShapeKind.CAPSULE
+    return along + (radius if round_end else radius * np.sqrt(np.maximum(0.0, 1.0 - down[:, 2] ** 2)))
 
 
 def foot_radius(problem: Problem, name: str) -> float:
@@ -215,9 +216,9 @@ def foot_radius(problem: Problem, name: str) -> float:
     shape = found[1].shape if found is not None else problem.world.bodies[name].shape
     if shape is None:
         return 0.0
-    if shape.kind == "box":
+    if shape.kind == ShapeKind.BOX:
         return min(shape.size[0], shape.size[1]) / 2.0
-    if shape.kind == "convex":
+    if shape.kind == ShapeKind.CONVEX:
         corners = np.asarray(shape.size).reshape(-1, 3)
         return float(np.ptp(corners[:, :2], axis=0).min()) / 2.0
     return shape.size[0]

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..ir import Problem
+from ..ir import JointKind, Problem
 from .frames import Array, Poses, foot_radius, meeting
 from .records import CONTACTS
 from .structure import WORLD, Edge, Structure, subtrees
@@ -88,7 +88,7 @@ def _functionals(problem: Problem, edge: Edge, at: Poses, t: int, safety: float)
         node = (edge.names[0], edge.joint)
         turn, place = at.turns[node][t], at.places[node][t]
         axis = turn @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
-        drive = _moment(axis, place) if joint.kind == "revolute" else np.concatenate([axis, np.zeros(3)])
+        drive = _moment(axis, place) if joint.kind == JointKind.REVOLUTE else np.concatenate([axis, np.zeros(3)])
         both(drive, joint.torque)
         for direction in _across(axis):
             both(_moment(direction, place), joint.bearing * math.cos(math.pi / (4 * SIDES)))

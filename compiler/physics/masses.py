@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..ir import Body, ModuleType, Pose, Shape
+from ..ir import Body, ModuleType, Pose, Shape, ShapeKind
 
 DENSITY = 1000.0
 """Kilograms per cubic metre of what states no mass: water."""
@@ -13,17 +13,17 @@ DENSITY = 1000.0
 def shape_mass(shape: Shape, density: float = DENSITY) -> float:
     """Kilograms of a solid shape."""
     size = shape.size
-    if shape.kind == "convex":
+    if shape.kind == ShapeKind.CONVEX:
         from ..hulls import hull
 
         return density * hull(shape).volume
-    if shape.kind == "box":
+    if shape.kind == ShapeKind.BOX:
         return density * size[0] * size[1] * size[2]
     ball = 4.0 / 3.0 * math.pi * size[0] ** 3
-    if shape.kind == "sphere":
+    if shape.kind == ShapeKind.SPHERE:
         return density * ball
     straight = math.pi * size[0] ** 2 * size[1]
-    return density * (straight + ball if shape.kind == "capsule" else straight)
+    return density * (straight + ball if shape.kind == ShapeKind.CAPSULE else straight)
 
 
 def shape_volume(shape: Shape) -> float:

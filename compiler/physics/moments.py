@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..ir import Shape
+from ..ir import Shape, ShapeKind
 
 Array = NDArray[np.float64]
 
@@ -16,14 +16,14 @@ def shape_moments(shape: Shape, mass: float) -> Array:
     """The matrix (3, 3) in kg m² of a solid shape of that mass, along its axes; a convex one counts as the box around
     it, which is never less."""
     size = shape.size
-    if shape.kind in ("box", "convex"):
-        sides = size if shape.kind == "box" else np.ptp(np.asarray(size).reshape(-1, 3), axis=0).tolist()
+    if shape.kind in (ShapeKind.BOX, ShapeKind.CONVEX):
+        sides = size if shape.kind == ShapeKind.BOX else np.ptp(np.asarray(size).reshape(-1, 3), axis=0).tolist()
         x, y, z = (s * s for s in sides)
         return np.diag([y + z, x + z, x + y]) * (mass / 12.0)
-    if shape.kind == "sphere":
+    if shape.kind == ShapeKind.SPHERE:
         return np.eye(3) * (0.4 * mass * size[0] ** 2)
     radius, length = size
-    if shape.kind == "cylinder":
+    if shape.kind == ShapeKind.CYLINDER:
         across = mass * (3.0 * radius**2 + length**2) / 12.0
         return np.diag([across, across, mass * radius**2 / 2.0])
     straight, ball = math.pi * radius**2 * length, 4.0 / 3.0 * math.pi * radius**3

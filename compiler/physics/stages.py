@@ -12,7 +12,7 @@ from functools import cache
 
 import casadi as ca
 
-from ..ir import Fact, Hold, ModuleType, Problem
+from ..ir import Fact, Hold, JointKind, ModuleType, Problem, ShapeKind
 from ..motion.kinematics import Expression, Frame, axes, effector_frame, joint_frames, pose_frame, rotate
 from ..motion.stages import Stage
 from .frames import GRAVITY, foot_radius, module_weights
@@ -140,7 +140,7 @@ def _rows(
         axis = rotate(frame.quaternion, ca.SX(ca.DM([a / length for a in joint.axis])))
         bent = turning(frame.position)
         along = ca.dot(axis, bent)
-        if joint.kind == "revolute":
+        if joint.kind == JointKind.REVOLUTE:
             within(along**2, joint.torque)
             within(ca.sumsqr(bent) - along**2, joint.bearing)
         else:
@@ -162,7 +162,7 @@ def _rows(
         return found
     turn = axes(frame.quaternion)
     shape = kind.effector(end).shape if isinstance(kind, ModuleType) else None
-    out = shape.size[0] if shape is not None and shape.kind == "sphere" else 0.0
+    out = shape.size[0] if shape is not None and shape.kind == ShapeKind.SPHERE else 0.0
     bent = turning(frame.position + out * turn[:, 2])
     about, down = ca.dot(turn[:, 2], bent), GRAVITY * mass * turn[2, 2]
     within(ca.sumsqr(bent) - about**2, hold.moment)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..ir import Fact, Hold, Problem
+from ..ir import Fact, Hold, JointKind, Problem
 from .frames import Array, Poses, foot_radius, meeting, node_weights, node_wrench
 from .loops import shared
 from .records import CONTACTS
@@ -70,7 +70,7 @@ def drives(problem: Problem, mode: frozenset[Fact], at: Poses) -> dict[tuple[str
             node = (edge.names[0], edge.joint)
             joint = problem.world.modules[node[0]].type.joints[edge.joint]
             axis = at.turns[node] @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
-            own = moment - np.cross(at.places[node], force) if joint.kind == "revolute" else force
+            own = moment - np.cross(at.places[node], force) if joint.kind == JointKind.REVOLUTE else force
             found[node] = (-1.0 if edge.child == node else 1.0) * (own * axis).sum(axis=1)
     return found
 
@@ -110,14 +110,14 @@ def _joint_loads(problem: Problem, edge: Edge, at: Poses, force: Array, moment: 
     node = (edge.names[0], edge.joint)
     axis = at.turns[node] @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
     own = moment - np.cross(at.places[node], force)
-    along = (own if joint.kind == "revolute" else force) * axis
+    along = (own if joint.kind == JointKind.REVOLUTE else force) * axis
     drive = np.abs(along.sum(axis=1))
     found = []
     if math.isfinite(joint.torque):
-        unit = "N m" if joint.kind == "revolute" else "N"
+        unit = "N m" if joint.kind == JointKind.REVOLUTE else "N"
         found.append(Load(edge, "torque", safety * drive / joint.torque, drive, joint.torque, unit))
     if math.isfinite(joint.bearing):
-        across = own - axis * (own * axis).sum(axis=1, keepdims=True) if joint.kind == "revolute" else own
+        across = own - axis * (own * axis).sum(axis=1, keepdims=True) if joint.kind == JointKind.REVOLUTE else own
         bent = np.linalg.norm(across, axis=1)
         found.append(Load(edge, "bearing", safety * bent / joint.bearing, bent, joint.bearing, "N m"))
     return found

@@ -61,7 +61,7 @@ def _residuals(world: ir.World, row: ir.Row, names: tuple[str, ...], objects: li
             kinds.append(EffectorKind(module.type, found[1].name if found else "", [*slots].index(module.name)))
             continue
         body = world.bodies[name]
-        whole = body.shape.kind == "convex"
+        whole = body.shape.kind == ir.ShapeKind.CONVEX
         kinds.append(RestKind(body.shape if whole else body.shape.kind, body.mass))
         constants += [*body.pose, *(() if whole else body.shape.size)]
     values = np.array([[x for slot in slots.values() for x in slot]], dtype=float)

@@ -83,21 +83,21 @@ def bounds(shape: ir.Shape, pose: ir.Pose) -> Box:
     """The axis-aligned box around a shape, metres in the world."""
     q = orientation(pose)
     x, y, z = position(pose)
-    if shape.kind == "convex":
+    if shape.kind == ir.ShapeKind.CONVEX:
         along = list(zip(*(rotate(q, c) for c in corners(shape)), strict=True))
         return (
             x + min(along[0]), y + min(along[1]), z + min(along[2]),
             x + max(along[0]), y + max(along[1]), z + max(along[2]),
         )  # fmt: skip
-    if shape.kind == "sphere":
+    if shape.kind == ir.ShapeKind.SPHERE:
         reach = [shape.size[0]] * 3
-    elif shape.kind == "box":
+    elif shape.kind == ir.ShapeKind.BOX:
         columns = [rotate(q, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
         reach = [sum(abs(c[i]) * s / 2 for c, s in zip(columns, shape.size, strict=True)) for i in range(3)]
     else:
         radius, length = shape.size
         axis = rotate(q, (0.0, 0.0, 1.0))
-        round_end = shape.kind == "capsule"
+        round_end = shape.kind == ir.ShapeKind.CAPSULE
         reach = [abs(a) * length / 2 + radius * (1.0 if round_end else math.sqrt(max(0.0, 1.0 - a * a))) for a in axis]
     return x - reach[0], y - reach[1], z - reach[2], x + reach[0], y + reach[1], z + reach[2]
 
@@ -139,12 +139,12 @@ def penetration(one: Volume, other: Volume) -> float:
 def _geometry(shape: ir.Shape) -> object:
     import coal
 
-    if shape.kind == "convex":
+    if shape.kind == ir.ShapeKind.CONVEX:
         from ..hulls import convex_geometry
 
         return convex_geometry(shape)
-    if shape.kind == "box":
+    if shape.kind == ir.ShapeKind.BOX:
         return coal.Box(*shape.size)
-    if shape.kind == "sphere":
+    if shape.kind == ir.ShapeKind.SPHERE:
         return coal.Sphere(shape.size[0])
-    return (coal.Capsule if shape.kind == "capsule" else coal.Cylinder)(*shape.size)
+    return (coal.Capsule if shape.kind == ir.ShapeKind.CAPSULE else coal.Cylinder)(*shape.size)

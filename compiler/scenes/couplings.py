@@ -17,7 +17,7 @@ from ..checks.kinds import ANGLE, LENGTH, NUMBER, Kind
 from ..checks.names import Scope, names_in
 from ..checks.values import number
 
-WORDS = {"revolute": "turns", "prismatic": "slides"}
+WORDS = {ir.JointKind.REVOLUTE: "turns", ir.JointKind.PRISMATIC: "slides"}
 
 
 class BadCoupling(Exception):
@@ -137,7 +137,7 @@ def _stated(
     if item.name not in joints:
         findings.unknown("E0119", "joint", item.name, findings.word(item.span, item.name), joints)
         return None
-    reader = _Linear(context, scope, joints, ANGLE if joints[item.name].kind == "revolute" else LENGTH)
+    reader = _Linear(context, scope, joints, ANGLE if joints[item.name].kind == ir.JointKind.REVOLUTE else LENGTH)
     leader, factor, offset = reader.read(item.value)
     if reader.wrong:
         return None

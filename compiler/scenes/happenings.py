@@ -18,7 +18,7 @@ from ..checks.values import number, vector
 from ..courses import centre_at
 from ..poses import position
 
-BREAKDOWNS = ("locked", "gone")
+BREAKDOWNS = tuple(ir.BreakdownKind)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +73,7 @@ def check_breakdown(context: Context, scope: Scope, item: syntax.BreakdownItem) 
         return None
     if not _not_negative(context, "E0517", item.time, time) or module is None or time is None:
         return None
-    return ir.Breakdown(module, time, item.kind, item.span)
+    return ir.Breakdown(module, time, ir.BreakdownKind(item.kind), item.span)
 
 
 def unseen(world: ir.World) -> Diagnostic | None:
@@ -146,7 +146,8 @@ def breakdowns(findings: Findings, found: Sequence[ir.Breakdown]) -> tuple[ir.Br
     """All breakdowns by time. Reports those of a module that failed in the same way, or left the scene, before."""
     kept: list[ir.Breakdown] = []
     for breakdown in sorted(found, key=lambda b: b.time):
-        before = next((b for b in kept if b.module == breakdown.module and b.kind in (breakdown.kind, "gone")), None)
+        ends = (breakdown.kind, ir.BreakdownKind.GONE)
+        before = next((b for b in kept if b.module == breakdown.module and b.kind in ends), None)
         if before is None:
             kept.append(breakdown)
             continue

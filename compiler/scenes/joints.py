@@ -54,7 +54,7 @@ def lower_joint(
     if follows and not _may_follow(context, item):
         return None
     axes = _axes(context, item)
-    kind = ANGLE if item.kind == "revolute" else LENGTH
+    kind = ANGLE if item.kind == ir.JointKind.REVOLUTE else LENGTH
     planar = item.kind == "planar"
     limits = _planar_limits(context, scope, item) if planar else _limits(context, scope, item, kind, follows)
     speed = joint_rate(context, scope, item, "speed", RATES[kind])
@@ -65,25 +65,25 @@ def lower_joint(
     said = stated(context, scope, item, BEARS[item.kind or ""], f"a {item.kind} joint")
     drive = drive_of(said)
     if not planar:
-        place = make(offset, STRAIGHT)
-        return [ir.Joint(item.name, item.kind, parent, place, axes[0], *limits[0], *greatest, item.passive, **drive)]
+        how = (ir.JointKind(item.kind), parent, make(offset, STRAIGHT), axes[0])
+        return [ir.Joint(item.name, *how, *limits[0], *greatest, item.passive, **drive)]
     names = [f"{item.name}.{t.name}" for t in item.axes if isinstance(t, syntax.Name)]
     here = make((0.0, 0.0, 0.0), STRAIGHT)
     both = (*greatest, item.passive)
     return [
-        ir.Joint(names[0], "prismatic", parent, make(offset, STRAIGHT), axes[0], *limits[0], *both, **drive),
-        ir.Joint(names[1], "prismatic", first, here, axes[1], *limits[1], *both, **drive | {"mass": 0.0}),
+        ir.Joint(names[0], ir.JointKind.PRISMATIC, parent, make(offset, STRAIGHT), axes[0], *limits[0], *both, **drive),
+        ir.Joint(names[1], ir.JointKind.PRISMATIC, first, here, axes[1], *limits[1], *both, **drive | {"mass": 0.0}),
         ir.Joint(
             f"{item.name}.turn",
-            "revolute",
+            ir.JointKind.REVOLUTE,
             first + 1,
             here,
             _cross(axes[0], axes[1]),
             -FULL_TURN,
             FULL_TURN,
             0.0,
-            DEFAULT_SPEED["revolute"],
-            DEFAULT_ACCELERATION["revolute"],
+            DEFAULT_SPEED[ir.JointKind.REVOLUTE],
+            DEFAULT_ACCELERATION[ir.JointKind.REVOLUTE],
             item.passive,
         ),
     ]

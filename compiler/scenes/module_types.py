@@ -245,7 +245,7 @@ def _add_link(context: Context, scope: Scope, item: syntax.LinkItem, line: _Line
         return
     if form is not None:
         middle = (line.offset[0] + step[0] / 2, line.offset[1] + step[1] / 2, line.offset[2] + step[2] / 2)
-        size = form.size if form.kind == "sphere" else (*form.size, length)
+        size = form.size if form.kind == ir.ShapeKind.SPHERE else (*form.size, length)
         drawn = ir.Shape(form.kind, size)
         mass = stated(context, scope, item, ("mass", "density"), "a link").weight(shape_volume(drawn))
         line.links.append(ir.Link(line.parent, make(middle, between(UP, direction)), drawn, mass))

@@ -19,8 +19,8 @@ def top_of(shape: ir.Shape) -> float:
 
 def has_flat_top(shape: ir.Shape) -> bool:
     """Whether things can be put on an upright shape."""
-    if shape.kind != "convex":
-        return shape.kind in ("box", "cylinder")
+    if shape.kind != ir.ShapeKind.CONVEX:
+        return shape.kind in (ir.ShapeKind.BOX, ir.ShapeKind.CYLINDER)
     from ..hulls import top_edges
 
     return len(top_edges(shape)[1]) > 0
@@ -49,22 +49,22 @@ class Support:
         return self.centre[0] + dx, self.centre[1] + dy, self.centre[2]
 
     def carries(self, at: tuple[float, float]) -> bool:
-        if self.shape.kind == "convex":
+        if self.shape.kind == ir.ShapeKind.CONVEX:
             from ..hulls import top_edges
 
             normals, offsets = top_edges(self.shape)
             return bool((normals @ at <= offsets + 1e-9).all())
         width, depth, _ = box_sides(self.shape)
-        if self.shape.kind == "cylinder":
+        if self.shape.kind == ir.ShapeKind.CYLINDER:
             return math.hypot(*at) <= width / 2 + 1e-9
         return abs(at[0]) <= width / 2 + 1e-9 and abs(at[1]) <= depth / 2 + 1e-9
 
     @property
     def extent(self) -> str:
         width, depth, _ = box_sides(self.shape)
-        if self.shape.kind == "cylinder":
+        if self.shape.kind == ir.ShapeKind.CYLINDER:
             return f"round with radius {width / 2:g} m"
-        return f"{'within ' if self.shape.kind == 'convex' else ''}{width:g} m by {depth:g} m"
+        return f"{'within ' if self.shape.kind == ir.ShapeKind.CONVEX else ''}{width:g} m by {depth:g} m"
 
 
 def module_pose(module: ir.ModuleType, effector: str, point: ir.Vec3, heading: float) -> ir.Pose:

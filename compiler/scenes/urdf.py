@@ -175,10 +175,10 @@ def _shape(reading: Reading, link: str, form: ElementTree.Element) -> tuple[ir.S
     """A shape and where its frame is in that of the element."""
     origin = (0.0, 0.0, 0.0)
     if form.tag == "convex":  # what files of plans of format 1 have in place of meshes
-        return ir.Shape("convex", tuple(map(float, form.get("points", "").split()))), origin
+        return ir.Shape(ir.ShapeKind.CONVEX, tuple(map(float, form.get("points", "").split()))), origin
     if form.tag == "mesh":
         body = reading.context.library.meshes.get(mesh_name(reading.source.path, form))
-        return None if body is None else (ir.Shape("convex", body.size), body.middle)
+        return None if body is None else (ir.Shape(ir.ShapeKind.CONVEX, body.size), body.middle)
     if form.tag == "capsule" and not reading.newer:
         reading.warn(form, f"`capsule` does not count before version {FIRST_WITH_CAPSULES} of URDF and is left out")
         return None
@@ -197,7 +197,7 @@ def _shape(reading: Reading, link: str, form: ElementTree.Element) -> tuple[ir.S
     elif min(sizes) == 0:
         reading.warn(form, f"the {form.tag} of link `{link}` has no volume and is left out")
     else:
-        return ir.Shape(form.tag, sizes), origin
+        return ir.Shape(ir.ShapeKind(form.tag), sizes), origin
     return None
 
 

@@ -25,7 +25,7 @@ FREE = 10.0
 """Metres that a planar or floating joint moves each way unless the module says otherwise: across a large hall."""
 AXES: tuple[ir.Vec3, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 HERE = make((0.0, 0.0, 0.0), STRAIGHT)
-SCALAR = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic"}
+SCALAR = {"revolute": ir.JointKind.REVOLUTE, "continuous": ir.JointKind.REVOLUTE, "prismatic": ir.JointKind.PRISMATIC}
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +72,8 @@ class JointBuilder:
             message = f"joint `{joint.name}` cannot move, from {lower:g} to {upper:g}, and is fixed"
             self.reading.warn(joint.element, message)
             shift = (lower * joint.axis[0], lower * joint.axis[1], lower * joint.axis[2])
-            motion = make(HERE[:3], about(joint.axis, lower)) if kind == "revolute" else make(shift, STRAIGHT)
+            turns = kind == ir.JointKind.REVOLUTE
+            motion = make(HERE[:3], about(joint.axis, lower)) if turns else make(shift, STRAIGHT)
             return Moved((), compose(placement, motion))
         home = own.home if own.home is not None else 0.0 if lower <= 0 <= upper else (lower + upper) / 2
         if not lower <= home <= upper and item is not None:
@@ -115,10 +116,10 @@ class JointBuilder:
             return None
         return ends[0], ends[1]
 
-    def _rate(self, joint: UrdfJoint, item: syntax.JointItem | None, kind: str, what: str) -> float | None:
+    def _rate(self, joint: UrdfJoint, item: syntax.JointItem | None, kind: ir.JointKind, what: str) -> float | None:
         """The greatest speed or acceleration, SI; the module's own before that of the file."""
         if item is not None and (item.speed if what == "speed" else item.acceleration) is not None:
-            wanted = RATES[ANGLE if kind == "revolute" else LENGTH]
+            wanted = RATES[ANGLE if kind == ir.JointKind.REVOLUTE else LENGTH]
             asked = wanted if what == "speed" else RATES[wanted]
             return joint_rate(self.context, self.scope, replace(item, kind=kind), what, asked)
         limit, default = joint.element.find("limit"), DEFAULT_SPEED if what == "speed" else DEFAULT_ACCELERATION
@@ -137,7 +138,7 @@ class JointBuilder:
         turn = between(AXES[2], joint.axis) if planar else STRAIGHT
         made: list[ir.Joint] = []
 
-        def add(name: str, kind: str, axis: ir.Vec3, lower: float, upper: float) -> None:
+        def add(name: str, kind: ir.JointKind, axis: ir.Vec3, lower: float, upper: float) -> None:
             at = compose(placement, make(HERE[:3], turn)) if not made else HERE
             home = 0.0 if lower <= 0 <= upper else (lower + upper) / 2
             on = first + len(made) - 1 if made else parent
@@ -145,9 +146,9 @@ class JointBuilder:
             made.append(ir.Joint(f"{joint.name}.{name}", kind, on, at, axis, lower, upper, home, *speeds))
 
         for name, axis, lower, upper in zip("xyz", AXES, *corners, strict=False):
-            add(name, "prismatic", axis, lower, upper)
+            add(name, ir.JointKind.PRISMATIC, axis, lower, upper)
         for name, axis in [("turn", AXES[2])] if planar else zip(("yaw", "pitch", "roll"), AXES[::-1], strict=True):
-            add(name, "revolute", axis, -FULL_TURN, FULL_TURN)
+            add(name, ir.JointKind.REVOLUTE, axis, -FULL_TURN, FULL_TURN)
         back = make(HERE[:3], (-turn[0], -turn[1], -turn[2], turn[3]))
         return Moved(tuple(made), back)
 
@@ -171,11 +172,11 @@ class JointBuilder:
             return None
         return ends[0], ends[1]
 
-    def _given(self, item: syntax.JointItem | None, kind: str) -> _Given | None:
+    def _given(self, item: syntax.JointItem | None, kind: ir.JointKind) -> _Given | None:
         """Limits and home value of the declaration; None where a value is wrong or not known yet."""
         if item is None:
             return _Given(None, None)
-        unit = ANGLE if kind == "revolute" else LENGTH
+        unit = ANGLE if kind == ir.JointKind.REVOLUTE else LENGTH
         home = None if item.home is None else number(self.context, self.scope, item.home, unit, "a home value")
         if item.home is not None and home is None:
             return None

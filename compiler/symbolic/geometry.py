@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..extents import box_sides
 from ..hulls import Array, convex_geometry
-from ..ir import Chain, ModuleType, Pose, Problem, Shape
+from ..ir import Chain, ModuleType, Pose, Problem, Shape, ShapeKind
 from ..poses import compose, joint_frames, make, orientation, position, rotate
 from .lengths import longest_chain, path_length, shape_radius
 from .settings import SYMBOLIC
@@ -181,7 +181,7 @@ class SceneLengths:
             return ()
         module, effector = found
         frame = joint_frames(module.type, module.pose, module.joints)[effector.joint]
-        return (Placed(effector.shape or Shape("sphere", (0.0,)), compose(frame, effector.placement)),)
+        return (Placed(effector.shape or Shape(ShapeKind.SPHERE, (0.0,)), compose(frame, effector.placement)),)
 
     def _measure(self, i: int, placed: tuple[Placed, ...]) -> None:
         if len(placed) != 1:
@@ -201,11 +201,11 @@ class SceneLengths:
 
 def grown_box(shape: Shape, pose: Pose) -> tuple[tuple[float, float, float], float] | None:
     """Half sizes of a box along the world's axes and the radius by which the shape is larger, or None."""
-    if shape.kind == "sphere":
+    if shape.kind == ShapeKind.SPHERE:
         return (0.0, 0.0, 0.0), shape.size[0]
-    if shape.kind == "box":
+    if shape.kind == ShapeKind.BOX:
         local, radius = [s / 2 for s in shape.size], 0.0
-    elif shape.kind == "capsule":
+    elif shape.kind == ShapeKind.CAPSULE:
         local, radius = [0.0, 0.0, shape.size[1] / 2], shape.size[0]
     else:
         return None
@@ -224,11 +224,11 @@ def top_face(placed: Placed, inset: float) -> Placed:
     """The upper face of a box, or of the box around a convex shape, shrunk, as a very thin box; the highest point of
     any other shape."""
     shape, pose = placed.shape, placed.pose
-    if shape.kind == "convex":
-        return top_face(Placed(Shape("box", box_sides(shape)), pose), inset)
-    if shape.kind != "box":
+    if shape.kind == ShapeKind.CONVEX:
+        return top_face(Placed(Shape(ShapeKind.BOX, box_sides(shape)), pose), inset)
+    if shape.kind != ShapeKind.BOX:
         up = (0.0, 0.0, shape.size[0] + _rise(shape, pose))
-        return Placed(Shape("sphere", (0.0,)), (pose[0], pose[1], pose[2] + up[2], 0.0, 0.0, 0.0, 1.0))
+        return Placed(Shape(ShapeKind.SPHERE, (0.0,)), (pose[0], pose[1], pose[2] + up[2], 0.0, 0.0, 0.0, 1.0))
     heights = [rotate(orientation(pose), (float(k == 0), float(k == 1), float(k == 2)))[2] for k in range(3)]
     k = max(range(3), key=lambda axis: abs(heights[axis]))
     size = [max(s - 2 * inset, 0.0) for s in shape.size]
@@ -236,19 +236,19 @@ def top_face(placed: Placed, inset: float) -> Placed:
     offset[k] = math.copysign(shape.size[k] / 2, heights[k])
     size[k] = 0.0
     centre = make((offset[0], offset[1], offset[2]), (0.0, 0.0, 0.0, 1.0))
-    return Placed(Shape("box", tuple(size)), compose(pose, centre))
+    return Placed(Shape(ShapeKind.BOX, tuple(size)), compose(pose, centre))
 
 
 def _rise(shape: Shape, pose: Pose) -> float:
-    if shape.kind != "capsule":
-        return shape.size[1] / 2 if shape.kind == "cylinder" else 0.0
+    if shape.kind != ShapeKind.CAPSULE:
+        return shape.size[1] / 2 if shape.kind == ShapeKind.CYLINDER else 0.0
     return abs(rotate(orientation(pose), (0.0, 0.0, shape.size[1] / 2))[2])
 
 
 def shape_distance(a: Placed, b: Placed) -> float:
     """Smallest distance in metres, 0 when the shapes overlap."""
     for first, second in ((a, b), (b, a)):
-        if first.shape.kind == "sphere" and second.shape.kind not in ("cylinder", "convex"):
+        if first.shape.kind == ShapeKind.SPHERE and second.shape.kind not in (ShapeKind.CYLINDER, ShapeKind.CONVEX):
             return max(_point_distance(position(first.pose), second) - first.shape.size[0], 0.0)
     return _coal_distance(a, b)
 
@@ -259,9 +259,9 @@ def _point_distance(point: tuple[float, float, float], placed: Placed) -> float:
     offset = (point[0] - placed.pose[0], point[1] - placed.pose[1], point[2] - placed.pose[2])
     local = rotate((-x, -y, -z, w), offset)
     size = placed.shape.size
-    if placed.shape.kind == "box":
+    if placed.shape.kind == ShapeKind.BOX:
         return math.hypot(*(max(abs(c) - s / 2, 0.0) for c, s in zip(local, size, strict=True)))
-    half = size[1] / 2 if placed.shape.kind == "capsule" else 0.0
+    half = size[1] / 2 if placed.shape.kind == ShapeKind.CAPSULE else 0.0
     return max(math.hypot(local[0], local[1], max(abs(local[2]) - half, 0.0)) - size[0], 0.0)
 
 
@@ -278,10 +278,11 @@ def _coal(placed: Placed) -> tuple[Any, Any]:
     x, y, z, w = orientation(placed.pose)
     turn = coal.Quaternion(w, x, y, z) if hasattr(coal, "Quaternion") else _matrix(placed.pose)
     place = coal.Transform3s(turn, np.array(position(placed.pose)))
-    if placed.shape.kind == "convex":
+    if placed.shape.kind == ShapeKind.CONVEX:
         return convex_geometry(placed.shape), place
     size = [max(s, THIN) for s in placed.shape.size]
-    makers = {"box": coal.Box, "sphere": coal.Sphere, "capsule": coal.Capsule, "cylinder": coal.Cylinder}
+    makers = {ShapeKind.BOX: coal.Box, ShapeKind.SPHERE: coal.Sphere,
+              ShapeKind.CAPSULE: coal.Capsule, ShapeKind.CYLINDER: coal.Cylinder}  # fmt: skip
     return makers[placed.shape.kind](*size), place
 
 

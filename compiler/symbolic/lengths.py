@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from ..ir import Module, ModuleType, Shape
+from ..ir import JointKind, Module, ModuleType, Shape, ShapeKind
 from ..poses import position
 
 
@@ -20,7 +20,7 @@ def path_length(module: ModuleType, start: str, end: str) -> float:
         while at >= 0:
             joint = module.joints[at]
             travel += math.hypot(*point)
-            if joint.kind == "prismatic":
+            if joint.kind == JointKind.PRISMATIC:
                 travel += max(abs(joint.lower), abs(joint.upper))
             at, point = joint.parent, position(joint.placement)
             steps.append((at, point, travel))
@@ -55,6 +55,6 @@ def end_radius(module: ModuleType, effector: str) -> float:
 
 def shape_radius(shape: Shape) -> float:
     """The radius of a round shape, of the sphere around another one."""
-    if shape.kind == "convex":
+    if shape.kind == ShapeKind.CONVEX:
         return max(math.hypot(*shape.size[i : i + 3]) for i in range(0, len(shape.size), 3))
-    return shape.size[0] if shape.kind != "box" else math.hypot(*shape.size) / 2
+    return shape.size[0] if shape.kind != ShapeKind.BOX else math.hypot(*shape.size) / 2

@@ -120,7 +120,7 @@ def _module(mujoco: PythonModule, spec: Any, name: str, module: ir.Module) -> di
             name=f"m.{name}.{index}", pos=list(joint.placement[:3]), quat=_turn(joint.placement)
         )
         _weigh(body, weights.get(index))
-        turning = joint.kind == "revolute"
+        turning = joint.kind == ir.JointKind.REVOLUTE
         kinds = mujoco.mjtJoint
         moved = body.add_joint(
             name=f"{name}.{index}", axis=list(joint.axis), type=kinds.mjJNT_HINGE if turning else kinds.mjJNT_SLIDE

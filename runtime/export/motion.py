@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...compiler.ir import JointKind
 from ...langs.diagnostics import UsageError, did_you_mean
 from ..plan import ModuleRecord, Plan
 
@@ -142,7 +143,7 @@ def frames_of(module: ModuleRecord, base: Pose, values: Array) -> dict[int, Pose
     found = {-1: base}
     for index, (joint, value) in enumerate(zip(module.joints, map(float, values), strict=True)):
         x, y, z = unit(joint.axis) or (0.0, 0.0, 1.0)
-        turns = joint.kind == "revolute"
+        turns = joint.kind == JointKind.REVOLUTE
         shift, turn = (x * value, y * value, z * value), (0.0, 0.0, 0.0, 1.0)
         motion = make((0.0, 0.0, 0.0), about((x, y, z), value)) if turns else make(shift, turn)
         found[index] = compose(compose(found[joint.parent], pose_of(joint.placement)), motion)

@@ -11,10 +11,14 @@ from xml.etree import ElementTree as Xml
 
 import numpy as np
 
+from ...compiler.ir import JointKind, ShapeKind
 from ..plan import ModuleRecord, Plan, ShapeRecord
 from .docks import docks
 from .motion import Array, moved, poses, times, trajectory
 
+HALVES = {ShapeKind.BOX: (0.5, 0.5, 0.5), ShapeKind.SPHERE: (1.0,), ShapeKind.CAPSULE: (1.0, 0.5),
+          ShapeKind.CYLINDER: (1.0, 0.5)}  # fmt: skip
+"""MuJoCo's sizes of a geom are these shares of ours."""
 TINY = {"pos": "0 0 0", "mass": "1e-3", "diaginertia": "1e-6 1e-6 1e-6"}
 """Of a moving frame without a shape, which MuJoCo does not take without a mass."""
 
@@ -58,7 +62,7 @@ def _module(assets: Xml.Element, world: Xml.Element, module: ModuleRecord) -> No
     for index, joint in enumerate(module.joints):
         place = {"name": f"{module.name}/{joint.name}", **_place(joint.placement)}
         frame = Xml.SubElement(frames[joint.parent], "body", place)
-        kind = "hinge" if joint.kind == "revolute" else "slide"
+        kind = "hinge" if joint.kind == JointKind.REVOLUTE else "slide"
         limits = _numbers((joint.lower, joint.upper))
         axis = _numbers(joint.axis)
         Xml.SubElement(frame, "joint", name=f"{module.name}.{joint.name}", type=kind, axis=axis, range=limits)
@@ -88,12 +92,11 @@ def _geom(
     assets: Xml.Element, frame: Xml.Element, name: str, shape: ShapeRecord, pose: Sequence[float] | None
 ) -> None:
     where = {} if pose is None else _place(pose)
-    if shape.kind == "convex":
+    if shape.kind == ShapeKind.CONVEX:
         Xml.SubElement(assets, "mesh", name=name, vertex=_numbers(shape.size))
         Xml.SubElement(frame, "geom", {"name": name, "type": "mesh", "mesh": name, **where})
         return
-    halves = {"box": (0.5, 0.5, 0.5), "sphere": (1.0,), "capsule": (1.0, 0.5), "cylinder": (1.0, 0.5)}[shape.kind]
-    size = _numbers(s * h for s, h in zip(shape.size, halves, strict=True))
+    size = _numbers(s * h for s, h in zip(shape.size, HALVES[ShapeKind(shape.kind)], strict=True))
     Xml.SubElement(frame, "geom", {"name": name, "type": shape.kind, "size": size, **where})
 
 

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
+from ...compiler.ir import ShapeKind
 from ...langs.diagnostics import UsageError
 from ..plan import ModuleRecord, Plan, ShapeRecord
 from .docks import docks
@@ -71,7 +72,7 @@ class _UrdfWriter:
             child, inside, origin, sign = found[-1]
             self._link(child, inside)
             element = self._joint(f"{name}.{joint.name}", node, child, origin)
-            element.set("type", "revolute" if joint.kind == "revolute" else "prismatic")
+            element.set("type", joint.kind)
             Xml.SubElement(element, "axis", xyz=_numbers([sign * a for a in joint.axis]))
             limits = {"lower": repr(joint.lower), "upper": repr(joint.upper)}
             Xml.SubElement(element, "limit", {**limits, "velocity": repr(joint.speed), "effort": "1000"})
@@ -138,18 +139,18 @@ class _UrdfWriter:
         from ...compiler.poses import compose
 
         parts: list[tuple[Pose, str, dict[str, str]]] = []
-        if shape.kind == "convex":
+        if shape.kind == ShapeKind.CONVEX:
             file = self.path.with_name(f"{self.path.stem}-{len(self.meshes) + 1}.stl")
             self.meshes[file] = stl(shape)
             parts.append((place, "mesh", {"filename": file.name}))
-        elif shape.kind == "box":
+        elif shape.kind == ShapeKind.BOX:
             parts.append((place, "box", {"size": _numbers(shape.size)}))
-        elif shape.kind == "sphere":
+        elif shape.kind == ShapeKind.SPHERE:
             parts.append((place, "sphere", {"radius": repr(shape.size[0])}))
         else:
             radius, length = shape.size
             parts.append((place, "cylinder", {"radius": repr(radius), "length": repr(length)}))
-            if shape.kind == "capsule":
+            if shape.kind == ShapeKind.CAPSULE:
                 ends = [compose(place, (0.0, 0.0, z, *HERE[3:])) for z in (-length / 2, length / 2)]
                 parts += [(end, "sphere", {"radius": repr(radius)}) for end in ends]
         for at, tag, attributes in parts:

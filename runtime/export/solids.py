@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...compiler.ir import ShapeKind
 from ..plan import ShapeRecord
 from .motion import Pose
 
@@ -29,7 +30,7 @@ def solid(shape: ShapeRecord, pose: Pose) -> Solid:
     """A shape at `pose`, whose axes are those of the result."""
     from scipy.spatial.transform import Rotation
 
-    volume, centre, moments = _convex(shape) if shape.kind == "convex" else _round(shape)
+    volume, centre, moments = _convex(shape) if shape.kind == ShapeKind.CONVEX else _round(shape)
     turn = Rotation.from_quat(pose[3:]).as_matrix()
     return Solid(WATER * volume, turn @ centre + pose[:3], WATER * turn @ moments @ turn.T)
 
@@ -47,19 +48,19 @@ def together(parts: Sequence[Solid]) -> Solid:
 
 def _round(shape: ShapeRecord) -> tuple[float, Array, Array]:
     """Volume, centre and inertia at density 1 of a box or round shape, about its centre."""
-    if shape.kind == "box":
+    if shape.kind == ShapeKind.BOX:
         x, y, z = shape.size
         volume = x * y * z
         moments = [volume / 12 * (b * b + c * c) for b, c in ((y, z), (x, z), (x, y))]
         return volume, np.zeros(3), np.diag(moments)
     r = shape.size[0]
     ball = 4 / 3 * np.pi * r**3
-    if shape.kind == "sphere":
+    if shape.kind == ShapeKind.SPHERE:
         return ball, np.zeros(3), np.eye(3) * (0.4 * ball * r * r)
     length = shape.size[1]
     tube = np.pi * r * r * length
     along, across = tube * r * r / 2, tube * (r * r / 4 + length * length / 12)
-    if shape.kind == "cylinder":
+    if shape.kind == ShapeKind.CYLINDER:
         return tube, np.zeros(3), np.diag([across, across, along])
     # Two half balls: about the middle of the capsule, by the theorem of parallel axes through their centres of mass.
     along += 0.4 * ball * r * r
@@ -84,7 +85,7 @@ def _triangles(shape: ShapeRecord) -> Array:
     from ...compiler.hulls import hull
     from ...compiler.ir import Shape
 
-    made = hull(Shape("convex", tuple(shape.size)))
+    made = hull(Shape(ShapeKind.CONVEX, tuple(shape.size)))
     return np.asarray(made.corners[made.triangles])
 
 

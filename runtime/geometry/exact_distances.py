@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiler.hulls import convex_geometry
-from ...compiler.ir import Shape
+from ...compiler.ir import Shape, ShapeKind
 from ...compiler.motion.collision import bounding_radius
 from ..native import load_coal
 from ..skeleton import Array
@@ -36,9 +36,10 @@ THINNEST = 1e-6
 def coal_geometry(shape: Shape) -> Any:
     """A shape for coal. Raises MissingLibrary."""
     coal = load_coal()
-    if shape.kind == "convex":
+    if shape.kind == ShapeKind.CONVEX:
         return convex_geometry(shape)
-    makers = {"box": coal.Box, "sphere": coal.Sphere, "capsule": coal.Capsule, "cylinder": coal.Cylinder}
+    makers = {ShapeKind.BOX: coal.Box, ShapeKind.SPHERE: coal.Sphere,
+              ShapeKind.CAPSULE: coal.Capsule, ShapeKind.CYLINDER: coal.Cylinder}  # fmt: skip
     return makers[shape.kind](*(max(s, THINNEST) for s in shape.size))
 
 
@@ -53,11 +54,11 @@ class Forms:
         self.radius = np.zeros(len(shapes))
         self.reach = np.array([bounding_radius(s) for s in shapes])
         for k, shape in enumerate(shapes):
-            if shape.kind == "box":
+            if shape.kind == ShapeKind.BOX:
                 self.kind[k], self.half[k] = BOX, [s / 2 for s in shape.size]
-            elif shape.kind in ("sphere", "capsule"):
+            elif shape.kind in (ShapeKind.SPHERE, ShapeKind.CAPSULE):
                 self.kind[k], self.radius[k] = ROUND, shape.size[0]
-                self.half[k, 2] = shape.size[1] / 2 if shape.kind == "capsule" else 0.0
+                self.half[k, 2] = shape.size[1] / 2 if shape.kind == ShapeKind.CAPSULE else 0.0
 
 
 @dataclass(frozen=True, slots=True)

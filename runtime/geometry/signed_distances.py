@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiler.extents import box_sides
-from ...compiler.ir import Shape
+from ...compiler.ir import Shape, ShapeKind
 from ..skeleton import Array
 
 FLAT = 1e9
@@ -19,11 +19,11 @@ NEARLY_PLAIN = 1e-8
 def half_sizes(shape: Shape) -> tuple[Array, float, bool]:
     """Half sizes `(3,)`, rounding radius, and whether the first size is a radius across the z-axis."""
     size = shape.size
-    if shape.kind in ("box", "convex"):
+    if shape.kind in (ShapeKind.BOX, ShapeKind.CONVEX):
         return np.array(box_sides(shape)) / 2, 0.0, False
-    if shape.kind == "sphere":
+    if shape.kind == ShapeKind.SPHERE:
         return np.zeros(3), size[0], False
-    if shape.kind == "capsule":
+    if shape.kind == ShapeKind.CAPSULE:
         return np.array([0.0, 0.0, size[1] / 2]), size[0], False
     return np.array([size[0], FLAT, size[1] / 2]), 0.0, True
 

@@ -11,6 +11,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ...compiler.ir import JointKind
+
 Array = NDArray[np.float64]
 
 
@@ -99,10 +101,10 @@ def joint_motion(joint: Joint, values: Array) -> Array:
     motion[:, 6] = 1.0
     along = np.asarray(joint.axis, dtype=np.float64)
     along = along / max(float(np.linalg.norm(along)), 1e-12)
-    if joint.kind == "revolute":
+    if joint.kind == JointKind.REVOLUTE:
         motion[:, 3:6] = np.sin(values / 2.0)[:, None] * along
         motion[:, 6] = np.cos(values / 2.0)
-    elif joint.kind == "prismatic":
+    elif joint.kind == JointKind.PRISMATIC:
         motion[:, :3] = values[:, None] * along
     return motion
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...compiler.extents import box_sides
 from ...compiler.hulls import hull
-from ...compiler.ir import Shape
+from ...compiler.ir import BreakdownKind, Shape, ShapeKind
 from ..geometry.transforms import Array, rotate
 from ..plan import BodyRecord, PhaseRecord, Plan, ShapeRecord
 from ..tracks import body_rows
@@ -93,17 +93,17 @@ def parts(shape: ShapeRecord) -> list[tuple[str, Any, Array]]:
 
     size = [float(s) for s in shape.size]
     centre, upright = pose_rows([(0, 0, 0, 0, 0, 0, 1)])[0], pose_rows([UPRIGHT])[0]
-    if shape.kind == "box" and len(size) == 3:
+    if shape.kind == ShapeKind.BOX and len(size) == 3:
         return [("box", geometry.Box(size), centre)]
-    if shape.kind == "sphere" and len(size) == 1:
+    if shape.kind == ShapeKind.SPHERE and len(size) == 1:
         return [("ball", geometry.Sphere(size[0]), centre)]
-    if shape.kind == "convex":
-        body = hull(Shape("convex", tuple(size)))
+    if shape.kind == ShapeKind.CONVEX:
+        body = hull(Shape(ShapeKind.CONVEX, tuple(size)))
         return [("hull", geometry.TriangularMeshGeometry(body.corners, body.triangles), centre)]
-    if shape.kind in ("capsule", "cylinder") and len(size) == 2:
+    if shape.kind in (ShapeKind.CAPSULE, ShapeKind.CYLINDER) and len(size) == 2:
         radius, length = size
         result = [("tube", geometry.Cylinder(length, radius), upright)]
-        if shape.kind == "capsule":
+        if shape.kind == ShapeKind.CAPSULE:
             for name, side in (("low", -0.5), ("high", 0.5)):
                 cap = centre.copy()
                 cap[2] = side * length
@@ -116,9 +116,9 @@ def extent(shape: ShapeRecord | None) -> float:
     """Radius of a ball around the shape's centre that holds it, metres."""
     if shape is None or not shape.size:
         return 0.0
-    if shape.kind == "convex":
+    if shape.kind == ShapeKind.CONVEX:
         return float(np.linalg.norm(np.reshape(shape.size, (-1, 3)), axis=1).max())
-    if shape.kind == "box":
+    if shape.kind == ShapeKind.BOX:
         return float(np.linalg.norm(shape.size)) / 2.0
     return float(shape.size[0]) + (float(shape.size[1]) / 2.0 if len(shape.size) > 1 else 0.0)
 
@@ -186,7 +186,7 @@ class Builder:
 
     def gone(self, module: str) -> NDArray[np.bool_]:
         """At which of the kept time stamps a module has left the scene `(T,)`."""
-        times = [b.time for b in self.plan.breakdowns if b.module == module and b.kind == "gone"]
+        times = [b.time for b in self.plan.breakdowns if b.module == module and b.kind == BreakdownKind.GONE]
         return np.asarray(self.scene.times > min(times, default=np.inf))
 
     def add_module(self, index: int, frames: list[Array], colour: str, gone: NDArray[np.bool_]) -> None:
@@ -241,8 +241,8 @@ class Builder:
 def box_corners(body: BodyRecord, pose: Array) -> Array:
     """Corners `(8, 3)` of a box around the body, in the world."""
     half = np.full(3, extent(body.shape))
-    if body.shape.kind in ("box", "convex"):
-        half = np.array(box_sides(Shape(body.shape.kind, tuple(body.shape.size)))) / 2.0
+    if body.shape.kind in (ShapeKind.BOX, ShapeKind.CONVEX):
+        half = np.array(box_sides(Shape(ShapeKind(body.shape.kind), tuple(body.shape.size)))) / 2.0
     signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
     return pose[:3] + rotate(np.broadcast_to(pose[3:], (8, 4)), signs * half)
 

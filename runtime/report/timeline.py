@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...compiler.ir import JointKind
 from ..geometry.transforms import Array
 from ..plan import JointRecord, Plan
 from ..tracks import body_rows
@@ -263,6 +264,6 @@ def plot(joint: JointRecord, across: Array, values: Array, column: int) -> Plot:
         return round(100.0 * (high - value) / (high - low), 2) if math.isfinite(value) else -10.0
 
     points = " ".join(f"{x:.1f},{height(float(v))}" for x, v in zip(across, values, strict=True))
-    unit = "rad" if joint.kind == "revolute" else "m"
+    unit = "rad" if joint.kind == JointKind.REVOLUTE else "m"
     peak = float(values[int(np.argmax(np.abs(values)))])
     return Plot(joint.name, unit, lower, upper, points, height(lower), height(upper), peak, column)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...compiler.ir import ShapeKind
 from ..plan import Plan
 from ..verify.geometry import Array, Frames
 from ..verify.kinematics import Motion
@@ -35,7 +36,7 @@ def worst_clearance(plan: Plan, planned: Motion, executed: Motion) -> tuple[floa
 
 def _outside(solid: Solid, frames: Frames, other: Frames) -> Array:
     """How far the centre of another shape is outside of a box, `(T,)`; 0 for other shapes."""
-    if solid.kind != "box":
+    if solid.kind != ShapeKind.BOX:
         return np.full(len(frames), -np.inf)
     local = np.abs(np.einsum("tji,tj->ti", frames.rotation, other.position - frames.position))
     return np.asarray(np.linalg.norm(np.maximum(local - 0.5 * np.asarray(solid.size), 0.0), axis=1))

@@ -38,7 +38,7 @@ class Failures:
         """Let all breakdowns up to a time happen."""
         while self._coming and self._coming[0].time <= time + EPSILON:
             breakdown = self._coming.pop(0)
-            if breakdown.kind == "locked":
+            if breakdown.kind == ir.BreakdownKind.LOCKED:
                 self.locked.add(breakdown.module)
                 continue
             lost = self._lost(breakdown, reached)

@@ -101,13 +101,13 @@ def _distances(cover: tuple[Array, Array], body: ir.Body, poses: Array) -> Array
 
 def signed_distance(shape: ir.Shape, points: Array) -> Array:
     """Signed distances `(…)` in metres of points `(…, 3)` to a shape, in its own frame; negative inside."""
-    if shape.kind == "box":
+    if shape.kind == ir.ShapeKind.BOX:
         beyond = np.abs(points) - 0.5 * np.array(shape.size)
-    elif shape.kind == "cylinder":
+    elif shape.kind == ir.ShapeKind.CYLINDER:
         radial = np.linalg.norm(points[..., :2], axis=-1) - shape.size[0]
         beyond = np.stack([radial, np.abs(points[..., 2]) - 0.5 * shape.size[1]], axis=-1)
-    elif shape.kind in ("sphere", "capsule"):
-        half = 0.5 * shape.size[1] if shape.kind == "capsule" else 0.0
+    elif shape.kind in (ir.ShapeKind.SPHERE, ir.ShapeKind.CAPSULE):
+        half = 0.5 * shape.size[1] if shape.kind == ir.ShapeKind.CAPSULE else 0.0
         along = np.clip(points[..., 2], -half, half)
         inner = np.stack([points[..., 0], points[..., 1], points[..., 2] - along], axis=-1)
         return np.asarray(np.linalg.norm(inner, axis=-1) - shape.size[0])

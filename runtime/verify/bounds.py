@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...compiler.ir import JointKind
 from .geometry import Array
 from .sampler import Grid, Placement, Sampler
 
@@ -142,7 +143,7 @@ class Bounds:
             return before if before is NONE else before.moved(step.distance)
         rates, changes, values = self._rates_of(name)
         rate, change = rates[:, index], changes[:, index]
-        if self._sampler.kinematics[name].module.joints[index].kind == "prismatic":
+        if self._sampler.kinematics[name].module.joints[index].kind == JointKind.PRISMATIC:
             return before.moved(step.distance + values[:, index]).slid(rate, change)
         if step.up:
             return before.turned(rate, change).moved(step.distance)

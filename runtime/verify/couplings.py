@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...compiler.ir import JointKind
 from ..plan import ModuleRecord, Plan
 from .findings import Findings
 from .geometry import Array
@@ -37,7 +38,7 @@ def _measure(module: ModuleRecord, off: Array, times: Array, findings: Findings)
     for column, joint in enumerate(j for j in module.joints if j.follows is not None):
         assert joint.follows is not None
         at = int(np.argmax(np.abs(off[:, column])))
-        kind = "coupling_m" if joint.kind == "prismatic" else "coupling_rad"
+        kind = "coupling_m" if joint.kind == JointKind.PRISMATIC else "coupling_rad"
         leader = module.joints[joint.follows.leader].name
         message = f"joint {joint.name} of {module.name} does not follow {leader}"
         findings.measure(

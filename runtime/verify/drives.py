@@ -45,7 +45,7 @@ def check_drives(
 def _measure(plan: Plan, phase: int, key: tuple[str, int], span: float, findings: Findings) -> None:
     name, index = key
     joint = next(m for m in plan.modules if m.name == name).joints[index]
-    kind = "undriven_m" if joint.kind == "prismatic" else "undriven_rad"
+    kind = "undriven_m" if joint.kind == ir.JointKind.PRISMATIC else "undriven_rad"
     message = f"joint {joint.name} of {name} has no drive and moves, held by nothing that drives move"
     findings.measure(kind, span, message, time=plan.phases[phase].start, between=[name, joint.name])
 

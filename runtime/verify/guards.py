@@ -107,7 +107,7 @@ class Guards:
             self._joints[module.name] = joint_frames(module)
         joints = self._joints[module.name]
         if end is not None:
-            shape = end[1].shape or ir.Shape("sphere", (POINT,))
+            shape = end[1].shape or ir.Shape(ir.ShapeKind.SPHERE, (POINT,))
             yield _Placed(shape, joints[end[1].joint].compose(frames(end[1].placement)))
             return
         for effector in module.type.effectors:
@@ -119,18 +119,18 @@ class Guards:
     def _face(self, name: str, inset: float) -> _Placed:
         placed = self._shapes(name)[0]
         shape, at = placed.shape, placed.frame
-        if shape.kind == "convex":
-            shape = ir.Shape("box", tuple(np.ptp(corners(shape.size), axis=0)))
-        if shape.kind != "box":
+        if shape.kind == ir.ShapeKind.CONVEX:
+            shape = ir.Shape(ir.ShapeKind.BOX, tuple(np.ptp(corners(shape.size), axis=0)))
+        if shape.kind != ir.ShapeKind.BOX:
             height = float(heights(shape.kind, shape.size, at.rotation)[0])
             highest = at.position + np.array([0.0, 0.0, height])
-            return _Placed(ir.Shape("sphere", (POINT,)), Frames(highest, at.rotation))
+            return _Placed(ir.Shape(ir.ShapeKind.SPHERE, (POINT,)), Frames(highest, at.rotation))
         upright = int(np.argmax(np.abs(at.rotation[0, 2])))
         half = 0.5 * shape.size[upright] * np.sign(at.rotation[0, 2, upright])
         sides = [max(s - 2 * inset, FACE) for s in shape.size]
         sides[upright] = FACE
         top = Frames(at.position + half * at.rotation[:, :, upright], at.rotation)
-        return _Placed(ir.Shape("box", tuple(sides)), top)
+        return _Placed(ir.Shape(ir.ShapeKind.BOX, tuple(sides)), top)
 
 
 def _solid(shape: ir.Shape) -> Any:
@@ -142,7 +142,7 @@ def joint_frames(module: ir.Module) -> dict[int, Frames]:
     found = {-1: frames(module.pose)}
     for index, (joint, value) in enumerate(zip(module.type.joints, module.joints, strict=True)):
         axis = np.asarray(joint.axis) / np.linalg.norm(joint.axis)
-        if joint.kind == "prismatic":
+        if joint.kind == ir.JointKind.PRISMATIC:
             motion = [*(axis * value), 0.0, 0.0, 0.0, 1.0]
         else:
             motion = [0.0, 0.0, 0.0, *(axis * math.sin(value / 2)), math.cos(value / 2)]
@@ -157,4 +157,4 @@ def _joints_above(kind: ir.ModuleType, joint: int) -> Iterator[int]:
 
 
 def _travel(joint: ir.Joint) -> float:
-    return max(abs(joint.lower), abs(joint.upper)) if joint.kind == "prismatic" else 0.0
+    return max(abs(joint.lower), abs(joint.upper)) if joint.kind == ir.JointKind.PRISMATIC else 0.0

@@ -116,7 +116,7 @@ def happenings_of(problem: ir.Problem, plan: Plan, modes: Iterable[Mode]) -> Hap
         pairs = list(kept(problem, mode))
         on_course -= _held(problem, pairs)
         free.append(on_course)
-    gone = {b.module: b.time for b in problem.world.breakdowns if b.kind == "gone"}
+    gone = {b.module: b.time for b in problem.world.breakdowns if b.kind == ir.BreakdownKind.GONE}
     return Happenings(courses, tuple(free), gone)
 
 
@@ -177,7 +177,8 @@ def left_at(problem: ir.Problem, plan: Plan, time: float) -> frozenset[str]:
     """The objects that have left the scene by a time: modules and their effectors."""
     if not plan.breakdowns:
         return frozenset()
-    gone = {b.module for b in problem.world.breakdowns if b.kind == "gone" and b.time <= time + TOLERANCE}
+    before = (b for b in problem.world.breakdowns if b.time <= time + TOLERANCE)
+    gone = {b.module for b in before if b.kind == ir.BreakdownKind.GONE}
     return frozenset(o for o in problem.objects if thing_of(problem, o) in gone)
 
 
@@ -232,7 +233,7 @@ def check_breakdowns(
     """Joints that are stuck stay as they are, on the samples and on the splines."""
     for breakdown in problem.world.breakdowns if plan.breakdowns else ():
         rows = motion.joints[breakdown.module][motion.times >= breakdown.time - TOLERANCE]
-        if breakdown.kind != "locked" or not len(rows) or not rows.shape[1]:
+        if breakdown.kind != ir.BreakdownKind.LOCKED or not len(rows) or not rows.shape[1]:
             continue
         off = float(np.max(np.abs(rows - rows[0])))
         for curve in {id(c): c for (name, _), c in curves.items() if name == breakdown.module}.values():

@@ -15,14 +15,14 @@ KILOGRAMS_PER_LITRE = 1.0
 
 def mass_of(shape: ir.Shape) -> float:
     """Kilograms of a solid shape given in metres, at the density of water."""
-    if shape.kind == "convex":
+    if shape.kind == ir.ShapeKind.CONVEX:
         return 1000.0 * KILOGRAMS_PER_LITRE * volume(shape.size)
     match shape.kind, [10.0 * s for s in shape.size]:
-        case "box", [x, y, z]:
+        case ir.ShapeKind.BOX, [x, y, z]:
             litres = x * y * z
-        case "sphere", [r]:
+        case ir.ShapeKind.SPHERE, [r]:
             litres = 4.0 / 3.0 * np.pi * r**3
-        case "capsule", [r, length]:
+        case ir.ShapeKind.CAPSULE, [r, length]:
             litres = np.pi * r * r * (length + 4.0 / 3.0 * r)
         case _, [r, length]:
             litres = np.pi * r * r * length
@@ -34,14 +34,14 @@ def mass_of(shape: ir.Shape) -> float:
 def moments(shape: ir.Shape, mass: float) -> Array:
     """The inertia (3, 3) of a solid shape about its middle, kg m²; a convex one counts as the box around it."""
     size = shape.size
-    if shape.kind == "sphere":
+    if shape.kind == ir.ShapeKind.SPHERE:
         squares = [size[0] ** 2 / 5.0] * 3
-    elif shape.kind in ("box", "convex"):
-        sides = np.ptp(np.reshape(size, (-1, 3)), axis=0) if shape.kind == "convex" else np.array(size)
+    elif shape.kind in (ir.ShapeKind.BOX, ir.ShapeKind.CONVEX):
+        sides = np.ptp(np.reshape(size, (-1, 3)), axis=0) if shape.kind == ir.ShapeKind.CONVEX else np.array(size)
         squares = list(sides**2 / 12.0)
     else:
         radius, length = size
-        tube, ball = np.pi * radius**2 * length, 4.0 / 3.0 * np.pi * radius**3 * (shape.kind == "capsule")
+        tube, ball = np.pi * radius**2 * length, 4.0 / 3.0 * np.pi * radius**3 * (shape.kind == ir.ShapeKind.CAPSULE)
         caps = radius**2 / 5.0 + length**2 / 4.0 + 3.0 * radius * length / 8.0
         along = (tube * length**2 / 12.0 + ball * caps) / (tube + ball)
         squares = [(tube * radius**2 / 4.0 + ball * radius**2 / 5.0) / (tube + ball)] * 2 + [along]

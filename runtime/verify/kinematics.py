@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ...compiler.ir import JointKind
 from ..native import load_pinocchio
 from ..plan import JointRecord, ModuleRecord, Plan
 from .findings import Findings
@@ -66,7 +67,8 @@ class _Joint:
         x, y, z = axis = np.asarray(joint.axis) / np.linalg.norm(joint.axis)
         across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
         turned = rest.rotation[0] @ across
-        return cls(rest, turned, turned @ across, rest.rotation[0] @ axis if joint.kind == "prismatic" else None)
+        slide = rest.rotation[0] @ axis if joint.kind == JointKind.PRISMATIC else None
+        return cls(rest, turned, turned @ across, slide)
 
     def moved(self, values: Array) -> Frames:
         """The frames `(T,)` at the values `(T,)` of the joint, radians or metres."""

@@ -79,7 +79,7 @@ def _check_limits(module: ModuleRecord, rows: Array, times: Array, findings: Fin
         values = rows[:, index]
         over = np.maximum(np.maximum(joint.lower - values, values - joint.upper), 0.0)
         at = int(np.argmax(over))
-        kind = "joint_limit_m" if joint.kind == "prismatic" else "joint_limit_rad"
+        kind = "joint_limit_m" if joint.kind == ir.JointKind.PRISMATIC else "joint_limit_rad"
         message = f"joint {joint.name} of {module.name} leaves its limits"
         findings.measure(
             kind, float(over[at]), message, time=float(when[at, index]), between=[module.name, joint.name]

@@ -52,7 +52,7 @@ def _record(
     """Enter the greatest rate of each kind of joint, by its share of the limit; rates are `(times, joints)`."""
     joints = problem.world.modules[module.name].type.joints
     limits = np.array([min(NO_LIMIT, j.speed if what == "speed" else j.acceleration) for j in joints])
-    for kind in ("revolute", "prismatic"):
+    for kind in (ir.JointKind.REVOLUTE, ir.JointKind.PRISMATIC):
         columns = [i for i, j in enumerate(joints) if j.kind == kind]
         if columns:
             _record_kind(module, joints, what, columns, np.abs(rates), limits, times, findings)

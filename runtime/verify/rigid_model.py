@@ -27,7 +27,7 @@ class RigidModel:
         self._ids = [self._model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "base")]
         for joint in kind.joints:
             axis = np.asarray(joint.axis) / np.linalg.norm(joint.axis)
-            turning = joint.kind == "revolute"
+            turning = joint.kind == ir.JointKind.REVOLUTE
             made = pin.JointModelRevoluteUnaligned(axis) if turning else pin.JointModelPrismaticUnaligned(axis)
             placement = pin.XYZQUATToSE3(np.asarray(joint.placement))
             self._ids.append(self._model.addJoint(self._ids[joint.parent + 1], made, placement, joint.name))

@@ -114,7 +114,7 @@ class Evaluator:
     def _gap(self, first: ir.Term, second: ir.Term, names: Mapping[str, str], index: Indices) -> Array:
         sides = []
         for node in (first, second):
-            shape = self._shapes[name_of(node, names)] or ir.Shape("sphere", (1e-9,))
+            shape = self._shapes[name_of(node, names)] or ir.Shape(ir.ShapeKind.SPHERE, (1e-9,))
             sides.append((geometry(shape.kind, shape.size), self.frame(node, names, index)))
         (a, at_a), (b, at_b) = sides
         return np.array([
@@ -129,9 +129,9 @@ class Evaluator:
         local = self.frame(first, names, index).relative_to(self.frame(second, names, index)).position
         if shape is None:
             raise MeaninglessRow(f"{name_of(second, names)} has no shape to be inside of")
-        if shape.kind == "convex":
+        if shape.kind == ir.ShapeKind.CONVEX:
             return np.repeat(inside_top(shape.size, local[:, :2])[:, None], 4, axis=1)
-        if shape.kind != "box":
+        if shape.kind != ir.ShapeKind.BOX:
             return np.repeat(shape.size[0] - np.hypot(local[:, 0], local[:, 1])[:, None], 4, axis=1)
         x, y = 0.5 * shape.size[0], 0.5 * shape.size[1]
         return np.column_stack([x - local[:, 0], x + local[:, 0], y - local[:, 1], y + local[:, 1]])

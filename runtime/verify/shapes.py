@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from ...compiler.ir import ShapeKind
 from ..native import load_coal
 from .geometry import Array
 
-SIZES = {"box": 3, "sphere": 1, "capsule": 2, "cylinder": 2}
+SIZES: Mapping[str, int] = {ShapeKind.BOX: 3, ShapeKind.SPHERE: 1, ShapeKind.CAPSULE: 2, ShapeKind.CYLINDER: 2}
 """How many numbers describe each kind of shape; a convex one has three for each of its corners."""
 FLAT = 1e-6
 """Metres by which the corners of a flat top may differ in height."""
@@ -71,15 +72,15 @@ def geometry(kind: str, size: Sequence[float]) -> Any:
     """The coal geometry of a shape. Raises MissingLibrary."""
     coal = load_coal()
     match kind:
-        case "box":
+        case ShapeKind.BOX:
             return coal.Box(*size)
-        case "sphere":
+        case ShapeKind.SPHERE:
             return coal.Sphere(*size)
-        case "capsule":
+        case ShapeKind.CAPSULE:
             return coal.Capsule(*size)
-        case "cylinder":
+        case ShapeKind.CYLINDER:
             return coal.Cylinder(*size)
-        case "convex":
+        case ShapeKind.CONVEX:
             return _convex(tuple(size))
         case _:
             raise ValueError(f"unknown shape {kind}")
@@ -108,13 +109,13 @@ class Ruler:
 def bounding_radius(kind: str, size: Sequence[float]) -> float:
     """Radius of the smallest sphere around the shape's centre that holds it."""
     match kind:
-        case "box":
+        case ShapeKind.BOX:
             return 0.5 * math.hypot(*size)
-        case "capsule":
+        case ShapeKind.CAPSULE:
             return size[0] + 0.5 * size[1]
-        case "cylinder":
+        case ShapeKind.CYLINDER:
             return math.hypot(size[0], 0.5 * size[1])
-        case "convex":
+        case ShapeKind.CONVEX:
             return float(np.linalg.norm(corners(size), axis=1).max())
         case _:
             return size[0]
@@ -122,22 +123,22 @@ def bounding_radius(kind: str, size: Sequence[float]) -> float:
 
 def round_radius(kind: str, size: Sequence[float]) -> float:
     """What `radius(X)` means: the radius of a round shape, or of the sphere around another one."""
-    return bounding_radius(kind, size) if kind in ("box", "convex") else size[0]
+    return bounding_radius(kind, size) if kind in (ShapeKind.BOX, ShapeKind.CONVEX) else size[0]
 
 
 def heights(kind: str, size: Sequence[float], rotation: Array, up: bool = True) -> Array:
     """How far the highest point of a shape turned by `rotation` `(T, 3, 3)` lies above its centre `(T,)`, or not `up`
     the lowest point below."""
-    if kind == "convex":
+    if kind == ShapeKind.CONVEX:
         along = rotation[:, 2, :] @ corners(size).T
         return np.asarray(along.max(axis=1) if up else -along.min(axis=1))
     upright = np.abs(rotation[:, 2, 2])
     match kind:
-        case "box":
+        case ShapeKind.BOX:
             return np.asarray(np.abs(rotation[:, 2, :]) @ (0.5 * np.asarray(size)))
-        case "capsule":
+        case ShapeKind.CAPSULE:
             return np.asarray(size[0] + 0.5 * size[1] * upright)
-        case "cylinder":
+        case ShapeKind.CYLINDER:
             return np.asarray(0.5 * size[1] * upright + size[0] * np.sqrt(np.clip(1 - upright**2, 0, None)))
         case _:
             return np.full(len(rotation), size[0])

@@ -93,7 +93,7 @@ def _bounds(
         joint = next(j for j in problem.world.modules[edge.names[0]].type.joints if j.name == edge.names[1])
         axis = one[edge.far].rotation[0] @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
         place = one[edge.far].position[0]
-        turning = joint.kind == "revolute"
+        turning = joint.kind == ir.JointKind.REVOLUTE
         within(_about(axis, place) if turning else np.hstack([axis, np.zeros(3)]), joint.torque)
         side = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
         side /= np.linalg.norm(side)

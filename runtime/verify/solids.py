@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ...compiler.ir import ShapeKind
 from ..plan import ModuleRecord, Plan, ShapeRecord
 from .geometry import Array, Frames, frames
 from .kinematics import Kinematics
@@ -80,13 +81,13 @@ def _solid(name: str, thing: str, joint: int | None, at: Sequence[float], shape:
 
 def _hull(kind: str, size: tuple[float, ...]) -> tuple[Array, float]:
     match kind:
-        case "sphere":
+        case ShapeKind.SPHERE:
             return np.zeros((1, 3)), size[0]
-        case "capsule":
+        case ShapeKind.CAPSULE:
             return np.array([[0.0, 0.0, -size[1] / 2], [0.0, 0.0, size[1] / 2]]), size[0]
-        case "convex":
+        case ShapeKind.CONVEX:
             return corners(size), 0.0
-        case "cylinder":
+        case ShapeKind.CYLINDER:
             half = [size[0], size[0], size[1] / 2]
         case _:
             half = [s / 2 for s in size]

@@ -162,8 +162,9 @@ def meeting_place(problem: ir.Problem, edge: Joined, nodes: Mapping[Node, Frames
         own, shape = nodes[name, -1], problem.world.bodies[name].shape if name in problem.world.bodies else None
     radius = 0.0
     if shape is not None:
-        if shape.kind in ("box", "convex"):
-            box = np.ptp(np.reshape(shape.size, (-1, 3)), axis=0) if shape.kind == "convex" else np.array(shape.size)
+        if shape.kind in (ir.ShapeKind.BOX, ir.ShapeKind.CONVEX):
+            convex = shape.kind == ir.ShapeKind.CONVEX
+            box = np.ptp(np.reshape(shape.size, (-1, 3)), axis=0) if convex else np.array(shape.size)
             radius = float(min(box[:2])) / 2.0
         else:
             radius = shape.size[0]
@@ -171,7 +172,7 @@ def meeting_place(problem: ir.Problem, edge: Joined, nodes: Mapping[Node, Frames
         drop = np.zeros(len(own)) if shape is None else heights(shape.kind, shape.size, own.rotation, False)
         place = own.position - np.abs(drop)[:, None] * np.array([0.0, 0.0, 1.0])
         return place, np.broadcast_to(np.eye(3), own.rotation.shape), radius
-    out = radius if end is not None and shape is not None and shape.kind == "sphere" else 0.0
+    out = radius if end is not None and shape is not None and shape.kind == ir.ShapeKind.SPHERE else 0.0
     return own.position + out * own.rotation[:, :, 2], own.rotation, radius
 
 
@@ -221,7 +222,7 @@ def _judge_joint(
     frame = nodes[edge.far]
     axis = frame.rotation @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
     about = moment - np.cross(frame.position, force)
-    revolute = joint.kind == "revolute"
+    revolute = joint.kind == ir.JointKind.REVOLUTE
     drive = np.abs(np.sum((about if revolute else force) * axis, axis=1))
     rest = about - axis * np.sum(about * axis, axis=1)[:, None] if revolute else about
     figures, what = [], f"joint {joint_name} of {name}"

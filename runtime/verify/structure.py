@@ -9,6 +9,7 @@ from itertools import chain
 
 import numpy as np
 
+from ...compiler.ir import JointKind, ShapeKind
 from ..plan import (
     COUPLINGS,
     FORMAT,
@@ -146,7 +147,7 @@ def phase_ranges(times: Sequence[float]) -> list[tuple[int, int]]:
 
 def _check_shape(shape: ShapeRecord, owner: str, findings: Findings) -> None:
     good = _numbers([shape.size], len(shape.size))
-    if shape.kind == "convex":
+    if shape.kind == ShapeKind.CONVEX:
         good = good and len(shape.size) % 3 == 0 and is_solid(shape.size)
     else:
         good = good and SIZES.get(shape.kind) == len(shape.size) and min(shape.size) > 0
@@ -187,7 +188,7 @@ def _check_module(module: ModuleRecord, findings: Findings) -> None:
     for index, joint in enumerate(module.joints):
         _check_poses([joint.placement], 1, f"placement of {name} {joint.name}", name, findings)
         numbers = [*joint.axis, joint.lower, joint.upper, joint.speed, joint.acceleration]
-        good = _numbers([numbers], 7) and any(joint.axis) and joint.kind in ("revolute", "prismatic")
+        good = _numbers([numbers], 7) and any(joint.axis) and joint.kind in (JointKind.REVOLUTE, JointKind.PRISMATIC)
         good = good and min(joint.speed, joint.acceleration) > 0
         if not good or not -1 <= joint.parent < index or joint.lower > joint.upper:
             findings.fail("structure", f"{name} has a joint {joint.name} that makes no sense", between=[name])

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...compiler.ir import ShapeKind
 from .geometry import Array, Frames, Indices
 from .solids import Solid
 
@@ -78,7 +79,7 @@ def lower_bound(a: Sweep, b: Sweep, first: int, last: int) -> Array:
     between = frames[1].position - frames[0].position
     bound: Array = np.linalg.norm(between, axis=1) - a.solid.radius - b.solid.radius
     for box, other, frame, way in ((a.solid, b.solid, frames[0], between), (b.solid, a.solid, frames[1], -between)):
-        if box.kind == "box":
+        if box.kind == ShapeKind.BOX:
             local = np.abs(way[:, None, :] @ frame.rotation)[:, 0, :]
             outside = np.linalg.norm(np.maximum(local - 0.5 * np.asarray(box.size), 0.0), axis=1)
             bound = np.maximum(bound, outside - other.radius)

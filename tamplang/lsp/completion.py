@@ -8,6 +8,7 @@ from lsprotocol import types
 
 from ..compiler.builtins import FUNCTIONS
 from ..compiler.imports import neighbours, on_disk
+from ..compiler.ir import BreakdownKind
 from ..compiler.library import VALUE_TYPE_NAMES
 from ..compiler.naming import Naming, Place
 from ..compiler.options import OPTIONS, given_at
@@ -98,7 +99,7 @@ class _Completion:
             return
         line = [str(t) for t in self.context.before if t.line == self.context.before[-1].line]
         if "fail" in line:
-            yield from (_plain(w, Kind.EnumMember) for w in ("locked", "gone"))
+            yield from (_plain(w, Kind.EnumMember) for w in BreakdownKind)
         elif "joint" in line:
             yield from (_plain(w, Kind.EnumMember, d) for w, d in JOINTS.items())
         elif head in ("scene", "task", "module") and "for" not in line and "exists" not in line:

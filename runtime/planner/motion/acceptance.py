@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....compiler.ir import Fact, Problem, Shape
+from ....compiler.ir import Fact, JointKind, Problem, Shape
 from ....compiler.module_parts import module_parts, own_pairs
 from ....compiler.motion.collision import PhaseContacts, pair
 from ...geometry.exact_distances import Forms, Posed, distances
@@ -61,7 +61,7 @@ def steps(problem: Problem, phase: int, path: PhasePath) -> Iterator[Violation]:
         largest = np.abs(np.diff(rows[:, 7:], axis=0)).max(axis=0, initial=0.0)
         for joint, amount in zip(problem.world.modules[name].type.joints, largest, strict=True):
             if amount > GREATEST_STEP:
-                unit = "rad" if joint.kind == "revolute" else "m"
+                unit = "rad" if joint.kind == JointKind.REVOLUTE else "m"
                 yield Violation(phase, Breach.STEP, (name, joint.name), float(amount - GREATEST_STEP), unit)
 
 

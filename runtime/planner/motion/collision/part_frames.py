@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from .....compiler.extents import box_sides
-from .....compiler.ir import Problem, Shape, Vec3
+from .....compiler.ir import Problem, Shape, ShapeKind, Vec3
 from .....compiler.module_parts import NOWHERE, ModulePart, module_parts
 from .....compiler.motion.collision import pose_matrix
 from .....compiler.motion.constraints import sphere_stage
@@ -31,9 +31,9 @@ def anchors(part: ModulePart) -> list[Vec3]:
     """The anchors of a part in the moving frame of its joint."""
     frame = pose_matrix(part.placement)
     origin, axes = frame[:3, 3], frame[:3, :3].T
-    if part.shape.kind == "sphere":
+    if part.shape.kind == ShapeKind.SPHERE:
         points = [origin]
-    elif part.shape.kind == "capsule":
+    elif part.shape.kind == ShapeKind.CAPSULE:
         points = [origin - part.shape.size[1] / 2 * axes[2], origin + part.shape.size[1] / 2 * axes[2]]
     else:
         points = [origin, *(origin + ARM * axis for axis in axes)]
@@ -154,7 +154,7 @@ class Cloud:
                     continue
                 points = block.points(z)[:, block.anchors]
                 numbers = block.numbers
-                round_ = np.array([p.shape.kind in ("sphere", "capsule") for p in block.parts])
+                round_ = np.array([p.shape.kind in (ShapeKind.SPHERE, ShapeKind.CAPSULE) for p in block.parts])
                 axis = points[:, :, 1] - points[:, :, 0]
                 length = np.maximum(np.linalg.norm(axis, axis=2, keepdims=True), 1e-12)
                 middle = 0.5 * (points[:, :, 0] + points[:, :, 1])

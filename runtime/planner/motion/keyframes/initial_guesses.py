@@ -10,7 +10,7 @@ import numpy as np
 
 from .....compiler import poses
 from .....compiler.extents import box_sides
-from .....compiler.ir import Body, Effector, Fact, Module, Pose, Problem
+from .....compiler.ir import Body, Effector, Fact, Module, Pose, Problem, ShapeKind
 from .....compiler.motion.collision import bounding_radius, keeps_pose
 from ....geometry.attachments import followers, looped
 from ....geometry.drives import braked
@@ -41,7 +41,7 @@ def put_effector(module: Module, effector: str, slot: Array, target: Pose) -> No
 
 def _height(body: Body) -> float:
     """Half the height of a body that lies in its own axes."""
-    flat = body.shape.kind in ("box", "convex")
+    flat = body.shape.kind in (ShapeKind.BOX, ShapeKind.CONVEX)
     return box_sides(body.shape)[2] / 2 if flat else bounding_radius(body.shape)
 
 

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from .....compiler import poses
-from .....compiler.ir import Module, ModuleType, Pose
+from .....compiler.ir import JointKind, Module, ModuleType, Pose
 from ....geometry.transforms import compose, cross, inverse, joint_frames, multiply, rotate
 from ....skeleton import Array
 from .settings import KEYFRAMES
@@ -121,7 +121,7 @@ def _position_and_slopes(type_: ModuleType, stance: Stance, effector: str, value
         while index >= 0:
             joint, frame = type_.joints[index], poses.compose(base, frames[index])
             axis = np.array(poses.rotate(poses.orientation(frame), joint.axis))
-            turning = joint.kind == "revolute"
+            turning = joint.kind == JointKind.REVOLUTE
             slopes[index] += sign * (cross(axis, there - np.array(frame[:3])) if turning else axis)
             index = joint.parent
     for index, joint in enumerate(type_.joints):

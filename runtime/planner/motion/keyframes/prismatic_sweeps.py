@@ -12,7 +12,7 @@ import numpy as np
 
 from .....compiler import poses
 from .....compiler.extents import box_sides
-from .....compiler.ir import ModuleType, Vec3
+from .....compiler.ir import JointKind, ModuleType, ShapeKind, Vec3
 from .....compiler.motion.collision import module_spheres, pose_matrix
 from ....geometry.attachments import followers
 from ....skeleton import Array, Configuration, Skeleton
@@ -23,7 +23,7 @@ from .settings import KEYFRAMES
 @lru_cache(maxsize=64)
 def _sliding(type_: ModuleType) -> tuple[tuple[int, ...], dict[int, Array]]:
     """The sliding joints of a module, and the centres `(spheres, 3)` of the spheres that they carry, by joint."""
-    slides = tuple(k for k, joint in enumerate(type_.joints) if joint.kind == "prismatic")
+    slides = tuple(k for k, joint in enumerate(type_.joints) if joint.kind == JointKind.PRISMATIC)
     carried: set[int] = set()
     for k, joint in enumerate(type_.joints):
         if k in slides or joint.parent in carried:
@@ -63,7 +63,7 @@ def reach(skeleton: Skeleton, phase: int, before: Configuration, after: Configur
         return 1.0
     carried = followers(skeleton.problem, skeleton.phases[phase].mode)
     for name, body in world.bodies.items():
-        if name in carried or body.shape.kind not in ("box", "convex"):
+        if name in carried or body.shape.kind not in (ShapeKind.BOX, ShapeKind.CONVEX):
             continue
         frame, half = pose_matrix(before.bodies[name]), np.array(box_sides(body.shape)) / 2
         for points in slid:

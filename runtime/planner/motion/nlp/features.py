@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .....compiler import ir
-from .....compiler.ir import Fact, Problem
+from .....compiler.ir import Fact, JointKind, Problem, ShapeKind
 from .....compiler.motion.constraints import BodyKind, EffectorKind, Kind, RestKind, arguments, stage, units
 from .....compiler.motion.stages import Stage
 from ....skeleton import Array, Breach
@@ -66,7 +66,7 @@ class Features:
             module = world.modules[name]
             return _Argument(("module", module.type.name), name, EffectorKind(module.type, "", 0), np.zeros(0))
         body = world.bodies[name]
-        whole = body.shape.kind == "convex"
+        whole = body.shape.kind == ShapeKind.CONVEX
         shape = body.shape if whole else body.shape.kind
         size = np.array(() if whole else body.shape.size)
         weight = () if body.mass is None else (str(body.mass),)
@@ -161,7 +161,7 @@ def limits(problem: Problem, layout: UnknownsLayout, margin: float, phase_of: li
             pull = min(margin, 0.01 * (joint.upper - joint.lower))
             lower = max(joint.lower, min(joint.lower + pull, start))
             upper = min(joint.upper, max(joint.upper - pull, start))
-            unit = "rad" if joint.kind == "revolute" else "m"
+            unit = "rad" if joint.kind == JointKind.REVOLUTE else "m"
             label = RowLabel(phase_of[t], Breach.JOINT_LIMIT, (name, joint.name), (unit,))
             places += [slot[entry], slot[entry]]
             signs += [1.0, -1.0]

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .....compiler.ir import JointKind
 from ....skeleton import Array
 from .collision_spheres import Ball
 from .joint_forest import Mount, PhaseTree
@@ -26,7 +27,7 @@ class BatchKinematics:
     def __init__(self, trees: Sequence[PhaseTree]) -> None:
         first = trees[0]
         self.parents = first.parents
-        self.revolute = np.array([kind == "revolute" for kind in first.kinds], dtype=bool)
+        self.revolute = np.array([kind == JointKind.REVOLUTE for kind in first.kinds], dtype=bool)
         self.signs = np.array(first.signs)
         self.columns = np.array(first.columns, dtype=np.intp)
         plain = np.array_equal(self.columns, np.arange(len(first.variables)))

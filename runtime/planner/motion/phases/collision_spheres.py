@@ -10,7 +10,7 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
-from .....compiler.ir import World
+from .....compiler.ir import JointKind, World
 from .....compiler.motion.collision import ON_AXIS, PATH_MARGIN, Sphere, body_spheres, module_spheres, shape_distance
 from ....skeleton import Array
 from .joint_forest import Mount, Obstacle, PhaseTree
@@ -91,7 +91,7 @@ class Lineage:
         held: dict[int, tuple[NDArray[np.intp], Array]] = {}
         for node in range(-1, len(self.tree.parents)):
             index, points = np.flatnonzero(nodes == node), centres[nodes == node]
-            if node >= 0 and self.tree.kinds[node] == "revolute":
+            if node >= 0 and self.tree.kinds[node] == JointKind.REVOLUTE:
                 outer, at = held[self.tree.parents[node]]
                 local = np.linalg.solve(self.tree.before[node], at.T).T
                 on_axis = np.hypot(local[:, 0], local[:, 1]) <= ON_AXIS
@@ -103,7 +103,7 @@ class Lineage:
 
 def hoist(tree: PhaseTree, node: int, centre: Array) -> tuple[int, Array]:
     """The same point in the node nearest to the world that carries it."""
-    while node >= 0 and tree.kinds[node] == "revolute" and math.hypot(centre[0], centre[1]) <= ON_AXIS:
+    while node >= 0 and tree.kinds[node] == JointKind.REVOLUTE and math.hypot(centre[0], centre[1]) <= ON_AXIS:
         centre = (tree.before[node] @ np.array([0.0, 0.0, centre[2], 1.0]))[:3]
         node = tree.parents[node]
     return node, centre

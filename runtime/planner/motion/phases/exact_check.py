@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .....compiler.extents import box_sides
-from .....compiler.ir import Shape, World
+from .....compiler.ir import Shape, ShapeKind, World
 from .....compiler.module_parts import module_parts, own_pairs
 from .....compiler.motion.collision import PhaseContacts, pose_matrix
 from ....geometry.exact_distances import Distances, Forms, Posed, distances
@@ -28,7 +28,7 @@ REFINEMENT = 10
 FAR = 1e-3
 """Excess clearance, metres, beyond which nothing is measured: more counts as this much."""
 AT_SLICES = slice(None, None, REFINEMENT)
-NOTHING = Shape("sphere", (0.0,))
+NOTHING = Shape(ShapeKind.SPHERE, (0.0,))
 OUT_OF_SIGHT = 1e9
 """Metres away: where missing obstacles are put."""
 

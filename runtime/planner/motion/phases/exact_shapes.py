@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .....compiler.ir import Shape, World
+from .....compiler.ir import Shape, ShapeKind, World
 from .....compiler.motion.collision import bounding_radius, pose_matrix
 from ....geometry.signed_distances import half_sizes, rounded_box_distance
 from ....skeleton import Array
@@ -49,7 +49,7 @@ def module_shapes(tree: PhaseTree, world: World, balls: Sequence[Ball]) -> list[
         ):
             node, local = links[joint]
             covers = members.get((module, number, node), [])
-            if shape is not None and shape.kind in ("box", "cylinder") and len(covers) >= MANY:
+            if shape is not None and shape.kind in (ShapeKind.BOX, ShapeKind.CYLINDER) and len(covers) >= MANY:
                 found.append(MovingShape(node, local @ pose_matrix(placement), shape, module, tag, tuple(covers)))
     return found
 

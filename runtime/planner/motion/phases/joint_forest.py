@@ -17,7 +17,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from .....compiler.ir import Function, ModuleType, Problem, Shape, Var, Vec3
+from .....compiler.ir import Function, JointKind, ModuleType, Problem, Shape, Var, Vec3
 from .....compiler.motion.collision import keeps_pose, pose_matrix
 from ....geometry.drives import braked
 from ....geometry.transforms import quaternions
@@ -65,7 +65,7 @@ class PhaseTree:
 
     phase: int
     parents: list[int] = field(default_factory=list)
-    kinds: list[str] = field(default_factory=list)
+    kinds: list[JointKind] = field(default_factory=list)
     signs: list[float] = field(default_factory=list)
     before: list[Array] = field(default_factory=list)
     slides: list[float] = field(default_factory=list)
@@ -89,10 +89,10 @@ def inverse(matrix: Array) -> Array:
     return result
 
 
-def _motion(kind: str, value: float) -> Array:
+def _motion(kind: JointKind, value: float) -> Array:
     """A turn about, or a shift along, the z-axis."""
     result = np.eye(4)
-    if kind == "revolute":
+    if kind == JointKind.REVOLUTE:
         c, s = math.cos(value), math.sin(value)
         result[:2, :2] = [[c, -s], [s, c]]
     else:
@@ -178,7 +178,7 @@ def mount_module(
             tree.kinds.append(joint.kind)
             tree.signs.append(sign)
             tree.before.append(_clean(before))
-            tree.slides.append(max(abs(joint.lower), abs(joint.upper)) if joint.kind == "prismatic" else 0.0)
+            tree.slides.append(max(abs(joint.lower), abs(joint.upper)) if joint.kind == JointKind.PRISMATIC else 0.0)
             tree.columns.append(columns[leader])
             links[ahead] = (len(tree.parents) - 1, align.T if outward else align.T @ inverse(placement))
             queue.append(ahead)

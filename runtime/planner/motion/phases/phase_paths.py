@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from .....compiler.ir import World
+from .....compiler.ir import JointKind, World
 from .....compiler.motion.collision import contacts
 from ....budget import Budget
 from ....geometry.splines import spline_weights
@@ -65,7 +65,7 @@ def _failures(group: PhaseGroup, world: World) -> list[Violation]:
         kind, excess = (Breach.JOINT_LIMIT, beyond) if beyond.max() > BEYOND else (Breach.STEP, step)
         module, joint = batch.variables[k][int(excess.argmax())]
         record = world.modules[module].type.joints[joint]
-        unit = "rad" if record.kind == "revolute" else "m"
+        unit = "rad" if record.kind == JointKind.REVOLUTE else "m"
         found.append(Violation(phase, kind, (module, record.name), float(excess.max()), unit))
     return found
 
