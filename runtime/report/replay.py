@@ -206,7 +206,7 @@ class Builder:
             path = f"{root}/frame{at}/effector{number}"
             self.scene.names[f"{module.name}.{effector.name}"] = path
             placement = pose_rows([effector.placement])[0]
-            shape = effector.shape or ShapeRecord("sphere", [0.015])
+            shape = effector.shape or ShapeRecord(ShapeKind.SPHERE, [0.015])
             for part in self.add_shape(path, shape, placement, lighten(colour, 0.45)):
                 self.scene.paint.append((part, index, 0.45))
         size = max([0.02, *(extent(e.shape) for e in module.effectors)])

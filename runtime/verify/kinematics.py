@@ -91,9 +91,9 @@ class _Peer:
         self._ids = [base]
         for joint in module.joints:
             axis = np.asarray(joint.axis) / np.linalg.norm(joint.axis)
-            kinds = {
-                "revolute": pinocchio.JointModelRevoluteUnaligned,
-                "prismatic": pinocchio.JointModelPrismaticUnaligned,
+            kinds: dict[str, Any] = {
+                JointKind.REVOLUTE: pinocchio.JointModelRevoluteUnaligned,
+                JointKind.PRISMATIC: pinocchio.JointModelPrismaticUnaligned,
             }
             placement = pinocchio.XYZQUATToSE3(_unit(joint.placement))
             parent = self._ids[joint.parent + 1]

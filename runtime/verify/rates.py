@@ -14,8 +14,10 @@ from .kinematics import Motion
 from .splines import Spline
 
 WORDS = {"speed": "is faster than its limit", "acceleration": "speeds up or slows down harder than its limit"}
-ENDS = {("speed", "revolute"): "rad_s", ("speed", "prismatic"): "m_s",
-        ("acceleration", "revolute"): "rad_s2", ("acceleration", "prismatic"): "m_s2"}  # fmt: skip
+ENDS = {("speed", ir.JointKind.REVOLUTE): "rad_s",
+        ("speed", ir.JointKind.PRISMATIC): "m_s",
+        ("acceleration", ir.JointKind.REVOLUTE): "rad_s2",
+        ("acceleration", ir.JointKind.PRISMATIC): "m_s2"}  # fmt: skip
 
 
 def check_rates(problem: ir.Problem, plan: Plan, motion: Motion, findings: Findings) -> None:
