@@ -22,6 +22,7 @@ from ..geometry.start_contacts import touching
 from ..plan import Plan, StatisticsRecord, TimingRecord
 from ..seeds import Seed
 from ..skeleton import Skeleton
+from .bounds.length_unit import length_unit
 from .bounds.multi_bound import MultiBound
 from .bounds.speculation import Speculation
 from .bounds.verdicts import Judgement
@@ -230,7 +231,7 @@ def motion_settings(problem: Problem, options: SolveOptions) -> MotionSettings:
     if slices is not None:
         settings = replace(settings, slices=slices)
     if problem.options.margin is not None:
-        margin = problem.options.margin
+        margin = problem.options.margin / length_unit(problem)
         settings = replace(settings, margin=margin, switch_margin=margin + 0.005)
     return settings
 

@@ -9,6 +9,7 @@ from typing import TypeVar
 from ...compiler import ir
 from ..budget import Budget
 from ..geometry.attachments import carrier
+from ..planner.bounds.length_unit import LengthUnit
 from ..planner.bounds.requests import sequence_path
 from ..planner.conflicts.infeasibility import Refusals
 from ..planner.lgp import SolveOptions, motion_settings
@@ -141,12 +142,14 @@ def _motions(
     skeleton: Skeleton, motions: int, settings: MotionSettings, seed: Seed, budget: Budget
 ) -> BoundResult:
     """Switches of the whole skeleton, then motions of its first phases."""
+    unit = LengthUnit(skeleton.problem)
+    skeleton = unit.skeleton(skeleton)
     sequence = solve_sequence(skeleton, settings, seed, budget)
     if not sequence.feasible:
-        return sequence
+        return unit.result(sequence)
     first = beginning(skeleton, motions)
     cut = replace(sequence, configurations=sequence.configurations[: len(first) + 1])
-    return sequence_path(first, cut, settings, seed, budget)
+    return unit.result(sequence_path(first, cut, settings, seed, budget))
 
 
 def _in_the_way(problem: ir.Problem, refused: BoundResult) -> dict[str, str]:

@@ -15,7 +15,7 @@ from .drives import check_drives
 from .findings import Findings, place_of
 from .happenings import TooManyCorners, check_breakdowns, check_courses, check_happenings, happenings_of
 from .kinematics import Kinematics, check_kinematics, motion_of
-from .limits import LIMITS
+from .limits import LIMITS, share_of
 from .links import links_of
 from .motion import check_motion
 from .provenance import check_against, check_sources, check_task, check_windows, files_beside
@@ -93,6 +93,7 @@ def parameter_texts(plan: Plan, sources: list[Source]) -> dict[str, str]:
 
 
 def _examine(plan: Plan, problem: ir.Problem, findings: Findings) -> VerdictRecord:
+    findings.share = share_of(problem.world)
     check_windows(plan, findings)
     findings.at_rest = bool(problem.world.courses or problem.world.breakdowns) and not (plan.courses or plan.breakdowns)
     samples = check_structure(plan, findings)

@@ -18,7 +18,6 @@ from .findings import Findings
 from .geometry import Array, Frames
 from .happenings import Happenings
 from .kinematics import Motion
-from .limits import LIMITS
 from .sampler import Grid, Sampler
 from .settling import DEEPEST, MOST
 from .shapes import Ruler, transform
@@ -193,7 +192,7 @@ class _Search:
         self._findings.check_time()
         ends = self._distance(first), self._distance(last)
         least = 0.5 * (sum(ends) - (self._way[last] - self._way[first]))
-        limit = -LIMITS["penetration_m"] - ROUNDING
+        limit = -self._findings.limit("penetration_m") - ROUNDING
         safe = least - float(self._most[first:last].max()) >= limit
         if last - first == 1:
             if not safe:
@@ -218,7 +217,7 @@ class _Search:
         distances = np.array([[self._known[k], self._known[k + 1]] for k in self._open])
         grid = self._part.grid
         for _ in range(DEEPEST):
-            if self.worst.depth > LIMITS["penetration_m"] or not len(stretches):
+            if self.worst.depth > self._findings.limit("penetration_m") or not len(stretches):
                 return
             if len(stretches) > MOST:
                 break
@@ -228,7 +227,7 @@ class _Search:
             ends = np.column_stack([distances[:, 0], middles, middles, distances[:, 1]]).reshape(-1, 2, 2)
             steps = np.where(grid.joined, relative_steps(a, b, 0, len(grid.times) - 1), 0.0)
             halves = np.append(0.5 * steps + strayed, 0.0).reshape(-1, 3)[:, :2]
-            unsafe = 0.5 * ends.sum(axis=2) - halves < -LIMITS["penetration_m"] - ROUNDING
+            unsafe = 0.5 * ends.sum(axis=2) - halves < -self._findings.limit("penetration_m") - ROUNDING
             which, half = np.nonzero(unsafe)
             stretches, distances = 3 * which + half, ends[which, half]
         if len(stretches):

@@ -17,7 +17,7 @@ from .findings import Findings, place_of
 from .geometry import Array, Frames, angles
 from .happenings import kept
 from .kinematics import Motion
-from .limits import LIMITS, unit_of
+from .limits import unit_of
 from .replay import Story
 from .rows import Evaluator, MeaninglessRow, name_of
 from .sampler import Grid, Sampler, Shown
@@ -102,14 +102,18 @@ class _Switches(_Literals):
 
     def measure(self, literal: ir.Fact, sample: int) -> None:
         """Measure the switch rows of a literal at the sample where it is added."""
+
+        def relative(residual: _Residual) -> float:
+            return residual.amount / self._findings.limit(residual.kind)
+
         worst: _Residual | None = None
         for row in self._rows(literal, "switch"):
             residual = self._residual(literal, row, sample)
-            if residual is not None and (worst is None or _relative(residual) > _relative(worst)):
+            if residual is not None and (worst is None or relative(residual) > relative(worst)):
                 worst = residual
         if worst is not None:
             self._findings.residuals.append(MeasureRecord(
-                literal[0], worst.amount, LIMITS[worst.kind], unit_of(worst.kind),
+                literal[0], worst.amount, self._findings.limit(worst.kind), unit_of(worst.kind),
                 worst.time, list(literal[1:]), place_of(worst.row.span),
             ))  # fmt: skip
 
@@ -160,7 +164,7 @@ class _Phase(_Literals):
             excess = _excess(left.values, right.values, row.operator)
             stray = np.max(np.add(*(strays.of(side) for side in _sides(row))), axis=1)
             highest = np.maximum(excess[1:], excess[:-1]) + stray
-            return Look(np.maximum(excess, 0.0), highest, LIMITS[kinds[0]])
+            return Look(np.maximum(excess, 0.0), highest, self._findings.limit(kinds[0]))
 
         try:
             self._settle(literal, row, look, lambda: kinds[0])
@@ -180,7 +184,7 @@ class _Phase(_Literals):
             found = evaluate.value(row.left, names, np.arange(len(grid.times))).values
             off = np.max(np.abs(found - begin), axis=1)
             stray = strays.of(row.left).max(axis=1)
-            return Look(off, np.maximum(off[1:], off[:-1]) + stray, LIMITS[kind])
+            return Look(off, np.maximum(off[1:], off[:-1]) + stray, self._findings.limit(kind))
 
         self._settle(literal, row, look, lambda: kind)
 
@@ -198,7 +202,8 @@ class _Phase(_Literals):
         still = all(self._sampler.rests(self._sampler.mount(n)[0], self._phase) for n in (own, base))
         if still or self._sampler.links[self._phase].explain(base, own):
             return
-        slip = Slip(self._sampler, self._phase, own, base, begin)
+        limits = self._findings.limit("slip_m"), self._findings.limit("slip_rad")
+        slip = Slip(self._sampler, self._phase, own, base, begin, limits)
         self._settle(literal, row, slip.shift, lambda: "slip_m")
         self._settle(literal, row, slip.turn, lambda: "slip_rad")
 
@@ -258,7 +263,3 @@ def _functions(node: ir.Term) -> Iterator[str]:
         case ir.Vector():
             for item in node.items:
                 yield from _functions(item)
-
-
-def _relative(residual: _Residual) -> float:
-    return residual.amount / LIMITS[residual.kind]

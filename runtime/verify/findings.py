@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from ...langs.source import Span
 from ..budget import Budget
 from ..plan import NO_LIMIT, FailureRecord, MeasureRecord, PlaceRecord, VerdictRecord
-from .limits import LIMITS, RATE_SLACK, RATES, unit_of
+from .limits import LIMITS, RATE_SLACK, RATES, SHAPED, unit_of
 
 
 def place_of(span: Span | None) -> PlaceRecord | None:
@@ -31,11 +31,17 @@ class Findings:
         self.unmet: list[str] | None = None
         """The parts of the goal that do not hold at the end; None where the end is not known."""
         self.at_rest = False
+        self.share = 1.0
+        """What is left of the limits of shapes where robots are small."""
 
     def check_time(self) -> None:
         """Raise OutOfTime once the budget is spent."""
         if self._budget is not None:
             self._budget.check()
+
+    def limit(self, kind: str) -> float:
+        """The limit of a kind in the table."""
+        return LIMITS[kind] * (self.share if kind in SHAPED else 1.0)
 
     def fail(
         self,
@@ -67,7 +73,7 @@ class Findings:
         when it is kept. Raises OutOfTime."""
         self.check_time()
         slack = 1.0 if limit is None else RATE_SLACK
-        limit, unit = LIMITS[kind] if limit is None else min(limit, NO_LIMIT), unit_of(kind)
+        limit, unit = self.limit(kind) if limit is None else min(limit, NO_LIMIT), unit_of(kind)
         amount = float(amount) if math.isfinite(amount) else UNMEASURABLE
         worst = self.measures.get(kind)
         if worst is None or amount * worst.limit > worst.amount * limit:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
+from ...compiler import ir
+
 LIMITS: dict[str, float] = {
     "position_m": 2e-3,
     "gap_m": 2e-3,
@@ -66,6 +70,30 @@ good plans are given where they come near.
 - tip_m: how far a load leans out over the edge of what only rests. Rounding of samples, on levers of some metres.
 - quaternion: lengths less 1. Rounding; quaternions are normalised before they are used.
 - time_s: times of phases against those of their samples. Rounding to 10 decimals."""
+
+SHAPED = ("position_m", "gap_m", "during_m", "slip_m", "penetration_m", "joint_limit_m")
+"""Limits that are meant for shapes of robots that reach about a metre. Where all robots of a scene reach less than
+`SMALL`, a robot of the size of a limit could go through anything: there they shrink as the reach does."""
+SMALL = 0.1
+"""Metres."""
+
+
+def share_of(world: ir.World) -> float:
+    """What is left of the limits of shapes in a scene: 1, or the reach of the largest robot, in metres, of small ones.
+    Reach is the way along links and joints from the frame to the farthest effector or shape."""
+    reach = 0.0
+    for module in world.modules.values():
+        ways: list[float] = []
+        for moved in module.type.joints:
+            slide = max(-moved.lower, moved.upper, 0.0) if moved.kind == ir.JointKind.PRISMATIC else 0.0
+            before = ways[moved.parent] if moved.parent >= 0 else 0.0
+            ways.append(before + math.dist(moved.placement[:3], (0.0, 0.0, 0.0)) + slide)
+        parts = [(e.joint, e.placement) for e in module.type.effectors]
+        for joint, place in parts + [(link.joint, link.placement) for link in module.type.links]:
+            before = ways[joint] if joint >= 0 else 0.0
+            reach = max(reach, before + math.dist(place[:3], (0.0, 0.0, 0.0)))
+    return reach if 0.0 < reach < SMALL else 1.0
+
 
 RATES = ("joint_speed_rad_s", "joint_speed_m_s", "joint_acceleration_rad_s2", "joint_acceleration_m_s2")
 """Figures whose limit is that of the joint; the worst is the one that comes closest to it, or is farthest above."""

@@ -10,7 +10,6 @@ import numpy as np
 from .bounds import Bounds
 from .findings import Findings
 from .geometry import Array, Frames, angles
-from .limits import LIMITS
 from .sampler import Grid, Sampler
 
 DEEPEST = 18
@@ -61,7 +60,12 @@ class Slip:
     """How far a frame has left the pose relative to another one in which it is kept, where this follows from the joints
     of closed loops only."""
 
-    def __init__(self, sampler: Sampler, phase: int, own: str, base: str, begin: Frames) -> None:
+    def __init__(
+        self, sampler: Sampler, phase: int, own: str, base: str, begin: Frames,
+        limits: tuple[float, float],
+    ) -> None:  # fmt: skip
+        """`limits` are those of how far and how much, metres and radians."""
+        self._limits = limits
         self._sampler, self._phase, self._begin = sampler, phase, begin
         self._own, self._base = own, base
 
@@ -69,7 +73,7 @@ class Slip:
         """Metres. Along a straight line the distance from a point is greatest at an end."""
         relative, (_, acceleration), bounds = self._relative(grid)
         off = np.linalg.norm(relative.position - self._begin.position, axis=1)
-        return Look(off, np.maximum(off[1:], off[:-1]) + bounds.strayed(acceleration), LIMITS["slip_m"])
+        return Look(off, np.maximum(off[1:], off[:-1]) + bounds.strayed(acceleration), self._limits[0])
 
     def turn(self, grid: Grid) -> Look:
         """Radians. What a rotation matrix strays from the straight line between two is at most the square root of 2
@@ -78,7 +82,7 @@ class Slip:
         off = np.linalg.norm(relative.rotation - self._begin.rotation, axis=(1, 2))
         highest = np.maximum(off[1:], off[:-1]) + np.sqrt(2.0) * bounds.strayed(acceleration)
         most = 2.0 * np.arcsin(np.clip(highest / (2.0 * np.sqrt(2.0)), 0.0, 1.0))
-        return Look(angles(relative.rotation, self._begin.rotation), most, LIMITS["slip_rad"])
+        return Look(angles(relative.rotation, self._begin.rotation), most, self._limits[1])
 
     def _relative(self, grid: Grid) -> tuple[Frames, tuple[Array, Array], Bounds]:
         """The relative poses, and bounds of the acceleration of a point at distance 1, by turning alone, and of the

@@ -16,6 +16,7 @@ from ..motion.keyframes.multi_start import judged_alone
 from ..motion.keyframes.settings import KEYFRAMES
 from ..plan_assembly import assemble
 from ..statics import unbearable
+from .length_unit import LengthUnit
 from .requests import SequenceRequest, WindowRequest
 from .settings import BOUNDS
 from .solves import Solves
@@ -29,6 +30,7 @@ class MultiBound(Solves):
     """The bounds of one run, and what single actions were already found to allow."""
 
     def __post_init__(self) -> None:
+        self._use(self.problem)
         super().__post_init__()
         self._windows: dict[tuple[object, ...], BoundResult] = {}
         self._feasible: set[tuple[object, ...]] = set()
@@ -36,17 +38,25 @@ class MultiBound(Solves):
 
     def restart(self, problem: Problem, seed: Seed, budget: Budget) -> None:
         """Go on with the same task from another state: what was learnt of phases wherever they start stays."""
-        self.problem, self.seed, self.budget = problem, seed, budget
+        self._use(problem)
+        self.seed, self.budget = seed, budget
         self.tries = BOUNDS.quick_starts
         self._windows.clear()
         self._feasible.clear()
         self.experience.leave_start()
+
+    def _use(self, problem: Problem) -> None:
+        self.scene, self.unit = problem, LengthUnit(problem)
+        self.problem = self.unit.problem
 
     def judge(self, skeleton: Skeleton, strains: Sequence[float], motions: int | None = None) -> Judgement:
         """Take a skeleton through the bounds; `strains` tells how close the conditions of each action are to their
         limits (`symbolic.strain`). With `motions` only so many phases get their motion, and P_seq looks farther ahead.
         Raises OutOfTime."""
         self.ahead.forget()
+        return self.unit.judgement(self._judged(self.unit.skeleton(skeleton), strains, motions))
+
+    def _judged(self, skeleton: Skeleton, strains: Sequence[float], motions: int | None) -> Judgement:
         expected = self.experience.expected_refusals(skeleton.phases, strains)
         if expected:
             return Judgement(False, conflicts=[Conflict(EXPECTED, *window, ()) for window in expected])
@@ -74,7 +84,8 @@ class MultiBound(Solves):
     def go_on(self, skeleton: Skeleton, motions: int, ahead: Sequence[Configuration]) -> Judgement:
         """As `judge`, for a way that was seen before: `ahead` holds its first switch configurations as they were
         expected then. A refusal has no conflicts. Raises OutOfTime."""
-        return self.motion(skeleton, self._onward(skeleton, ahead), motions)
+        skeleton, ahead = self.unit.skeleton(skeleton), [self.unit.configuration(c) for c in ahead]
+        return self.unit.judgement(self.motion(skeleton, self._onward(skeleton, ahead), motions))
 
     def _onward(self, skeleton: Skeleton, ahead: Sequence[Configuration]) -> BoundResult:
         """P_seq from the first switch configurations `ahead`, and guesses behind them."""
@@ -86,7 +97,9 @@ class MultiBound(Solves):
     def retry(self, skeleton: Skeleton, motions: int) -> Judgement:
         """As `judge`, for a way that was refused only from the start: with all starts, and others than before. A
         refusal has no conflicts. Raises OutOfTime."""
-        return self.motion(skeleton, self._sequence(skeleton, self.seed.child("retry"), None, tries=None), motions)
+        skeleton = self.unit.skeleton(skeleton)
+        sequence = self._sequence(skeleton, self.seed.child("retry"), None, tries=None)
+        return self.unit.judgement(self.motion(skeleton, sequence, motions))
 
     def try_harder(self) -> None:
         """Forget every refusal; from now on each span gets all its starts, and others than before."""
@@ -108,7 +121,8 @@ class MultiBound(Solves):
         try:
             self.settings = careful.wider(BOUNDS.wider_margin)
             self.seed = seed.child("wider")
-            judgement = self.motion(skeleton, self._sequence(skeleton, self.seed, None, tries=self.tries))
+            own = self.unit.skeleton(skeleton)
+            judgement = self.unit.judgement(self.motion(own, self._sequence(own, self.seed, None, tries=self.tries)))
         finally:
             self.settings, self.seed = careful, seed
         if judgement.paths is None:
@@ -126,7 +140,7 @@ class MultiBound(Solves):
             statistics, path_cost=judgement.path_cost, path_cost_before=judgement.path_cost_before
         )
         self.tell("verify", f"verifying a plan of {len(actions)} actions")
-        plan = assemble(self.problem, actions, skeleton, judgement.paths or [], statistics)
+        plan = assemble(self.scene, actions, skeleton, judgement.paths or [], statistics)
         with self.clock("verify"):
             verdict = unless_spent(lambda: verify(plan, self.budget.whole))
         return msgspec.structs.replace(plan, verdict=verdict, timing=timing)

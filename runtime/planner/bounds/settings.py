@@ -39,6 +39,14 @@ class BoundSettings:
         "How often all switch poses are drawn anew at least when mending them around phases without a path does "
         "not help.",
     )
+    least_reach: float = setting(
+        0.1, "m", "Robots of which the largest comes no less far than this, and …",
+        "a cube of 10 cm that docks; P_seq of a gantry with ways of 1 cm misses its rows",
+    )
+    greatest_reach: float = setting(
+        10.0, "m", "… no farther than that, are planned for in metres; others in their reach.",
+        "P_seq of a gantry with ways of 20 m misses its rows by metres",
+    )
     path_effort: int = setting(
         400_000, "iterations × unknowns",
         "What P_path of one skeleton may take.",

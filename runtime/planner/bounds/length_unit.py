@@ -1,0 +1,206 @@
+"""One length unit per problem: robots that are very small or very large are planned for as if they reached a metre.
+
+Lengths, tolerances and weights of the motion programs are those of robots of about a metre. The bounds see a problem
+whose unit of length is the reach of its largest module, and whose unit of time is such that gravity stays what it is
+(Froude): forces and masses then keep their figures, moments are divided by the unit of length. What they answer is
+turned back.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import chain
+from typing import Any
+
+import numpy as np
+
+from ....compiler import ir
+from ....compiler.motion.constraints import METRES, units
+from ....compiler.physics.masses import part_mass
+from ....compiler.physics.records import Hold, Inertial
+from ....langs.trees import mapped
+from ...skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton, Violation
+from ..motion.time_scaling import SHORTEST
+from .settings import BOUNDS
+from .verdicts import Conflict, Judgement
+
+
+def length_unit(problem: ir.Problem) -> float:
+    """The unit of length of a problem, in metres: 1 where its robots are of the usual size, else the reach of the
+    largest of them."""
+    reach = max((_reach(m.type) for m in problem.world.modules.values()), default=1.0)
+    return 1.0 if reach == 0.0 or BOUNDS.least_reach <= reach <= BOUNDS.greatest_reach else reach
+
+
+def _reach(type_: ir.ModuleType) -> float:
+    """How far from its frame a module comes at most, in metres."""
+    lengths = [0.0]
+    for joint in type_.joints:
+        way = max(abs(joint.lower), abs(joint.upper)) if joint.kind == ir.JointKind.PRISMATIC else 0.0
+        lengths.append(lengths[joint.parent + 1] + math.hypot(*joint.placement[:3]) + way)
+    places = [(e.joint, e.placement) for e in type_.effectors] + [(k.joint, k.placement) for k in type_.links]
+    return max((lengths[joint + 1] + math.hypot(*place[:3]) for joint, place in places), default=0.0)
+
+
+class LengthUnit:
+    """A problem in its own unit of length, and the way there and back."""
+
+    def __init__(self, problem: ir.Problem, metres: float | None = None) -> None:
+        self.metres = length_unit(problem) if metres is None else metres
+        self.seconds = math.sqrt(self.metres)
+        self.plain = self.metres == 1.0
+        self.problem = problem if self.plain else self._problem(problem)
+
+    # --- there ----------------------------------------------------------------------------------------------------
+
+    def skeleton(self, skeleton: Skeleton) -> Skeleton:
+        return skeleton if self.plain else replace(skeleton, problem=self.problem)
+
+    def _problem(self, problem: ir.Problem) -> ir.Problem:
+        types = {m.type.name: self._type(m.type) for m in problem.world.modules.values()}
+        modules = {
+            name: replace(
+                m, type=types[m.type.name], pose=self._pose(m.pose), joints=tuple(self._joints(m.type, m.joints))
+            )
+            for name, m in problem.world.modules.items()
+        }
+        bodies = {
+            name: replace(
+                b, pose=self._pose(b.pose), shape=self._shape(b.shape), mass=part_mass(b.shape, b.mass),
+                holds=self._holds(b.holds),
+            )
+            for name, b in problem.world.bodies.items()
+        }  # fmt: skip
+        motions = {
+            name: replace(m, rows=tuple(self._row(row) for row in m.rows))
+            for name, m in problem.motions.items()
+        }
+        return replace(problem, world=replace(problem.world, modules=modules, bodies=bodies), motions=motions)
+
+    def _row(self, row: ir.Row) -> ir.Row:
+        """Numbers in rows stay what they are written as, in metres: what is measured beside them becomes metres, too,
+        and the whole is turned back. Poses that are kept are compared with poses alone."""
+        if isinstance(row.left, ir.Function) and row.left.name == "pose":
+            return row
+
+        def in_metres(term: Any) -> Any:
+            inner = mapped(term, in_metres)
+            long = isinstance(inner, ir.Function) and inner.name in METRES
+            return ir.Arith("*", (ir.Number(self.metres), inner)) if long else inner
+
+        left, right = in_metres(row.left), in_metres(row.right or ir.Number(0.0))
+        if units(row)[0] == "m":
+            left, right = (ir.Arith("/", (side, ir.Number(self.metres))) for side in (left, right))
+        return replace(row, left=left, right=row.right and right)
+
+    def _type(self, type_: ir.ModuleType) -> ir.ModuleType:
+        return replace(
+            type_,
+            joints=tuple(self._joint(type_, joint) for joint in type_.joints),
+            effectors=tuple(
+                replace(
+                    e, placement=self._pose(e.placement), shape=e.shape and self._shape(e.shape),
+                    mass=e.mass if e.shape is None else part_mass(e.shape, e.mass), holds=self._holds(e.holds),
+                )
+                for e in type_.effectors
+            ),
+            links=tuple(
+                replace(
+                    link, placement=self._pose(link.placement), shape=self._shape(link.shape),
+                    mass=part_mass(link.shape, link.mass),
+                )
+                for link in type_.links
+            ),
+            inertials=tuple(self._inertial(i) for i in type_.inertials),
+        )  # fmt: skip
+
+    def _joint(self, type_: ir.ModuleType, joint: ir.Joint) -> ir.Joint:
+        size, time = self.metres, self.seconds
+        long = size if joint.kind == ir.JointKind.PRISMATIC else 1.0
+        moment = 1.0 if joint.kind == ir.JointKind.PRISMATIC else size
+        follows = joint.follows
+        if follows is not None:
+            led = size if type_.joints[follows.leader].kind == ir.JointKind.PRISMATIC else 1.0
+            follows = replace(follows, factor=follows.factor * led / long, offset=follows.offset / long)
+        return replace(
+            joint, placement=self._pose(joint.placement), lower=joint.lower / long, upper=joint.upper / long,
+            home=joint.home / long, speed=joint.speed * time / long, follows=follows,
+            acceleration=joint.acceleration * time**2 / long, torque=joint.torque / moment,
+            bearing=joint.bearing / size, rotor=joint.rotor / moment**2,
+        )  # fmt: skip
+
+    def _inertial(self, inertial: ir.Inertial) -> ir.Inertial:
+        x, y, z = (value / self.metres for value in inertial.centre)
+        xx, xy, xz, yy, yz, zz = (value / self.metres**2 for value in inertial.inertia)
+        return Inertial(inertial.joint, inertial.mass, (x, y, z), (xx, xy, xz, yy, yz, zz))
+
+    def _holds(self, holds: tuple[Hold, ...]) -> tuple[Hold, ...]:
+        return tuple(replace(h, moment=h.moment / self.metres, twist=h.twist / self.metres) for h in holds)
+
+    def _shape(self, shape: ir.Shape) -> ir.Shape:
+        return replace(shape, size=tuple(value / self.metres for value in shape.size))
+
+    def _pose(self, pose: ir.Pose) -> ir.Pose:
+        x, y, z, *turn = pose
+        a, b, c, w = turn
+        return (x / self.metres, y / self.metres, z / self.metres, a, b, c, w)
+
+    def _joints(self, type_: ir.ModuleType, values: tuple[float, ...]) -> list[float]:
+        return [
+            value / self.metres if joint.kind == ir.JointKind.PRISMATIC else value
+            for joint, value in zip(type_.joints, values, strict=True)
+        ]
+
+    def configuration(self, configuration: Configuration) -> Configuration:
+        return configuration if self.plain else self._configuration(configuration, 1.0 / self.metres)
+
+    # --- and back -------------------------------------------------------------------------------------------------
+
+    def judgement(self, judgement: Judgement) -> Judgement:
+        """What the bounds say, in metres and seconds."""
+        if self.plain:
+            return judgement
+        paths = judgement.paths
+        return replace(
+            judgement,
+            paths=None if paths is None else [self._path(path) for path in paths],
+            conflicts=[self._conflict(conflict) for conflict in judgement.conflicts],
+            ahead=[self._configuration(c, self.metres) for c in judgement.ahead],
+        )
+
+    def result(self, result: BoundResult) -> BoundResult:
+        """What one bound says, in metres and seconds."""
+        if self.plain:
+            return result
+        return replace(
+            result,
+            configurations=[self._configuration(c, self.metres) for c in result.configurations],
+            paths=[self._path(path) for path in result.paths],
+            violations=[self._violation(v) for v in result.violations],
+        )
+
+    def _path(self, path: PhasePath) -> PhasePath:
+        """A little slower than in its own unit, so that times are round."""
+        seconds = math.ceil(path.duration * self.seconds * 100.0 - 1e-6) / 100.0
+        ends = self._configuration(Configuration(path.modules, path.bodies), self.metres)
+        return PhasePath(ends.modules, ends.bodies, max(SHORTEST, seconds))
+
+    def _configuration(self, configuration: Configuration, factor: float) -> Configuration:
+        """Poses `(…, 7)` and slots `(…, 7 + n)` with their lengths multiplied."""
+        modules = {name: slot * self._lengths(name, factor) for name, slot in configuration.modules.items()}
+        of_body = np.array([factor] * 3 + [1.0] * 4)
+        return Configuration(modules, {name: pose * of_body for name, pose in configuration.bodies.items()})
+
+    def _lengths(self, module: str, factor: float) -> Array:
+        joints = self.problem.world.modules[module].type.joints
+        return np.array(list(chain(
+            [factor] * 3, [1.0] * 4, (factor if j.kind == ir.JointKind.PRISMATIC else 1.0 for j in joints)
+        )))  # fmt: skip
+
+    def _conflict(self, conflict: Conflict) -> Conflict:
+        return replace(conflict, violations=tuple(self._violation(v) for v in conflict.violations))
+
+    def _violation(self, violation: Violation) -> Violation:
+        long = violation.unit in ("m", "N m", "Nm")
+        return replace(violation, amount=violation.amount * self.metres) if long else violation
