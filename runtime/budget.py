@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from enum import StrEnum
 from typing import TypeVar
 
 from ..compiler.options import OPTIONS
@@ -81,9 +82,26 @@ class Budget:
             raise OutOfTime
 
 
-def ending(loop: Callable[[], str]) -> str:
-    """The status that `loop` ends with; "budget" when it runs out of time, "memory" when it runs out of memory,
-    "interrupted" after Ctrl-C. What follows is not interrupted by the guard, but in `unless_spent`."""
+class Status(StrEnum):
+    """How a search, a solve or a run ended, or that it goes on: infeasible is proved; exhausted has every candidate
+    refused; refused is by the verifier. Of runs only: stuck where no way leads on, and lost where a breakdown took
+    what carries a robot or holds a thing."""
+
+    RUNNING = "running"
+    SOLVED = "solved"
+    INFEASIBLE = "infeasible"
+    EXHAUSTED = "exhausted"
+    BUDGET = "budget"
+    MEMORY = "memory"
+    INTERRUPTED = "interrupted"
+    REFUSED = "refused"
+    STUCK = "stuck"
+    LOST = "lost"
+
+
+def ending(loop: Callable[[], Status]) -> Status:
+    """The status that `loop` ends with, or the one of time or memory that ran out, or of Ctrl-C. What follows
+    is not interrupted by the guard, but in `unless_spent`."""
     from .guard import answered, looking
 
     try:
@@ -92,9 +110,9 @@ def ending(loop: Callable[[], str]) -> str:
     except (OutOfTime, MemoryError, RuntimeError) as error:
         if not (isinstance(error, OutOfTime) or is_out_of_memory(error)):
             raise
-        return "memory" if is_out_of_memory(error) else "budget"
+        return Status.MEMORY if is_out_of_memory(error) else Status.BUDGET
     except KeyboardInterrupt:
-        return "interrupted"
+        return Status.INTERRUPTED
     finally:
         answered()
 

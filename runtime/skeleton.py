@@ -112,6 +112,17 @@ class Breach(StrEnum):
     FOOT = "foot load"
 
 
+class Bound(StrEnum):
+    """What refuses a skeleton, coarsest first: loads that nothing bears; similar windows that were refused, without a
+    solve; P_seq, P_seqPath and P_path."""
+
+    STATICS = "statics"
+    EXPECTED = "expected"
+    SEQ = "seq"
+    SEQ_PATH = "seq-path"
+    PATH = "path"
+
+
 LOADS = frozenset((Breach.TORQUE, Breach.BEARING, Breach.DOCK, Breach.FOOT))
 """Breaches that are loads beyond what bears them."""
 
@@ -135,7 +146,7 @@ class BoundResult:
     (P_seq and above); `paths` the K phase motions (P_seqPath and P_path). `violations` is largest first. `cost_before`
     is the cost before feasible motions were polished, None when they were not."""
 
-    bound: str
+    bound: Bound
     feasible: bool
     cost: float
     seconds: float

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .compiler.ir import Problem
     from .langs.diagnostics import Diagnostic
+    from .runtime.budget import Status
     from .runtime.export.motion import Array, Trajectory
     from .runtime.plan import Plan as PlanRecord
     from .runtime.plan import StatisticsRecord, TimingRecord, VerdictRecord
@@ -171,12 +172,12 @@ def _solved(
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Result:
-    """What a run found. `status` is "solved", "infeasible" (proved), "exhausted", "budget", "interrupted" or
-    "refused" (by the verifier); `plans` are best first, and all verified; `explanation` says what refused the task.
-    `refused` is a plan that the verifier does not believe, or had no time for, to look into, where there is no
-    other."""
+    """What a run found. `status` equals one of the words "solved", "infeasible" (proved), "exhausted", "budget",
+    "memory", "interrupted" or "refused" (by the verifier); `plans` are best first, and all verified; `explanation`
+    says what refused the task. `refused` is a plan that the verifier does not believe, or had no time for, to look
+    into, where there is no other."""
 
-    status: str
+    status: Status
     plans: tuple[Plan, ...]
     explanation: tuple[Diagnostic, ...]
     statistics: StatisticsRecord
@@ -196,11 +197,11 @@ class Result:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class RunResult:
-    """What came of a run. `status` is "solved", "stuck", "infeasible", "lost" (with a module that left), "budget",
+    """What came of a run. `status` equals "solved", "stuck", "infeasible", "lost" (with a module that left), "budget",
     "interrupted" or "refused" (by the verifier); `plan` is what was carried out; `deviations` tell how simulated drives
     follow it; `replans` counts the windows after the first."""
 
-    status: str
+    status: Status
     record: PlanRecord
     explanation: tuple[Diagnostic, ...]
     deviations: Deviations

@@ -11,9 +11,9 @@ from itertools import count
 from ...compiler.ir import Problem
 from ...compiler.symbolic.strain import Strain
 from ...compiler.symbolic.successors import Successors
-from ..budget import Budget
-from ..skeleton import Skeleton
-from .bounds.multi_bound import EXPECTED, MultiBound
+from ..budget import Budget, Status
+from ..skeleton import Bound, Skeleton
+from .bounds.multi_bound import MultiBound
 from .bounds.settings import BOUNDS
 from .bounds.verdicts import Judgement
 from .conflicts.infeasibility import Refusals
@@ -56,7 +56,7 @@ class CandidateLoop:
         other numbers; where some had switches but no motion between them, all may, a few times. Whether that lets the
         search go on."""
         most = BOUNDS.readmissions if self.paths_refused else 1
-        if self.search.status != "exhausted" or self.rounds >= most:
+        if self.search.status != Status.EXHAUSTED or self.rounds >= most:
             return False
         if not self.search.readmit() and not (self.paths_refused and self.search.readmit()):
             return False
@@ -73,10 +73,10 @@ class CandidateLoop:
         strains = self.strain.along(candidate.numbers[: len(skeleton)])
         judgement = self.bounds.judge(skeleton, strains, motions)
         for conflict in judgement.conflicts:
-            if conflict.bound != EXPECTED:
+            if conflict.bound != Bound.EXPECTED:
                 self.refusals.add(replace(skeleton, problem=self.refusals.problem), conflict)
                 self.penalties.refused(candidate.numbers, conflict.first, conflict.last)
-            paths = conflict.bound not in ("seq", "statics", EXPECTED)
+            paths = conflict.bound not in (Bound.SEQ, Bound.STATICS, Bound.EXPECTED)
             self.paths_refused |= paths
             anywhere = not self.rounds and not paths and 0 < conflict.last < self.remembered
             from_start = conflict.from_start and not anywhere

@@ -17,11 +17,11 @@ from typing import Any
 from ...compiler.ir import Problem
 from ...compiler.options import OPTIONS, given_at
 from ...langs.diagnostics import Diagnostic
-from ..budget import ASIDE, SECONDS, Budget, OutOfTime, ending
+from ..budget import ASIDE, SECONDS, Budget, OutOfTime, Status, ending
 from ..geometry.start_contacts import touching
 from ..plan import Plan, StatisticsRecord, TimingRecord
 from ..seeds import Seed
-from ..skeleton import Skeleton
+from ..skeleton import Bound, Skeleton
 from .bounds.length_unit import length_unit
 from .bounds.multi_bound import MultiBound
 from .bounds.speculation import Speculation
@@ -32,12 +32,14 @@ from .motion.settings import MotionSettings
 from .search.best_first import Candidate, SkeletonSearch
 from .search.slack_maximisation import maximise_slack
 
+FINEST = Bound(OPTIONS["bound"].default)
+
 
 @dataclass(frozen=True, slots=True)
 class SolveOptions:
     """What a user may set; `time` in seconds, None without limit. `bound` is the finest bound that is tried."""
 
-    bound: str = OPTIONS["bound"].default
+    bound: Bound = FINEST
     search: str = OPTIONS["search"].default
     time: float | None = SECONDS
     nodes: int | None = None
@@ -58,6 +60,7 @@ def options_of(problem: Problem, chosen: Mapping[str, Any], otherwise: float = S
         if value is not None:
             values[name] = value
     seconds = values.pop("time", otherwise)
+    values["bound"] = Bound(values.get("bound", FINEST))
     return SolveOptions(**values, time=None if math.isinf(seconds) else seconds, seed=problem.seed)
 
 
@@ -83,7 +86,7 @@ class Outcome:
     With bound "seq" there is no motion, hence no plan: `actions` and `cost` tell the skeleton that P_seq accepts.
     """
 
-    status: str
+    status: Status
     plans: list[Plan] = field(default_factory=list)
     statistics: StatisticsRecord = field(default_factory=StatisticsRecord)
     timing: TimingRecord = field(default_factory=TimingRecord)
@@ -127,7 +130,7 @@ class _SolveRun:
     def run(self) -> Outcome:
         return self._outcome(ending(self._loop))
 
-    def _loop(self) -> str:
+    def _loop(self) -> Status:
         self.options.ahead.prepare(self.problem)
         self._tell("compile", "compiling the rules")
         loop = CandidateLoop(self.problem, self.options.search, self.budget, self.bounds, self.refusals)
@@ -136,7 +139,7 @@ class _SolveRun:
             if candidate is not None:
                 self._take(loop, candidate)
             if len(self.accepted) >= self.options.solutions:
-                return "solved"
+                return Status.SOLVED
         return loop.search.status
 
     def _propose(self, loop: CandidateLoop) -> Candidate | None:
@@ -191,7 +194,7 @@ class _SolveRun:
     def _timing(self) -> TimingRecord:
         return TimingRecord({"total": self.budget.elapsed, **self.bounds.clock.seconds})
 
-    def _outcome(self, status: str) -> Outcome:
+    def _outcome(self, status: Status) -> Outcome:
         statistics, timing = self._statistics(), self._timing()
         order = sorted(range(len(self.accepted)), key=lambda i: self.accepted[i].cost)
         self.accepted = [self.accepted[i] for i in order]
@@ -203,11 +206,11 @@ class _SolveRun:
         if self.accepted:
             missing = self.options.solutions - len(self.accepted)
             explanation = [fewer(status, len(self.accepted), self.options.solutions)] if missing else []
-            status = "interrupted" if status == "interrupted" else "solved"
+            status = Status.INTERRUPTED if status == Status.INTERRUPTED else Status.SOLVED
         elif self.distrusted is not None and self.distrusted.verdict is None:
             explanation = [unverified()]
         elif self.distrusted is not None:
-            status, explanation = "refused", distrust(self.distrusted.verdict)
+            status, explanation = Status.REFUSED, distrust(self.distrusted.verdict)
         actions = [str(a) for a in self.accepted[0].actions] if self.accepted else []
         if self.distrusted is not None and not self.accepted:
             actions = [phase.action for phase in self.distrusted.phases]

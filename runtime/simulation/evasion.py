@@ -14,7 +14,7 @@ from ..planner.bounds.requests import sequence_path
 from ..planner.motion.end_conditions import eased
 from ..planner.motion.settings import MotionSettings
 from ..seeds import Seed
-from ..skeleton import BoundResult, Configuration, PhasePath, Skeleton, start_configuration
+from ..skeleton import Bound, BoundResult, Configuration, PhasePath, Skeleton, start_configuration
 from .predicted_clearance import clearances
 from .settings import SIMULATION
 from .world import carried
@@ -26,7 +26,7 @@ def way_aside(skeleton: Skeleton, settings: MotionSettings, seed: Seed, budget: 
     start = start_configuration(skeleton.problem)
     found = [(goal, motion) for goal, motion in _postures(skeleton, start, seed) if _has_room(skeleton, goal)]
     for goal, _ in sorted(found, key=lambda pair: pair[1])[:SIMULATION.evasion_paths]:
-        switches = BoundResult("seq", True, 0.0, 0.0, 0, [start, goal], [], [])
+        switches = BoundResult(Bound.SEQ, True, 0.0, 0.0, 0, [start, goal], [], [])
         path = sequence_path(skeleton, switches, settings, seed, budget, thorough=False)
         if path.feasible:
             return eased(skeleton.problem.world, path.paths)[0]

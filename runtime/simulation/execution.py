@@ -8,10 +8,11 @@ import msgspec
 
 from ...compiler import ir
 from ...langs.diagnostics import Diagnostic
-from ..budget import SECONDS_OF_RUN, Budget, unless_spent
+from ..budget import SECONDS_OF_RUN, Budget, Status, unless_spent
 from ..plan import Plan
 from ..planner.conflicts.infeasibility import distrust, unverified
 from ..planner.lgp import options_of
+from ..skeleton import Bound
 from ..verify import verify
 from .actuators import Noise
 from .plan_import import window_of
@@ -26,7 +27,7 @@ NOTHING_FOLLOWED = Deviations((), 0.0, "", None, ())
 def execute(
     problem: ir.Problem, plan: Plan | None, horizon: int | str | None, noise: Noise | None, seconds: float | None,
     seed: int, latency: float | None, tell: Callable[[RunProgress], None] | None,
-) -> tuple[str, Plan, tuple[Diagnostic, ...], Deviations]:  # fmt: skip
+) -> tuple[Status, Plan, tuple[Diagnostic, ...], Deviations]:  # fmt: skip
     """Status, record, explanation and deviations. A plan that tells of the world as it moves, or whose scene rests, is
     followed as it is; else it is the first window of a run."""
     noise = noise or Noise()
@@ -36,14 +37,14 @@ def execute(
         verdict = unless_spent(lambda: verify(given, Budget(seconds)))
         plan = msgspec.structs.replace(plan, verdict=verdict)
         if plan.verdict is None:
-            return "budget", plan, (unverified(),), NOTHING_FOLLOWED
+            return Status.BUDGET, plan, (unverified(),), NOTHING_FOLLOWED
         if not plan.verdict.verified:
-            return "refused", plan, tuple(distrust(plan.verdict)), NOTHING_FOLLOWED
+            return Status.REFUSED, plan, tuple(distrust(plan.verdict)), NOTHING_FOLLOWED
         if plan.verdict.goal_reached:
-            return "solved", plan, (), follow(plan, problem, noise, seed)
+            return Status.SOLVED, plan, (), follow(plan, problem, noise, seed)
         short = Diagnostic("S0002", f"the plan does not reach the goal: {', '.join(plan.verdict.unmet)}")
-        return "stuck", plan, (short,), follow(plan, problem, noise, seed)
-    bound = "path" if problem.options.bound == "seq" else None
+        return Status.STUCK, plan, (short,), follow(plan, problem, noise, seed)
+    bound = Bound.PATH if problem.options.bound == Bound.SEQ else None
     options = options_of(problem, {"bound": bound, "time": seconds}, SECONDS_OF_RUN)
     delay = SIMULATION.latency if latency is None else latency
     chosen = SIMULATION.horizon if horizon is None else None if horizon == "auto" else int(horizon)

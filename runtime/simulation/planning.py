@@ -18,7 +18,7 @@ from ..planner.motion.keyframes.sequence import solve_sequence
 from ..planner.motion.settings import MotionSettings
 from ..planner.receding.mid_run_state import start
 from ..planner.receding.settings import RECEDING
-from ..planner.receding.window import INFEASIBLE, PLANNED, plan_window, remember
+from ..planner.receding.window import WindowStatus, plan_window, remember
 from ..planner.search.stepper import Inapplicable, Stepper
 from ..seeds import Seed
 from ..skeleton import BoundResult, Breach, Phase, PhasePath, Skeleton, beginning
@@ -42,7 +42,7 @@ class Window:
 
 
 class Planner:
-    """Plans windows for one run. `status` says, after no way was found, why: "stuck" or "infeasible"; `refusals`
+    """Plans windows for one run. `status` says, after no way was found, why; `refusals`
     explain it. `failures` counts windows that were not found, one after the other: the next tries are others, and
     `redraws` those among them after which nothing else could be done. `hasty` searches judge few ways. `returns` says
     how often the run has been in the present state before: the more often, the farther P_seq looks. `blamed` maps
@@ -50,7 +50,7 @@ class Planner:
 
     def __init__(self, options: SolveOptions) -> None:
         self.options = options
-        self.status = "running"
+        self.status: WindowStatus | None = None
         self.failures = self.redraws = 0
         self.returns = 0
         self.hasty = False
@@ -63,7 +63,7 @@ class Planner:
 
     def may_redraw(self) -> bool:
         """Whether a window that was not found is to be drawn anew, with other numbers."""
-        if self.status == INFEASIBLE or self.redraws == SIMULATION.redraws:
+        if self.status == WindowStatus.INFEASIBLE or self.redraws == SIMULATION.redraws:
             return False
         self.redraws += 1
         self.failures += 1
@@ -114,7 +114,7 @@ class Planner:
             seed=Seed(self.options.seed).child("search", self.failures),
             candidates=SIMULATION.hasty_candidates if self.hasty else RECEDING.candidates,
         )  # fmt: skip
-        if found.status != PLANNED:
+        if found.status != WindowStatus.PLANNED:
             self.status, self.refusals = found.status, memory.refusals
             return None
         moving = concerned(found.skeleton, moving)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ...langs.diagnostics import Diagnostic
+from ..budget import Status
 from ..plan import Plan
 from ..planner.lgp import SolveOptions
 from ..skeleton import Array
@@ -37,12 +38,11 @@ class RunProgress:
 
 @dataclass(slots=True)
 class RunOutcome:
-    """`status` is "solved"; "stuck": from the state reached no way leads on; "lost": a breakdown took what carries a
-    robot or holds a thing; "refused": by the verifier; "budget" or "interrupted". `plan` holds what was carried out,
+    """`plan` holds what was carried out,
     verified where there was time for it; it is not `complete` unless the goal is reached. `commanded` and `driven`
     joint values `(T, n)` are those at its time stamps."""
 
-    status: str
+    status: Status
     plan: Plan
     explanation: list[Diagnostic] = field(default_factory=list)
     commanded: dict[str, Array] = field(default_factory=dict)

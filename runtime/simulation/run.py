@@ -19,12 +19,12 @@ from ...compiler import ir
 from ...compiler.printing_terms import format_formula
 from ...langs.diagnostics import Diagnostic
 from ...langs.source import Span
-from ..budget import ASIDE, Budget, ending, unless_spent
+from ..budget import ASIDE, Budget, Status, ending, unless_spent
 from ..plan import StatisticsRecord, TimingRecord, WindowRecord
 from ..planner.conflicts.infeasibility import ENDINGS, distrust, ended, unverified
 from ..planner.plan_assembly import FACTOR
 from ..planner.receding.horizon_length import horizon_of
-from ..planner.receding.window import INFEASIBLE
+from ..planner.receding.window import WindowStatus
 from ..planner.search.stepper import Stepper
 from ..seeds import Seed
 from ..skeleton import Phase, PhasePath
@@ -77,14 +77,14 @@ class Run:
         """Until the goal is reached, the way ends, or the budget; Ctrl-C ends with what was carried out."""
         return self._outcome(ending(self._until_struck))
 
-    def _until_struck(self) -> str:
+    def _until_struck(self) -> Status:
         try:
             return self._loop()
         except Struck as struck:
             self._explanation = [struck.diagnostic]
-            return "stuck"
+            return Status.STUCK
 
-    def _loop(self) -> str:
+    def _loop(self) -> Status:
         reason = "start"
         while True:
             self.budget.check()
@@ -93,9 +93,9 @@ class Run:
             self.world.reached = failed.reached
             if failed.lost is not None:
                 self._explanation = [failed.lost]
-                return "lost"
+                return Status.LOST
             if not self._unmet():
-                return "solved"
+                return Status.SOLVED
             window = self._plan(reason)
             if window is not None:
                 self._route.planner.succeeded()
@@ -107,14 +107,15 @@ class Run:
             else:
                 return self._no_way()
 
-    def _no_way(self) -> str:
+    def _no_way(self) -> Status:
         planner = self._route.planner
+        proved = planner.status == WindowStatus.INFEASIBLE
         if planner.refusals is not None:
-            self._explanation = planner.refusals.explain("exhausted" if planner.status == "stuck" else planner.status)
+            self._explanation = planner.refusals.explain(Status.INFEASIBLE if proved else Status.EXHAUSTED)
         if not self._explanation:
             self._explanation = [Diagnostic("S0002", f"nothing leads on to the goal: {', '.join(self._unmet())}")]
         # What moves by itself may come to where the conditions of another action hold.
-        return "infeasible" if planner.status == INFEASIBLE and not self.problem.world.courses else "stuck"
+        return Status.INFEASIBLE if proved and not self.problem.world.courses else Status.STUCK
 
     def _hold(self) -> None:
         """Rest until the next window can be there, or go back where something would press. Planning goes on since it
@@ -352,7 +353,7 @@ class Run:
 
     # --- the outcome ---------------------------------------------------------------------------------------------
 
-    def _outcome(self, status: str) -> RunOutcome:
+    def _outcome(self, status: Status) -> RunOutcome:
         import msgspec
 
         if status in ENDINGS:
@@ -363,14 +364,14 @@ class Run:
             refusals=[] if refused is None else refused.records(),
         )
         plan = plan_of_run(
-            self.problem, self.steps, reached.mode, self._places, self.windows, statistics, status == "solved"
+            self.problem, self.steps, reached.mode, self._places, self.windows, statistics, status == Status.SOLVED
         )
         verdict = unless_spent(lambda: verify(plan, self.budget.whole))
         if verdict is None:
-            status = "budget" if status == "solved" else status
+            status = Status.BUDGET if status == Status.SOLVED else status
             self._explanation = [*self._explanation, unverified()]
         elif not verdict.verified:
-            status = status if status == "interrupted" else "refused"
+            status = status if status == Status.INTERRUPTED else Status.REFUSED
             self._explanation = [*self._explanation, *distrust(verdict)]
         timing = TimingRecord({"total": self.budget.elapsed}, self.seconds)
         plan = msgspec.structs.replace(plan, verdict=verdict, timing=timing)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..runtime.budget import Status
 from .horizon import checked_horizon
 from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
@@ -27,10 +28,10 @@ if TYPE_CHECKING:
     from ..runtime.simulation.results import RunProgress
 
 STATUS = {
-    "solved": ExitStatus.DONE,
-    "refused": ExitStatus.REFUSED,
-    "interrupted": ExitStatus.INTERRUPTED,
-    "infeasible": ExitStatus.INFEASIBLE,
+    Status.SOLVED: ExitStatus.DONE,
+    Status.REFUSED: ExitStatus.REFUSED,
+    Status.INTERRUPTED: ExitStatus.INTERRUPTED,
+    Status.INFEASIBLE: ExitStatus.INFEASIBLE,
 }
 """The exit status for each status of a run; others mean that the goal was not reached."""
 SECONDS_BETWEEN_LINES = 1.0
@@ -185,14 +186,14 @@ def _json(loaded: Task, result: RunResult, written: Written) -> dict[str, object
 
 
 HEADLINES = {
-    "solved": "the goal is reached",
-    "stuck": "nothing leads on to the goal from here",
-    "infeasible": "the goal cannot be reached any more: it is proved that no actions lead there",
-    "lost": "a module that left took others with it",
-    "budget": "the budget is spent",
-    "memory": "the memory is spent",
-    "refused": "the verifier refuses what was carried out",
-    "interrupted": "interrupted",
+    Status.SOLVED: "the goal is reached",
+    Status.STUCK: "nothing leads on to the goal from here",
+    Status.INFEASIBLE: "the goal cannot be reached any more: it is proved that no actions lead there",
+    Status.LOST: "a module that left took others with it",
+    Status.BUDGET: "the budget is spent",
+    Status.MEMORY: "the memory is spent",
+    Status.REFUSED: "the verifier refuses what was carried out",
+    Status.INTERRUPTED: "interrupted",
 }
 
 

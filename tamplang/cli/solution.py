@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..runtime.budget import Status
 from .limits import unfinished_report
 from .outputs import numbered
 from .plans import standing, verdict_lines
@@ -70,7 +71,7 @@ def _report_without_plan(problem: Problem, result: Result, file: Path) -> None:
         result.refused.report(file)
         return
     drawn = scene_at_rest(problem, result.statistics, result.timing)
-    ending = None if result.status == "solved" else ending_of(problem, result.status, result.explanation)
+    ending = None if result.status == Status.SOLVED else ending_of(problem, result.status, result.explanation)
     write_report(drawn, file, ending=ending)
 
 
@@ -128,13 +129,13 @@ def _seconds(timing: TimingRecord, compile_seconds: float) -> dict[str, float]:
 
 
 HEADLINES = {
-    "solved": "solved",
-    "infeasible": "infeasible: it is proved that there is no plan",
-    "exhausted": "exhausted: every candidate was refused",
-    "budget": "the budget is spent",
-    "memory": "the memory is spent",
-    "refused": "the verifier refuses the plan",
-    "interrupted": "interrupted",
+    Status.SOLVED: "solved",
+    Status.INFEASIBLE: "infeasible: it is proved that there is no plan",
+    Status.EXHAUSTED: "exhausted: every candidate was refused",
+    Status.BUDGET: "the budget is spent",
+    Status.MEMORY: "the memory is spent",
+    Status.REFUSED: "the verifier refuses the plan",
+    Status.INTERRUPTED: "interrupted",
 }
 
 
@@ -142,7 +143,7 @@ def result_lines(problem: Problem, result: Result, written: Written) -> list[str
     """What a person wants to know, on a terminal."""
     lines = [f"{problem.task}: {HEADLINES[result.status]}"]
     lines += [f"  {number:2}  {action}" for number, action in enumerate(result.actions, start=1)]
-    if result.status == "solved" and not result.actions:
+    if result.status == Status.SOLVED and not result.actions:
         lines.append("  the goal holds at the start: nothing is to be done")
     if result.actions:
         lines.append(f"{counted(len(result.actions), 'action')}, cost {result.cost:g}{_quality(result.statistics)}")

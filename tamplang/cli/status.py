@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from enum import IntEnum
 
+from ..runtime.budget import Status
+
 
 class ExitStatus(IntEnum):
     """What the process tells its caller."""
@@ -20,12 +22,12 @@ class ExitStatus(IntEnum):
 
 
 OF_OUTCOME = {
-    "solved": ExitStatus.DONE,
-    "infeasible": ExitStatus.INFEASIBLE,
-    "exhausted": ExitStatus.NO_PLAN,
-    "budget": ExitStatus.NO_PLAN,
-    "memory": ExitStatus.NO_PLAN,
-    "refused": ExitStatus.REFUSED,
-    "interrupted": ExitStatus.INTERRUPTED,
+    Status.SOLVED: ExitStatus.DONE,
+    Status.INFEASIBLE: ExitStatus.INFEASIBLE,
+    Status.EXHAUSTED: ExitStatus.NO_PLAN,
+    Status.BUDGET: ExitStatus.NO_PLAN,
+    Status.MEMORY: ExitStatus.NO_PLAN,
+    Status.REFUSED: ExitStatus.REFUSED,
+    Status.INTERRUPTED: ExitStatus.INTERRUPTED,
 }
 """The exit status of `solve` for each status of its outcome."""

@@ -8,7 +8,7 @@ from ....compiler.ir import Action, Chain, Problem
 from ...budget import Budget, unless_spent
 from ...plan import Plan, StatisticsRecord, TimingRecord
 from ...seeds import Seed
-from ...skeleton import BoundResult, Configuration, Skeleton, Violation, beginning
+from ...skeleton import Bound, BoundResult, Configuration, Skeleton, Violation, beginning
 from ...verify import verify
 from ..conflicts.nogoods import GeneralisedNoGoods
 from ..motion.keyframes.initial_guesses import guess
@@ -21,9 +21,6 @@ from .requests import SequenceRequest, WindowRequest
 from .settings import BOUNDS
 from .solves import Solves
 from .verdicts import Conflict, Judgement
-
-EXPECTED = "expected"
-"""The bound of conflicts that similar windows make likely, without a solve."""
 
 
 class MultiBound(Solves):
@@ -59,13 +56,13 @@ class MultiBound(Solves):
     def _judged(self, skeleton: Skeleton, strains: Sequence[float], motions: int | None) -> Judgement:
         expected = self.experience.expected_refusals(skeleton.phases, strains)
         if expected:
-            return Judgement(False, conflicts=[Conflict(EXPECTED, *window, ()) for window in expected])
+            return Judgement(False, conflicts=[Conflict(Bound.EXPECTED, *window, ()) for window in expected])
         heavy = [self._too_heavy(skeleton, k, told) for k, told in list(unbearable(skeleton).items())[:1]]
         conflicts = heavy or self._refused_actions(skeleton, strains)
         if not conflicts:
             sequence, end = self._whole(skeleton)
             if sequence.feasible:
-                if self.finest == "seq":
+                if self.finest == Bound.SEQ:
                     return Judgement(True)
                 return self.motion(skeleton, sequence, motions)
             conflicts = [self._shrink(skeleton, sequence, end)]
@@ -79,7 +76,7 @@ class MultiBound(Solves):
         """An action after which no posture could bear what hangs together. Where it names whole chains it is refused
         wherever it starts, else from the start: who else holds the thing the action alone does not tell."""
         chains = any(isinstance(a, Chain) for a in skeleton.phases[phase].action.args)
-        return Conflict("statics", phase if chains else 0, phase, not chains, tuple(told))
+        return Conflict(Bound.STATICS, phase if chains else 0, phase, not chains, tuple(told))
 
     def go_on(self, skeleton: Skeleton, motions: int, ahead: Sequence[Configuration]) -> Judgement:
         """As `judge`, for a way that was seen before: `ahead` holds its first switch configurations as they were
@@ -157,7 +154,7 @@ class MultiBound(Solves):
             self._expect_actions(skeleton, strains, order[number + 1 :], whole=not conflicts)
             result = self._window(skeleton, k, k)
             if not result.feasible:
-                conflicts.append(Conflict("seq", k, k, k == 0, tuple(result.violations)))
+                conflicts.append(Conflict(Bound.SEQ, k, k, k == 0, tuple(result.violations)))
             elif k:
                 self.experience.accept(phase, strains[k])
             else:
@@ -177,7 +174,7 @@ class MultiBound(Solves):
             self.tell("seq", f"P_seq of {skeleton.phases[last].action}")
             with self.clock("seq"):
                 result = self.ahead.answer(skeleton, WindowRequest(self.settings, self.seed, first, last), self.budget)
-            self._count("seq", result.feasible)
+            self._count(Bound.SEQ, result.feasible)
             self._windows[key] = result
         return self._windows[key]
 
@@ -236,8 +233,8 @@ class MultiBound(Solves):
             self._expect_windows(skeleton, first, end - 1)
             window = self._window(skeleton, first, end - 1)
             if not window.feasible:
-                return Conflict("seq", first, end - 1, False, tuple(window.violations))
-        return Conflict("seq", 0, end - 1, True, tuple(refused.violations))
+                return Conflict(Bound.SEQ, first, end - 1, False, tuple(window.violations))
+        return Conflict(Bound.SEQ, 0, end - 1, True, tuple(refused.violations))
 
     # --- what is probably asked next ------------------------------------------------------------------------------
 

@@ -11,7 +11,7 @@ from ...budget import Budget, Clock
 from ...geometry.attachments import looped
 from ...plan import BoundRecord
 from ...seeds import Seed
-from ...skeleton import BoundResult, Configuration, Skeleton, beginning
+from ...skeleton import Bound, BoundResult, Configuration, Skeleton, beginning
 from ..motion.keyframes.local_repair import MENDS, QUICK_MENDS, Mend, mended, resampled, unmoved
 from ..motion.keyframes.sequence import solve_sequence
 from ..motion.keyframes.settings import KEYFRAMES
@@ -35,17 +35,17 @@ class Solves:
 
     problem: Problem
     settings: MotionSettings
-    finest: str
+    finest: Bound
     seed: Seed
     budget: Budget
     tell: Callable[[str, str], None]
     ahead: Speculation = field(default_factory=Speculation)
     clock: Clock = field(default_factory=Clock, init=False)
     tries: int | None = field(default=BOUNDS.quick_starts, init=False)
-    _counts: dict[str, list[int]] = field(init=False)
+    _counts: dict[Bound, list[int]] = field(init=False)
 
     def __post_init__(self) -> None:
-        self._counts = {"seq": [0, 0], "seq-path": [0, 0], "path": [0, 0]}
+        self._counts = {Bound.SEQ: [0, 0], Bound.SEQ_PATH: [0, 0], Bound.PATH: [0, 0]}
 
     def records(self) -> list[BoundRecord]:
         return [BoundRecord(bound, solved, refused) for bound, (solved, refused) in self._counts.items()]
@@ -59,7 +59,7 @@ class Solves:
                 result = self.ahead.answer(skeleton, SequenceRequest(self.settings, seed, tries), self.budget)
             else:
                 result = solve_sequence(skeleton, self.settings, seed, self.budget, warm=warm, tries=tries)
-        self._count("seq", result.feasible)
+        self._count(Bound.SEQ, result.feasible)
         return result
 
     def motion(self, skeleton: Skeleton, sequence: BoundResult, motions: int | None = None) -> Judgement:
@@ -100,13 +100,13 @@ class Solves:
             blamed.append({v.phase for v in result.violations})
         if result.feasible:
             return self._timed(first, result, sequence.configurations[len(first) + 1 :])
-        bound = "seq-path"
-        if self.finest == "path":
+        bound = Bound.SEQ_PATH
+        if self.finest == Bound.PATH:
             known = sequence.configurations[: len(first) + 1]
             free = self._path(first, replace(sequence, configurations=known))
             if free.feasible:
                 return self._timed(first, free, [])
-            bound = "path"
+            bound = Bound.PATH
         return Judgement(False, conflicts=[blame(bound, result, blamed, len(first))])
 
     def _timed(self, skeleton: Skeleton, result: BoundResult, ahead: list[Configuration]) -> Judgement:
@@ -114,7 +114,7 @@ class Solves:
         judgement = with_motion(self.problem.world, result, ahead)
         paths = slowed(skeleton, judgement.paths or [], result.configurations[0])
         if paths is None:
-            return Judgement(False, conflicts=[Conflict("path", 0, len(skeleton) - 1, True, ())])
+            return Judgement(False, conflicts=[Conflict(Bound.PATH, 0, len(skeleton) - 1, True, ())])
         judgement.paths = paths
         return judgement
 
@@ -123,7 +123,7 @@ class Solves:
         self.tell("seq", f"P_seq around {len(refused.violations)} actions")
         with self.clock("seq"):
             result = mended(skeleton, sequence, refused, mend, self.settings, self.seed, self.budget, self.tries)
-        self._count("seq", result.feasible)
+        self._count(Bound.SEQ, result.feasible)
         return result
 
     def _draws(self, first: Skeleton) -> int:
@@ -160,9 +160,9 @@ class Solves:
         self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
         with self.clock("seq_path"):
             again, path = self.ahead.answer(skeleton, drawn, self.budget)
-        self._count("seq", again.feasible)
+        self._count(Bound.SEQ, again.feasible)
         if path is not None:
-            self._count("seq-path", path.feasible)
+            self._count(Bound.SEQ_PATH, path.feasible)
         return again, path
 
     def _expect_attempt(
@@ -178,7 +178,7 @@ class Solves:
         with self.clock("path"):
             result = solve_path(skeleton, self.settings, self.seed, self.budget, sequence, effort=BOUNDS.path_effort)
             result = borne(skeleton, result)
-        self._count("path", result.feasible)
+        self._count(Bound.PATH, result.feasible)
         return result
 
     def _sequence_path(
@@ -189,8 +189,8 @@ class Solves:
         self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
         with self.clock("seq_path"):
             result = sequence_path(skeleton, sequence, self.settings, seed or self.seed, self.budget, thorough, known)
-        self._count("seq-path", result.feasible)
+        self._count(Bound.SEQ_PATH, result.feasible)
         return result
 
-    def _count(self, bound: str, feasible: bool) -> None:
+    def _count(self, bound: Bound, feasible: bool) -> None:
         self._counts[bound][0 if feasible else 1] += 1

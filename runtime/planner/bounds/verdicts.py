@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ....compiler.ir import World
-from ...skeleton import BoundResult, Configuration, PhasePath, Violation
+from ...skeleton import Bound, BoundResult, Configuration, PhasePath, Violation
 from ..motion.end_conditions import eased
 from .settings import BOUNDS
 
@@ -16,7 +16,7 @@ class Conflict:
     """Phases `first` … `last` of a skeleton cannot be done one after the other; with `from_start` only when they begin
     in the start configuration (then `first` is 0)."""
 
-    bound: str
+    bound: Bound
     first: int
     last: int
     from_start: bool
@@ -43,7 +43,7 @@ def with_motion(world: World, result: BoundResult, ahead: list[Configuration]) -
     return Judgement(True, paths, path_cost=result.cost, path_cost_before=result.cost_before, ahead=ahead)
 
 
-def blame(bound: str, refused: BoundResult, blamed: Sequence[set[int]], phases: int) -> Conflict:
+def blame(bound: Bound, refused: BoundResult, blamed: Sequence[set[int]], phases: int) -> Conflict:
     """The one phase that failed between every pair of switch poses, wherever it starts; else all up to the phase that
     failed worst."""
     worst = refused.violations[0].phase if refused.violations else phases - 1

@@ -7,11 +7,11 @@ from dataclasses import replace
 from ....compiler.ir import Problem
 from ....langs.diagnostics import Diagnostic, Label
 from ....langs.source import Span
-from ...budget import unless_spent
+from ...budget import Status, unless_spent
 from ...geometry.attachments import carrier
 from ...geometry.drives import braked
 from ...plan import RefusalRecord, VerdictRecord
-from ...skeleton import Breach, Skeleton, Violation
+from ...skeleton import Bound, Breach, Skeleton, Violation
 from ..bounds.verdicts import Conflict
 from ..motion.nlp.program import DIVERGED
 from ..plan_assembly import placed
@@ -35,9 +35,9 @@ class Refusals:
     def records(self) -> list[RefusalRecord]:
         return [self._record(skeleton, conflict) for skeleton, conflict in self._found]
 
-    def explain(self, status: str) -> list[Diagnostic]:
+    def explain(self, status: Status) -> list[Diagnostic]:
         """S-diagnostics: what ended the run, where that was not the last candidate, then the refusals."""
-        if status == "infeasible":
+        if status == Status.INFEASIBLE:
             return unless_spent(self._unreachable) or [Diagnostic("S0001", UNREACHABLE)]
         if not self._found:
             if status in ENDINGS:
@@ -166,20 +166,20 @@ def unverified() -> Diagnostic:
     return Diagnostic("S0011", "time or memory were spent before the plan was verified", help=help)
 
 
-def fewer(status: str, found: int, wanted: int) -> Diagnostic:
+def fewer(status: Status, found: int, wanted: int) -> Diagnostic:
     """Says that a run ended with fewer plans than were asked for."""
     return ended(status, f"after {found} of {wanted} plans")
 
 
 ENDINGS = {
-    "budget": ("S0003", "the budget ended", "give more with --time or --nodes, or a smaller instance"),
-    "memory": ("S0010", "the memory was spent", "give more with --memory, or a smaller instance"),
-    "interrupted": ("S0005", "the run was interrupted", None),
+    Status.BUDGET: ("S0003", "the budget ended", "give more with --time or --nodes, or a smaller instance"),
+    Status.MEMORY: ("S0010", "the memory was spent", "give more with --memory, or a smaller instance"),
+    Status.INTERRUPTED: ("S0005", "the run was interrupted", None),
 }
 """Code, words and help for each status of a run that was ended from outside."""
 
 
-def ended(status: str, where: str) -> Diagnostic:
+def ended(status: Status, where: str) -> Diagnostic:
     """Says what ended a run, and `where` it stood then."""
     code, reason, help = ENDINGS.get(status, ("S0002", "no further sequence of actions passed", None))
     return Diagnostic(code, f"{reason} {where}", help=help)
@@ -193,7 +193,9 @@ def _miss(item: tuple[Skeleton, Conflict]) -> tuple[int, float]:
     return _length(item), max((v.amount for v in item[1].violations), default=float("inf"))
 
 
-_BOUND_NAMES = {"statics": "the weight", "seq": "P_seq", "seq-path": "P_seqPath", "path": "P_path"}
+_BOUND_NAMES = {
+    Bound.STATICS: "the weight", Bound.SEQ: "P_seq", Bound.SEQ_PATH: "P_seqPath", Bound.PATH: "P_path",
+}  # fmt: skip
 _TOLD = {
     Breach.ROW: "[{0}] is missed",
     Breach.COLLISION: "{1} and {2} would overlap",

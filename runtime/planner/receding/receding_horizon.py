@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 
 from ....compiler import ir
 from ....langs.diagnostics import Diagnostic
-from ...budget import ASIDE, Budget, ending, unless_spent
+from ...budget import ASIDE, Budget, Status, ending, unless_spent
 from ...plan import Plan, StatisticsRecord, TimingRecord, WindowRecord
 from ...seeds import Seed
 from ...skeleton import PhasePath, Skeleton
@@ -30,7 +30,7 @@ from .horizon_length import horizon_of
 from .mid_run_state import Reached, start
 from .run_tree import grown
 from .settings import RECEDING
-from .window import DONE, INFEASIBLE, PLANNED, Memory, Window, plan_window, remember
+from .window import Memory, Window, WindowStatus, plan_window, remember
 
 
 @dataclass(slots=True)
@@ -93,24 +93,24 @@ class _HorizonRun:
 
     # --- window after window -------------------------------------------------------------------------------------
 
-    def _loop(self) -> str:
+    def _loop(self) -> Status:
         while True:
             window = self._plan()
-            if window.status == DONE:
+            if window.status == WindowStatus.DONE:
                 self.done = True
                 plan = self._verified()
                 if plan.verdict is None or plan.verdict.verified:
                     self.plan = plan
-                    return "budget" if plan.verdict is None else "solved"
+                    return Status.BUDGET if plan.verdict is None else Status.SOLVED
                 if not self._doubt(plan):
                     self.plan = plan
-                    return "refused"
-            elif window.status == PLANNED:
+                    return Status.REFUSED
+            elif window.status == WindowStatus.PLANNED:
                 self._keep(window)
-            elif not self.kept and window.status == INFEASIBLE:
-                return "infeasible"
+            elif not self.kept and window.status == WindowStatus.INFEASIBLE:
+                return Status.INFEASIBLE
             elif not self._backtrack():
-                return "exhausted"
+                return Status.EXHAUSTED
 
     def _plan(self) -> Window:
         """The window from the present state."""
@@ -122,7 +122,7 @@ class _HorizonRun:
         )  # fmt: skip
         self.tree_nodes += window.tree_nodes
         self.expanded_nodes += window.expanded_nodes
-        self.candidates += window.refused + (window.status == PLANNED)
+        self.candidates += window.refused + (window.status == WindowStatus.PLANNED)
         return window
 
     def _keep(self, window: Window) -> None:
@@ -237,28 +237,28 @@ class _HorizonRun:
             tree=grown([kept.window for kept in self.kept]),
         )
 
-    def _outcome(self, status: str) -> Outcome:
+    def _outcome(self, status: Status) -> Outcome:
         self.report = None
         if self.plan is None and self.kept:
             self.plan = self._verified()
             believed = self.plan.verdict is not None and self.plan.verdict.verified
-            status = "solved" if self.done and believed else status
-        explanation = [] if status in ("solved", "refused") else self._explanation(status)
+            status = Status.SOLVED if self.done and believed else status
+        explanation = [] if status in (Status.SOLVED, Status.REFUSED) else self._explanation(status)
         plan, statistics, timing = self.plan, self._statistics(), self._timing()
         refused: Plan | None = None
         if plan is not None and (plan.verdict is None or not plan.verdict.verified):
             told = [unverified()] if plan.verdict is None else distrust(plan.verdict)
             explanation = told if plan.complete else [*explanation, *told]
             plan, refused = None, plan
-        if plan is not None and status == "solved" and self.found is not None:
+        if plan is not None and status == Status.SOLVED and self.found is not None:
             self.found(plan)
         actions = [phase.action for found in (plan or refused,) if found is not None for phase in found.phases]
         plans = [] if plan is None else [plan]
         return Outcome(status, plans, statistics, timing, explanation, actions, statistics.cost, refused)
 
-    def _explanation(self, status: str) -> list[Diagnostic]:
+    def _explanation(self, status: Status) -> list[Diagnostic]:
         """Why the goal was not reached, what was tried, and what stands."""
-        if status == "infeasible":
+        if status == Status.INFEASIBLE:
             return self.memory.refusals.explain(status)
         count = sum(len(kept.window.paths) for kept in self.kept)
         tried = f"{count} actions in {len(self.kept)} windows were planned, and {self.undone} windows undone"

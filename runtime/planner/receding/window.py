@@ -11,15 +11,16 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from enum import StrEnum
 from functools import partial
 
 from ....compiler import ir
 from ....compiler.symbolic.successors import Successors
-from ...budget import Budget, OutOfTime
+from ...budget import Budget, OutOfTime, Status
 from ...plan import SearchNode
 from ...seeds import Seed
-from ...skeleton import Configuration, PhasePath, Skeleton, beginning
-from ..bounds.multi_bound import EXPECTED, MultiBound
+from ...skeleton import Bound, Configuration, PhasePath, Skeleton, beginning
+from ..bounds.multi_bound import MultiBound
 from ..bounds.verdicts import Judgement
 from ..candidate_loop import CandidateLoop
 from ..conflicts.infeasibility import Refusals
@@ -31,19 +32,25 @@ from .mid_run_state import Reached, after, reached_problem
 from .settings import RECEDING
 from .subgoals import ordered, parts_of, told, unmet
 
-PLANNED, DONE, STUCK, INFEASIBLE = "planned", "done", "stuck", "infeasible"
+
+class WindowStatus(StrEnum):
+    """Done: the goal holds; stuck: every way was refused; infeasible: proved that no actions lead to the goal."""
+
+    PLANNED = "planned"
+    DONE = "done"
+    STUCK = "stuck"
+    INFEASIBLE = "infeasible"
 
 
 @dataclass(frozen=True, slots=True)
 class Window:
-    """What planning from one state gave. `status` is "planned", "done" (the goal holds), "stuck" (every way was
-    refused) or "infeasible" (proved: no actions lead to the goal from here). `actions` is the way to the goal, or to
+    """What planning from one state gave. `actions` is the way to the goal, or to
     its next parts, as seen now; `skeleton`, which begins at `problem`, and `paths` are its first `len(paths)` phases;
     `reached` is the state after them. `unmet` tells the parts of the goal that do not hold at the start of the window,
     in the order in which they are planned for; `cost` is that of the phases with motion; `refused` counts refused
     candidates, `tree` holds the nodes of the last search."""
 
-    status: str
+    status: WindowStatus
     problem: ir.Problem
     actions: tuple[ir.Action, ...]
     skeleton: Skeleton
@@ -143,7 +150,7 @@ class _Planner:
                 self.memory.order = ordered(Successors(self.problem), parts_of(self.problem))
         self.unmet = unmet(self.problem, self.reached.facts, self.memory.order)
         if not self.unmet:
-            return self._window(DONE)
+            return self._window(WindowStatus.DONE)
         on = self._go_on()
         if on is not None:
             return on
@@ -155,8 +162,8 @@ class _Planner:
                     seconds=time.monotonic() - self.began,
                 )  # fmt: skip
             if self.proved:
-                return self._window(INFEASIBLE)
-        return self._window(STUCK)
+                return self._window(WindowStatus.INFEASIBLE)
+        return self._window(WindowStatus.STUCK)
 
     def _go_on(self) -> Window | None:
         """The way that the window before has seen, where that is long enough, from the switches that it expected."""
@@ -248,11 +255,11 @@ class _Planner:
         """Let a search that has found nothing go on: hurried, with more nodes; or once with all that was refused
         allowed again, and tried harder. Whether there is more to find."""
         search = loop.search
-        if search.status == "budget" and search.node_limit != RECEDING.hurried_nodes:
+        if search.status == Status.BUDGET and search.node_limit != RECEDING.hurried_nodes:
             search.node_limit = RECEDING.hurried_nodes
             search.method = "wastar" if search.method == "astar" else search.method
             return True
-        self.proved = search.status == "infeasible" and not self.forbidden
+        self.proved = search.status == Status.INFEASIBLE and not self.forbidden
         return loop.readmit()
 
     def _once_more(self, loop: CandidateLoop, candidate: Candidate, length: int | None) -> Window | None:
@@ -276,7 +283,7 @@ class _Planner:
         if judgement.accepted:
             return self._accepted(loop, candidate, seen, count, judgement)
         self.refused += 1
-        expected = all(conflict.bound == EXPECTED for conflict in judgement.conflicts)
+        expected = all(conflict.bound == Bound.EXPECTED for conflict in judgement.conflicts)
         self.alike = self.alike + 1 if expected else 0
         if self.refused == 1 and all(conflict.from_start and conflict.last for conflict in judgement.conflicts):
             least = min(conflict.last for conflict in judgement.conflicts)
@@ -307,13 +314,13 @@ class _Planner:
         paths = tuple(judgement.paths or ())
         self.memory.bounds.tell("state", "following the motion to its end")
         reached = after(self.problem, skeleton, paths, begin=self.reached)
-        plain = self._window(PLANNED)
+        plain = self._window(WindowStatus.PLANNED)
         return replace(
             plain, actions=actions, cost=cost, skeleton=skeleton, paths=paths, reached=reached,
             ahead=tuple(judgement.ahead), seconds=time.monotonic() - self.began,
         )  # fmt: skip
 
-    def _window(self, status: str) -> Window:
+    def _window(self, status: WindowStatus) -> Window:
         return Window(
             status, self.problem, (), Skeleton(self.problem, (), self.problem.init_motion), (), self.reached,
             time.monotonic() - self.began, tuple(told(self.unmet)), self.refused, 0.0,

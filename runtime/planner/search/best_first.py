@@ -18,7 +18,7 @@ from ....compiler.symbolic.costs import CostToGo
 from ....compiler.symbolic.estimate import Estimate
 from ....compiler.symbolic.renaming import renamed_action, renaming
 from ....compiler.symbolic.successors import Successors
-from ...budget import Budget
+from ...budget import Budget, Status
 from ...plan import SearchNode
 from ..conflicts.forbidden_sequences import EMPTY, LEAF, OFF, NoGoods
 from .settings import SEARCH
@@ -80,13 +80,13 @@ class SkeletonSearch:
         self.tree_nodes = 0
         self.expanded_nodes = 0
         self.hurried = False
-        self.status = "running"
+        self.status = Status.RUNNING
 
     def next(self) -> Candidate | None:
         """The next candidate, or None; see `status`."""
         weights = {"astar": 1.0, "wastar": SEARCH.hurried_weight, "bfs": 0.0, "guide": 0.0}
         if self.no_goods.forbids_all:
-            self.status = "exhausted"
+            self.status = Status.EXHAUSTED
             return None
         weight = SEARCH.hurried_weight if self.hurried and self.method == "astar" else weights[self.method]
         return _Run(self, weight).run()
@@ -147,7 +147,7 @@ class SkeletonSearch:
         """Whether time or nodes are spent; sets `status`."""
         spent = self.budget.remaining <= 0.0 or self.budget.full
         if spent or (self.node_limit is not None and self.expanded_nodes >= self.node_limit):
-            self.status = "budget"
+            self.status = Status.BUDGET
             return True
         return False
 
@@ -197,7 +197,7 @@ class _Run:
             self._record(key, cost + estimate, "expanded")
             search.expanded_nodes += 1
             self._expand(key, state, cost, guide, past)
-        search.status = "exhausted" if self.cut else "infeasible"
+        search.status = Status.EXHAUSTED if self.cut else Status.INFEASIBLE
         return None
 
     def _expand(self, key: Key, state: int, cost: float, guide: float, past: Past) -> None:
@@ -281,7 +281,7 @@ class _Run:
         if search.surcharge is not None:
             cost = sum(search.successors.cost(n) for n in numbers)
             bound = min(cost, search.value(search.successors.initial))
-        search.status = "found"
+        search.status = Status.RUNNING
         return Candidate(tuple(numbers), actions, cost, bound >= cost - EQUAL and not self.cut, bound)
 
     def _numbers(self, path: list[tuple[int, int, int]]) -> list[int]:

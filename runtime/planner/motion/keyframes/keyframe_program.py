@@ -16,7 +16,7 @@ from ....geometry.drives import braked
 from ....skeleton import Array, Configuration, Skeleton
 from ..collision.clearance_rows import Clearances
 from ..collision.pairs_in_phases import Collisions, Margins, refresh, rows
-from ..nlp.augmented_lagrangian import SolverOptions, SolverResult, project, solve
+from ..nlp.augmented_lagrangian import SolverOptions, SolverResult, SolverStatus, project, solve
 from ..nlp.features import Features, differences, homing, limits, norms
 from ..nlp.program import Program
 from ..nlp.row_groups import LinearGroup, RowGroup
@@ -203,7 +203,7 @@ class SwitchProgram:
             outcome = run(program, x, options if attempt == 0 else POLISH, self.settings, budget)
             iterations += outcome.iterations
             x = outcome.x
-            if not self._refresh(x) or outcome.status != "feasible":
+            if not self._refresh(x) or outcome.status != SolverStatus.FEASIBLE:
                 break
         return self.program(), SolverResult(x, iterations, outcome.status)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ....budget import Budget
 from ....geometry.attachments import looped
-from ....skeleton import LOADS, Array, BoundResult, Configuration, Skeleton, Violation
+from ....skeleton import LOADS, Array, Bound, BoundResult, Configuration, Skeleton, Violation
 from ...statics import exceeded_switches
 from ..nlp.augmented_lagrangian import SolverOptions
 from ..settings import MotionSettings
@@ -144,7 +144,7 @@ class Span:
         self.iterations += outcome.iterations
         tolerance = self.settings.tolerance
         violations = program.violations(outcome.x, tolerance) if program.largest(outcome.x) > tolerance else []
-        return BoundResult("seq", False, 0.0, 0.0, 0, switches.unpack(outcome.x), [], violations)
+        return BoundResult(Bound.SEQ, False, 0.0, 0.0, 0, switches.unpack(outcome.x), [], violations)
 
     def _solve(self, switches: SwitchProgram, slices: Sequence[Configuration]) -> BoundResult:
         """P_seq, projected where it is nearly feasible; else with what is violated."""
@@ -159,7 +159,7 @@ class Span:
         if feasible:
             x, violations = self._borne(switches, x)
             feasible = not violations
-        return BoundResult("seq", feasible, program.cost(x), 0.0, 0, switches.unpack(x), [], violations)
+        return BoundResult(Bound.SEQ, feasible, program.cost(x), 0.0, 0, switches.unpack(x), [], violations)
 
     def _borne(self, switches: SwitchProgram, x: Array) -> tuple[Array, list[Violation]]:
         """Switch poses that can be done, changed where something there is too heavily loaded; and what still is."""

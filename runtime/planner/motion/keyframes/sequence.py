@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from ....budget import Budget
 from ....seeds import Seed
-from ....skeleton import BoundResult, Configuration, Skeleton, start_configuration
+from ....skeleton import Bound, BoundResult, Configuration, Skeleton, start_configuration
 from ..settings import MotionSettings
 from .multi_start import Span, solve_span
 from .placement_samples import places
@@ -31,7 +31,7 @@ def solve_sequence(
     origin = start or start_configuration(skeleton.problem)
     last = len(skeleton) - 1
     if last < 0:
-        return BoundResult("seq", True, 0.0, 0.0, 0, [origin], [], [])
+        return BoundResult(Bound.SEQ, True, 0.0, 0.0, 0, [origin], [], [])
     random = seed.child("sequence").random()
     span = Span(skeleton, 0, last, settings, random, budget, origin, False)
     if len(skeleton) > KEYFRAMES.longest_whole and warm is None:

@@ -12,7 +12,7 @@ from .....compiler.motion.collision import keeps_pose
 from ....budget import Budget
 from ....geometry.attachments import followers
 from ....seeds import Seed
-from ....skeleton import Array, BoundResult, Configuration, Skeleton, start_configuration
+from ....skeleton import Array, Bound, BoundResult, Configuration, Skeleton, start_configuration
 from ..settings import MotionSettings
 from .initial_guesses import guess, shake
 from .keyframe_program import SwitchProgram
@@ -177,4 +177,4 @@ def solve_windows(
         ahead = []
     whole = SwitchProgram(skeleton, 0, len(skeleton) - 1, start, settings, frozen=False)
     cost = whole.loose.cost(whole.pack(known))
-    return BoundResult("seq", True, cost, 0.0, iterations + alone.iterations, known, [], [])
+    return BoundResult(Bound.SEQ, True, cost, 0.0, iterations + alone.iterations, known, [], [])

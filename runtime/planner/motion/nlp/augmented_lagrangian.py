@@ -4,6 +4,7 @@ augmented Lagrangian approach for inequalities and convergent any-time non-centr
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 
@@ -37,13 +38,21 @@ NO_STEP = 1e20
 PATH = SolverOptions(mu=1e3, tolerance=1e-3)
 
 
+class SolverStatus(StrEnum):
+    """Why a solver ended: all rows hold; no step is worth taking; as many iterations as it may take."""
+
+    FEASIBLE = "feasible"
+    STALLED = "stalled"
+    ITERATIONS = "iterations"
+
+
 @dataclass(frozen=True, slots=True)
 class SolverResult:
-    """The last iterate `x`, iterations taken, and why it ended: "feasible", "stalled" or "iterations"."""
+    """The last iterate `x`, iterations taken, and why it ended."""
 
     x: Array
     iterations: int
-    status: str
+    status: SolverStatus
 
 
 def _merit(residuals: tuple[Array, Array, Array], multipliers: tuple[Array, Array], mu: float) -> float:
@@ -135,14 +144,14 @@ def solve(program: Program, start: Array, options: SolverOptions, budget: Budget
         step = run.step()
         violation = _violation(run.residuals)
         if violation < options.tolerance and step < options.step_tolerance:
-            return SolverResult(run.x, iteration + 1, "feasible")
+            return SolverResult(run.x, iteration + 1, SolverStatus.FEASIBLE)
         if violation < 0.9 * best:
             best, best_at = violation, iteration
         if iteration - best_at > options.stall and best > SOLVER.hopeless:
-            return SolverResult(run.x, iteration + 1, "stalled")
+            return SolverResult(run.x, iteration + 1, SolverStatus.STALLED)
         if step < options.inner_tolerance:
             run.update_multipliers(violation)
-    return SolverResult(run.x, options.iterations, "iterations")
+    return SolverResult(run.x, options.iterations, SolverStatus.ITERATIONS)
 
 
 def project(program: Program, start: Array, tolerance: float, budget: Budget, iterations: int = 12) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ....budget import Budget
 from ....skeleton import Array
-from .augmented_lagrangian import SolverOptions, SolverResult
+from .augmented_lagrangian import SolverOptions, SolverResult, SolverStatus
 from .program import Program
 from .unknowns import Indices
 
@@ -125,5 +125,5 @@ def solve_ipopt(program: Program, start: Array, options: SolverOptions, budget: 
     budget.check()
     x = np.array(solution["x"]).ravel()
     statistics = solver.stats()
-    status = "feasible" if statistics["success"] else "stalled"
+    status = SolverStatus.FEASIBLE if statistics["success"] else SolverStatus.STALLED
     return SolverResult(x, int(statistics["iter_count"]), status)

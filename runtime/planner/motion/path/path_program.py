@@ -15,11 +15,11 @@ from ....budget import Budget
 from ....geometry.attachments import followers, involved, next_mode
 from ....geometry.drives import braked
 from ....seeds import Seed
-from ....skeleton import Array, BoundResult, Breach, Configuration, PhasePath, Skeleton
+from ....skeleton import Array, Bound, BoundResult, Breach, Configuration, PhasePath, Skeleton
 from ..collision.clearance_rows import Clearances
 from ..collision.pairs_in_phases import Collisions, Margins, refresh, rows
 from ..keyframes.keyframe_program import run
-from ..nlp.augmented_lagrangian import PATH, SolverOptions, project
+from ..nlp.augmented_lagrangian import PATH, SolverOptions, SolverStatus, project
 from ..nlp.features import Features, differences, homing, limits, norms
 from ..nlp.program import Program
 from ..nlp.row_groups import RowGroup
@@ -266,7 +266,7 @@ def _attempt(
         outcome = run(path.program(), x, chosen, settings, budget)
         iterations += outcome.iterations
         x = outcome.x
-        if not path.refresh(x) or outcome.status != "feasible" or iterations == most:
+        if not path.refresh(x) or outcome.status != SolverStatus.FEASIBLE or iterations == most:
             break
     program = path.program()
     if program.largest(x) <= settings.tolerance:
@@ -275,7 +275,7 @@ def _attempt(
     violations = [] if feasible else program.violations(x, settings.tolerance)
     slices = path.unpack(x)
     configurations = slices[:: path.count]
-    bound = "seq-path" if path.pinned else "path"
+    bound = Bound.SEQ_PATH if path.pinned else Bound.PATH
     paths = path.paths(slices) if feasible else []
     result = BoundResult(bound, feasible, program.cost(x), 0.0, iterations, configurations, paths, violations)
     return result, x

@@ -18,7 +18,7 @@ from ....budget import Budget
 from ....geometry.splines import spline_weights
 from ....geometry.transforms import coupled
 from ....seeds import Seed
-from ....skeleton import Array, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
+from ....skeleton import Array, Bound, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
 from ..settings import MotionSettings
 from ..time_scaling import shortest_duration
 from .attempts import PhaseGroup, improve, polish_groups, solve_groups, start_group
@@ -88,7 +88,7 @@ def solve_sequence_path(
     trees, states, drift, others = _chain(skeleton, configurations, settings)
     kept = taken_over(known, trees, [states[0][0], *(e for _, e in states)])
     groups = _groups(skeleton, [t for t in trees if t.phase not in kept], states, settings)
-    result = BoundResult("seq-path", False, math.inf, 0.0, 0, [states[0][0], *(e for _, e in states)], [], drift)
+    result = BoundResult(Bound.SEQ_PATH, False, math.inf, 0.0, 0, [states[0][0], *(e for _, e in states)], [], drift)
     result.violations += [v for group in groups for v in _blocked(group.batch)]
     if not result.violations:
         result.iterations = solve_groups(groups, seed, budget, thorough)
