@@ -1,7 +1,7 @@
 """The built-in functions of the language, with what they take and give. One table for checker, back ends and docs.
 
 Kinds: "number" (plain), "length", "angle", "vector", "pose", "rows" (several lengths), "object", "chain", "letter";
-"same" is the kind of the arguments, "rows" where one of two is.
+"same" is the kind of the arguments, "rows" where one of two is; "joint" is a joint of a thing, such as `X.j2`.
 A "length" and a "number" mix freely only when one of them is a plain literal number.
 """
 
@@ -42,7 +42,7 @@ FUNCTIONS: dict[str, Builtin] = {
     "random": _f("number number|length length|angle angle|time time|speed speed", "same", 1, "scene",
                  "a random number between two bounds, by the seed"),
     "sqrt": _f("number", "number", 1, "scene rule motion", "square root"),
-    "abs": _f("number|length|angle", "same", 1, "scene rule motion", "absolute value"),
+    "abs": _f("number|length|angle|force|torque|wrench", "same", 1, "scene rule motion", "absolute value"),
     "least": _f("number number|length length|angle angle|rows rows|rows length|length rows", "same", 1, "scene motion",
                 "the smaller of two values; of several lengths, of each"),
     "sin": _f("angle", "number", 1, "scene rule motion", "sine"),
@@ -60,6 +60,15 @@ FUNCTIONS: dict[str, Builtin] = {
                "mass of the body, or of the module that the object is part of, in kilograms at the density of water"),
     "centre": _f("object", "vector", 3, "motion",
                  "centre of mass of the body, or of the module that the object is part of, in the world"),
+    "load": _f("object|chain", "number", 1, "rule motion",
+               "the worst ratio of load, times the safety, to strength: of what an object or its module has, at rest;"
+               " in a rule at the start, or of a chain in the worst of all postures, held by its first end"),
+    "torque": _f("joint", "torque", 1, "rule motion",
+                 "what the drive of a joint such as `X.j2` gives at rest, in N m, of a prismatic one in N; 0 where the"
+                 " module of X has no such joint; in a rule at the start"),
+    "wrench": _f("object object", "wrench", 6, "motion",
+                 "force and moment that the first of a kept pair puts on the second at rest, along and about the axes"
+                 " of where they meet, the third one along the normal; 0 where nothing keeps them together"),
     "dot": _f("vector vector", "number", 1, "motion", "inner product"),
     "cross": _f("vector vector", "vector", 3, "motion", "cross product"),
     "norm": _f("vector", "length", 1, "motion", "length of a vector"),

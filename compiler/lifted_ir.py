@@ -110,7 +110,7 @@ class ChainModule:
 @dataclass(frozen=True, slots=True)
 class Function:
     """A built-in function of terms; `builtins.FUNCTIONS` lists them with argument and result kinds. `axis` takes
-    its letter as a second argument `Letter`."""
+    its letter as a second argument `Letter`, `torque` the name of a joint."""
 
     name: str
     args: tuple[Term, ...]
@@ -119,7 +119,7 @@ class Function:
 
 @dataclass(frozen=True, slots=True)
 class Letter:
-    """The x, y or z in `axis(X, z)`."""
+    """The x, y or z in `axis(X, z)`, or the name of a joint."""
 
     letter: str
 

@@ -39,6 +39,8 @@ def format_term(term: ir.Term, outer: int = 0) -> str:
             return f"{term.chain}.{'last' if term.last else 'first'}"
         case ir.ChainModule():
             return f"{term.chain}[{format_term(term.index)}]" + (f".{term.side}" if term.side else "")
+        case ir.Function(name="torque", args=(thing, ir.Letter(joint))):
+            return f"torque({format_term(thing)}.{joint})"
         case ir.Function():
             return f"{term.name}({', '.join(map(format_term, term.args))})"
         case ir.Letter():

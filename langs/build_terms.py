@@ -45,6 +45,9 @@ _RATES = {
     ("angle", "/s^2"): "angular acceleration",
 }
 
+WRENCH = 6
+"""Components of a bound on a wrench: three forces, three moments."""
+
 
 class NestingError(Exception):
     """A term or condition is nested deeper than MAX_DEPTH."""
@@ -155,7 +158,7 @@ class TermBuilder:
         return s.Call(str(tree.children[0]), self.terms(tree.children[1:]), span=self.span(tree))
 
     def _vector(self, tree: Branch) -> s.Vector:
-        if len(tree.children) > 3:
+        if len(tree.children) not in (2, 3, WRENCH):
             self.problem(
                 "E0001",
                 "a vector has two or three components",

@@ -100,6 +100,7 @@ def _check_row(context: Context, scope: Scope, item: syntax.MotionRow) -> ir.Row
     if any("pose" in _pose_inside(t) for t in (left, right)):
         findings.report("E0404", item.span, "`pose` stands only after `keep`", help="write `keep pose(…)`")
         return None
+    left, right = _six(left, right), _six(right, left)
     measured = [_check_measures(context, t, v) for t, v in ((item.left, left), (item.right, right))]
     if not all(measured) or not _check_sizes(context, item, left, right):
         return None
@@ -110,6 +111,14 @@ def _check_row(context: Context, scope: Scope, item: syntax.MotionRow) -> ir.Row
     return ir.Row(item.when, left.term, item.operator, right.term, rows, item.span)
 
 
+def _six(typed: Typed, other: Typed) -> Typed:
+    """Six numbers beside a wrench are one."""
+    items = typed.term.items if isinstance(typed.term, ir.Vector) else ()
+    if other.kind.name == "wrench" and len(items) == size_of(other.kind):
+        return Typed(typed.term, other.kind)
+    return typed
+
+
 def _pose_inside(typed: Typed) -> str:
     return typed.kind.name
 
@@ -118,7 +127,7 @@ def _check_measures(context: Context, term: syntax.Term, typed: Typed) -> bool:
     if typed.kind.name in ("object", "chain", "letter"):
         context.findings.report("E0208", term.span, f"a number or vector is needed here, not {typed.kind}")
         return False
-    if isinstance(typed.term, ir.Vector) and len(typed.term.items) != 3:
+    if isinstance(typed.term, ir.Vector) and len(typed.term.items) != size_of(typed.kind):
         context.findings.report("E0401", term.span, f"a vector has 3 components, not {len(typed.term.items)}")
         return False
     return True

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """`name` is number, length, angle, time, speed, angular speed, vector, rows, pose, object, chain or unknown
+    """`name` is number, length, angle, time, speed, …, vector, rows, wrench, pose, object, chain or unknown
     (after an error, to keep quiet about what follows). `type` is the object type, or the element type of a chain;
     `ends` the type of a chain's effectors."""
 
@@ -48,12 +48,14 @@ PHRASES = {
     "vector": "a vector",
     "rows": "several lengths",
     "pose": "a pose",
+    "wrench": "a wrench",
+    "joint": "a joint",
     "object": "an object",
     "chain": "a chain",
     "letter": "one of the letters x, y, z",
     "unknown": "something unknown",
 }
-SIZES = {"vector": 3, "rows": 4, "pose": 6}
+SIZES = {"vector": 3, "rows": 4, "pose": 6, "wrench": 6}
 
 UNKNOWN = Kind("unknown")
 NUMBER = Kind("number")
@@ -89,7 +91,7 @@ def added(left: Kind, right: Kind, left_literal: bool, right_literal: bool) -> K
     """The kind of a sum or difference, or None where the two do not mix. A plain literal number passes for a length."""
     if not (left.known and right.known):
         return UNKNOWN
-    if left == right and (left.is_scalar or left.name in ("vector", "rows")):
+    if left == right and (left.is_scalar or left.name in ("vector", "rows", "wrench")):
         return left
     names = {left.name, right.name}
     if names == {"number", "length"}:
@@ -106,7 +108,7 @@ def multiplied(left: Kind, right: Kind) -> Kind | None:
     if not (left.known and right.known):
         return UNKNOWN
     for one, other in ((left, right), (right, left)):
-        if one.name == "number" and (other.is_scalar or other.name in ("vector", "rows")):
+        if one.name == "number" and (other.is_scalar or other.name in ("vector", "rows", "wrench")):
             return other
         if one.name == "length" and other.name == "vector":
             return other
@@ -122,7 +124,7 @@ def divided(left: Kind, right: Kind) -> Kind | None:
     """The kind of a quotient: by a plain number, of two values of one kind, or of a way, a time and a speed."""
     if not (left.known and right.known):
         return UNKNOWN
-    if right.name == "number" and (left.is_scalar or left.name in ("vector", "rows")):
+    if right.name == "number" and (left.is_scalar or left.name in ("vector", "rows", "wrench")):
         return left
     if left == right and left.is_scalar:
         return NUMBER

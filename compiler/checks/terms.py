@@ -123,6 +123,8 @@ def _apply(context: Context, scope: Scope, term: syntax.Call, name_span: Span) -
     for i, arg in enumerate(term.args):
         if all(o[i] == "letter" for o in overloads):
             arguments.append(_check_letter(context, arg))
+        elif all(o[i] == "joint" for o in overloads):
+            arguments.append(_check_joint(context, scope, arg))
         else:
             arguments.append(check_term(context, scope, arg))
     if any(not a.kind.known for a in arguments):
@@ -150,7 +152,13 @@ def _apply(context: Context, scope: Scope, term: syntax.Call, name_span: Span) -
             return BROKEN
         if value is not None:
             return Typed(ir.Number(value, term.span), kind, literal)
-    return Typed(ir.Function(term.function, tuple(a.term for a in arguments), term.span), kind)
+    lowered: list[ir.Term] = []
+    for typed in arguments:
+        if typed.kind.name == "joint" and isinstance(typed.term, ir.Vector):
+            lowered += typed.term.items
+        else:
+            lowered.append(typed.term)
+    return Typed(ir.Function(term.function, tuple(lowered), term.span), kind)
 
 
 def _fits(typed: Typed, wanted: str) -> bool:
@@ -170,11 +178,24 @@ def _check_letter(context: Context, term: syntax.Term) -> Typed:
     return BROKEN
 
 
+def _check_joint(context: Context, scope: Scope, term: syntax.Term) -> Typed:
+    """`X.j2`: a thing and the name of a joint, which is looked for once the scene is built."""
+    if not isinstance(term, syntax.Attribute):
+        context.findings.report("E0208", term.span, "a joint of a thing is needed here, such as `X.j2`")
+        return BROKEN
+    base = check_term(context, scope, term.base)
+    if base.kind.known and base.kind.name != "object":
+        context.findings.report("E0208", term.base.span, f"an object is needed here, not {base.kind}")
+        return BROKEN
+    pair = ir.Vector((base.term, ir.Letter(term.name)), term.span)
+    return Typed(pair, Kind("joint") if base.kind.known else UNKNOWN)
+
+
 def _check_negate(context: Context, scope: Scope, term: syntax.Negate) -> Typed:
     operand = check_term(context, scope, term.operand)
     if operand.value is not None:
         return Typed(ir.Number(-operand.value, term.span), operand.kind, operand.literal)
-    if operand.kind.known and not (operand.kind.is_scalar or operand.kind.name in ("vector", "rows")):
+    if operand.kind.known and not (operand.kind.is_scalar or operand.kind.name in ("vector", "rows", "wrench")):
         context.findings.report("E0208", term.operand.span, f"{operand.kind} has no negative")
         return BROKEN
     return Typed(ir.Arith("neg", (operand.term,), term.span), operand.kind)

@@ -125,7 +125,7 @@ def parameter_sizes(kinds: tuple[Kind, ...]) -> list[int]:
     return count
 
 
-def _solid(kind: Kind, slots: list[Expression], constants: Expression) -> DistanceShape:
+def solid(kind: Kind, slots: list[Expression], constants: Expression) -> DistanceShape:
     match kind:
         case EffectorKind(type=module, effector="", slot=slot):
             weight = partial(_balance, module, slots[slot])
@@ -166,6 +166,14 @@ def _measured(name: str, solid: DistanceShape) -> Expression:
     return distances.mass(solid) if name == "mass" else solid.frame.position
 
 
+class RowScope(dict[str, DistanceShape]):
+    """The things of a row by name, and what its functions about loads are worth."""
+
+    def __init__(self, loads: Mapping[ir.Function, Expression] | None = None) -> None:
+        super().__init__()
+        self.loads = loads or {}
+
+
 def _function(name: str, args: tuple[ir.Term, ...], scope: Mapping[str, DistanceShape]) -> Expression:
     if name in distances.PAIRS:
         return distances.PAIRS[name](_object(args[0], scope), _object(args[1], scope))
@@ -197,6 +205,8 @@ def _value(term: ir.Term, scope: Mapping[str, DistanceShape]) -> Expression:
         case ir.Number(value):
             return ca.SX(value)
         case ir.Function(name, args):
+            if isinstance(scope, RowScope) and term in scope.loads:
+                return scope.loads[term]
             return _function(name, args, scope)
         case ir.Vector(items):
             return vector([_value(i, scope) for i in items])
@@ -252,17 +262,21 @@ def stage(row: ir.Row, names: tuple[str, ...], kinds: tuple[Kind, ...]) -> Stage
             start += size
         scope, used = {}, 0
         for name, kind, count in zip(names, kinds, counts, strict=True):
-            scope[name] = _solid(kind, slots, constants[used : used + count])
+            scope[name] = solid(kind, slots, constants[used : used + count])
             used += count
         scopes.append(scope)
     if row.when == "keep":
-        residual = _kept(row.left, scopes, dict(zip(names, kinds, strict=True)))
+        change = _kept(row.left, scopes, dict(zip(names, kinds, strict=True)))
     else:
-        left, right = _value(row.left, scopes[0]), _value(row.right or ir.Number(0.0), scopes[0])
-        residual = right - left if row.operator == ">=" else left - right
-        if residual.numel() < row.rows:
-            residual = ca.repmat(residual, row.rows, 1)
-    return Stage(row.when, variables, constants, residual)
+        change = residual(row, scopes[0])
+    return Stage(row.when, variables, constants, change)
+
+
+def residual(row: ir.Row, scope: Mapping[str, DistanceShape]) -> Expression:
+    """What is 0, of an inequality at most 0, where a row that compares holds."""
+    left, right = _value(row.left, scope), _value(row.right or ir.Number(0.0), scope)
+    found = right - left if row.operator == ">=" else left - right
+    return ca.repmat(found, row.rows, 1) if found.numel() < row.rows else found
 
 
 @cache

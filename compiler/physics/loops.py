@@ -101,7 +101,7 @@ def _functionals(problem: Problem, edge: Edge, at: Poses, t: int, safety: float)
     hold, normal = edge.hold, axes[:, 2]
     inner = math.cos(math.pi / (2 * SIDES))
     contact = edge.manner in CONTACTS
-    push = np.concatenate([-normal, np.zeros(3)])
+    push = np.concatenate([normal if edge.turned else -normal, np.zeros(3)])
     sticks = hold.force if edge.manner == "pad" else 0.0 if contact else math.inf
     for k in range(SIDES):
         angle = math.pi * k / SIDES

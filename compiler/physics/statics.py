@@ -100,6 +100,8 @@ def loads_of(problem: Problem, edge: Edge, at: Poses, force: Array, moment: Arra
     place, axes = meeting(problem, edge, at)
     own = np.einsum("tij,ti->tj", axes, force)
     bent = np.einsum("tij,ti->tj", axes, moment - np.cross(place, force))
+    if edge.turned:
+        own, bent = -own, -bent
     kind = "foot" if edge.manner in CONTACTS else "dock"
     rows = _held(edge.hold, own, bent, foot_radius(problem, edge.place), edge.manner, safety)
     return [Load(edge, kind, safety * amount / strength, amount, strength, unit) for amount, strength, unit in rows]

@@ -21,7 +21,7 @@ WORLD: Node = ("", -1)
 class Edge:
     """`child` is borne by `parent`. Of a joint `joint` is its index in the module of `child`; of a kept pair `manner`
     tells how it holds, `hold` how strongly (None: without limit), `names` are its two objects and `place` is the one
-    whose frame and shape tell where they meet."""
+    whose frame and shape tell where they meet; `turned`: the first of them hangs on the second."""
 
     parent: Node
     child: Node
@@ -30,6 +30,7 @@ class Edge:
     manner: str = ""
     hold: Hold | None = None
     place: str = ""
+    turned: bool = False
 
     @property
     def is_joint(self) -> bool:
@@ -75,7 +76,7 @@ def structure(problem: Problem, mode: frozenset[Fact]) -> Structure:
 
 
 def _turned(edge: Edge) -> Edge:
-    return Edge(edge.child, edge.parent, edge.joint, edge.names, edge.manner, edge.hold, edge.place)
+    return Edge(edge.child, edge.parent, edge.joint, edge.names, edge.manner, edge.hold, edge.place, not edge.turned)
 
 
 def _joints(problem: Problem) -> list[Edge]:
@@ -98,7 +99,7 @@ def _pairs(problem: Problem, mode: frozenset[Fact]) -> list[Edge]:
         if pair is None or frozenset(pair) in found:
             continue
         manner = borne.get(frozenset(pair), "")
-        below, above = _node(problem, pair[0]), _node(problem, pair[1])
+        below, above = node_of(problem, pair[0]), node_of(problem, pair[1])
         if manner == NOTHING or below == above:
             continue
         names = pair
@@ -118,7 +119,7 @@ def _rests_on(problem: Problem, pair: tuple[str, str], mode: frozenset[Fact]) ->
     return any(problem.motions[f[0]].borne in CONTACTS and f[1:3] == pair for f in mode)
 
 
-def _node(problem: Problem, name: str) -> Node:
+def node_of(problem: Problem, name: str) -> Node:
     found = problem.world.effector(name)
     if found is not None:
         return found[0].name, found[1].joint

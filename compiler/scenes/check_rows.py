@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from .. import ir
 from ..checks.findings import Findings
 
@@ -24,10 +26,14 @@ def _check(
     findings: Findings, problem: ir.Problem, motion: ir.MotionPredicate, row: ir.Row, literal: ir.Fact
 ) -> None:
     from ..motion.constraints import arguments, units
+    from ..motion.loaded_rows import speaks_of_loads
 
     binding = {v.name: name for v, name in zip(motion.variables, literal[1:], strict=True)}
     names = arguments(row, motion.variables)
-    misses = _residuals(problem.world, row, names, [binding.get(n, n) for n in names])
+    if speaks_of_loads(row):
+        misses = _loaded_residuals(problem, motion, row, binding)
+    else:
+        misses = _residuals(problem.world, row, names, [binding.get(n, n) for n in names])
     if row.operator == "=":
         misses = [abs(miss) for miss in misses]
     told = units(row)
@@ -42,6 +48,30 @@ def _check(
             f"`[{' '.join(literal)}]` holds at the start, but this row is missed there by {shown}",
             labels=[(motion.span, "declared here")] if motion.span else [],
         )
+
+
+def _loaded_residuals(
+    problem: ir.Problem, motion: ir.MotionPredicate, row: ir.Row, binding: Mapping[str, str]
+) -> list[float]:
+    """Those of a row about loads, as shares of its bound; none where closed loops leave loads open."""
+    import numpy as np
+
+    from ..motion.constraints import BodyKind, RestKind
+    from ..motion.loaded_rows import loaded_row
+
+    made = loaded_row(problem, problem.init_motion, row, motion.variables, binding)
+    if made is None:
+        return [0.0]
+    world, values, constants = problem.world, list[float](), list[float]()
+    for name in made.slots:
+        module = world.modules.get(name)
+        values += world.bodies[name].pose if module is None else (*module.pose, *module.joints)
+    for name, kind in zip(made.objects, made.kinds, strict=True):
+        if isinstance(kind, RestKind):
+            constants += world.bodies[name].pose
+        if isinstance(kind, BodyKind | RestKind) and isinstance(kind.shape, str):
+            constants += world.bodies[name].shape.size
+    return [float(x) for x in made.stage.values(np.array([values]), np.array([constants]))[0]]
 
 
 def _residuals(world: ir.World, row: ir.Row, names: tuple[str, ...], objects: list[str]) -> list[float]:

@@ -2,23 +2,35 @@
 
 from __future__ import annotations
 
+from ...langs.diagnostics import did_you_mean
+from ...langs.trees import parts
 from .. import ir
 from ..checks.findings import Findings
-from ..options import OPTIONS
 from ..physics.masses import DENSITY, unstated
+from ..physics.safety import safety_of, weighed
 
 SLACK = 1e-9
 """Share by which a load that is exactly the strength may be more by rounding."""
 
 
-def safety_of(options: ir.Options) -> float:
-    """How many times its load everything must bear."""
-    return float(OPTIONS["safety"].default if options.safety is None else options.safety)
+def check_joint_names(findings: Findings, problem: ir.Problem) -> None:
+    """Reports joints that conditions and rows speak of and no module of the scene has."""
+    known = sorted({j.name for m in problem.world.modules.values() for j in m.type.joints})
+    asked: list[object] = [row for motion in problem.motions.values() for row in motion.rows]
+    asked += [rule.condition for rule in problem.rules.values()]
+    asked += [derived.body for derived in problem.derived.values()]
+    for part in (p for item in (*asked, problem.goal, problem.heuristic) if item is not None for p in parts(item)):
+        if isinstance(part, ir.Function) and part.name == "torque" and isinstance(part.args[1], ir.Letter):
+            name = part.args[1].letter
+            if known and name not in known and part.span is not None:
+                help = did_you_mean(name, known) or f"there are {', '.join(known[:8])}"
+                findings.report("E0114", findings.word(part.span, name), f"no module of the scene has a joint `{name}`",
+                                help=help)  # fmt: skip
 
 
 def check_strength(findings: Findings, problem: ir.Problem) -> None:
     """Reports W0018 and E0523 where the task has `physics` on."""
-    if problem.options.physics in (None, "none"):
+    if not weighed(problem.options):
         return
     _warn(findings, problem)
     import numpy as np

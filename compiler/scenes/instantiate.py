@@ -16,7 +16,7 @@ from ..checks.relaxation import Relaxation, RelaxedWorld, movable
 from ..checks.values import bind_arguments
 from .check_rows import check_rows
 from .check_start import check_start
-from .check_strength import check_strength
+from .check_strength import check_joint_names, check_strength
 from .happenings import breakdowns, courses
 from .initial import initial_state
 from .lifted import Lifted
@@ -48,6 +48,7 @@ def instantiate(
     check_ways(context.findings, problem.world, carried)
     if context.findings.errors == errors:
         check_rows(context.findings, problem)
+        check_joint_names(context.findings, problem)
         check_strength(context.findings, problem)
     return problem
 

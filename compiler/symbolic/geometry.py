@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from ..extents import box_sides
 from ..hulls import Array, convex_geometry
 from ..ir import Chain, ModuleType, Pose, Problem, Shape, ShapeKind
+from ..physics.scene_loads import SceneLoads
 from ..poses import compose, joint_frames, make, orientation, position, rotate
 from .lengths import longest_chain, path_length, shape_radius
 from .settings import SYMBOLIC
@@ -59,6 +61,11 @@ class SceneLengths:
         self._tables: dict[tuple[Any, ...], Array] = {}
         self._reaches: dict[tuple[str, str], float] = {}
         self._chain_reaches: dict[Chain, float] = {}
+
+    @cached_property
+    def loads(self) -> SceneLoads:
+        """What things and chains bear."""
+        return SceneLoads(self.problem)
 
     def radius(self, i: Any) -> Any:
         """The radius of a round shape, of the sphere around another one, 0 without shape."""

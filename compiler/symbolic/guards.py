@@ -28,6 +28,7 @@ from ..ir import (
     Forall,
     Formula,
     Function,
+    Letter,
     Literal,
     Not,
     Number,
@@ -140,6 +141,10 @@ class Guards:
             return self.geometry.stride(first, second, float(self.number(args[2], env)))
         if name == "radius":
             return self.geometry.radius(self.thing(args[0], env))
+        if name == "load" and isinstance(args[0], Var) and isinstance(env.get(args[0].name), Chain):
+            return self.geometry.loads.chain(env[args[0].name])
+        if name in ("load", "torque"):
+            return self._loaded(term, env)
         if name in ("reach", "length") and len(args) == 1 and isinstance(args[0], Var):
             chain: Chain = env[args[0].name]
             return float(len(chain.modules)) if name == "length" else self.geometry.chain_reach(chain)
@@ -149,6 +154,19 @@ class Guards:
                 raise Undefined
             return self.geometry.reach(names[0], names[1])
         return MATHS[name](*(self.number(a, env) for a in args))
+
+    def _loaded(self, term: Function, env: Environment) -> Any:
+        """Loads of things at the start, where a variable stands for many objects of each."""
+        things = self.thing(term.args[0], env)
+        joint = term.args[1].letter if len(term.args) > 1 and isinstance(term.args[1], Letter) else ""
+
+        def one(thing: int) -> float:
+            name = self.geometry.names[thing]
+            return self.geometry.loads.torque(name, joint) if joint else self.geometry.loads.of(name)
+
+        if isinstance(things, int):
+            return one(things)
+        return np.array([one(int(t)) for t in np.ravel(things)]).reshape(np.shape(things))
 
     def thing(self, term: Term, env: Environment) -> Any:
         """The index of the object that a term denotes, or an array of indices."""

@@ -349,7 +349,7 @@ def length_bounds(flat: FlatRule) -> list[Compare]:
 def reads_chains(flat: FlatRule) -> bool:
     """Whether a condition depends on how long some chain is."""
     found = (part for formula in flat.conjuncts for part in parts(formula) if isinstance(part, Function))
-    return any(f.name in ("reach", "length") and len(f.args) == 1 for f in found)
+    return any(f.name in ("reach", "length", "load") and len(f.args) == 1 for f in found)
 
 
 def families(guards: Guards, costs: Mapping[str, float]) -> list[EdgeFamily]:

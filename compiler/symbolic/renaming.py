@@ -71,12 +71,14 @@ def _functions(
 ) -> Iterable[tuple[Function, Mapping[str, frozenset[str]]]]:
     for formula, names in items:
         for part in parts(formula):
-            if isinstance(part, Function) and part.name in ("distance", "stride"):
+            if isinstance(part, Function) and part.name in ("distance", "stride", "load", "torque"):
                 yield part, names
 
 
 def _touches(layout: Layout, term: Function, names: Mapping[str, frozenset[str]]) -> bool:
-    for arg in term.args[:2]:
+    if term.name == "load" and isinstance(term.args[0], Var) and term.args[0].name not in names:
+        return False
+    for arg in term.args[: 1 if term.name in ("load", "torque") else 2]:
         if isinstance(arg, Object):
             if arg.name in layout.small:
                 return True

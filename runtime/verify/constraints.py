@@ -14,6 +14,7 @@ from ...compiler import ir
 from ..plan import MeasureRecord, Plan
 from .bounds import Bounds
 from .findings import Findings, place_of
+from .gauge import LOADS, Gauge
 from .geometry import Array, Frames, angles
 from .happenings import kept
 from .kinematics import Motion
@@ -32,12 +33,13 @@ def check_constraints(
     way."""
     switches = _Switches(problem, motion, findings)
     for index, added in enumerate(story.added[: len(plan.phases)]):
+        after = story.modes[index + 1] if index + 1 < len(story.modes) else story.final
         for literal in sorted(added):
-            switches.measure(literal, motion.ranges[index][1])
+            switches.measure(literal, motion.ranges[index][1], after)
     begun: dict[ir.Fact, dict[ir.Row, _Held]] = {}
     for index, mode in enumerate(story.modes[: len(motion.ranges)]):
         begun = {literal: begun.get(literal, {}) for literal in sorted(mode)}
-        phase = _Phase(problem, motion, sampler, index, findings)
+        phase = _Phase(problem, motion, sampler, index, findings, Gauge(problem, mode))
         for literal, held in begun.items():
             if not _goes_its_way(problem, literal, sampler.happenings.free[index]):
                 phase.measure(literal, held)
@@ -78,6 +80,9 @@ class _Literals:
     def _rows(self, literal: ir.Fact, when: str) -> list[ir.Row]:
         return [r for r in self._problem.motions[literal[0]].rows if r.when == when]
 
+    def _loaded(self, literal: ir.Fact) -> bool:
+        return any(_loads(row) for row in self._problem.motions[literal[0]].rows)
+
     def _names(self, literal: ir.Fact) -> dict[str, str]:
         variables = self._problem.motions[literal[0]].variables
         return dict(zip((v.name for v in variables), literal[1:], strict=True))
@@ -97,11 +102,13 @@ class _Switches(_Literals):
 
     def __init__(self, problem: ir.Problem, motion: Motion, findings: Findings) -> None:
         super().__init__(problem, findings)
-        self._evaluate = Evaluator(shapes_of(problem), motion, problem.world)
+        self._motion = motion
         self._times = motion.times
 
-    def measure(self, literal: ir.Fact, sample: int) -> None:
-        """Measure the switch rows of a literal at the sample where it is added."""
+    def measure(self, literal: ir.Fact, sample: int, after: frozenset[ir.Fact]) -> None:
+        """Measure the switch rows of a literal at the sample where it is added; `after` holds from then on."""
+        gauge = Gauge(self._problem, after) if self._loaded(literal) else None
+        self._evaluate = Evaluator(shapes_of(self._problem), self._motion, self._problem.world, gauge)
 
         def relative(residual: _Residual) -> float:
             return residual.amount / self._findings.limit(residual.kind)
@@ -124,7 +131,7 @@ class _Switches(_Literals):
         except MeaninglessRow as error:
             self._meaningless(literal, row, error)
             return None
-        amount = max(0.0, float(_excess(left.values, right.values, row.operator)[0]))
+        amount = max(0.0, float(_excess(left.values, right.values, row.operator)[0])) / _share(row)
         residual = _Residual(_switch_kind(row, left.unit or right.unit), amount, float(self._times[sample]), row)
         self._record(literal, residual)
         return residual
@@ -133,8 +140,11 @@ class _Switches(_Literals):
 class _Phase(_Literals):
     """Rows during one phase."""
 
-    def __init__(self, problem: ir.Problem, motion: Motion, sampler: Sampler, phase: int, findings: Findings) -> None:
+    def __init__(
+        self, problem: ir.Problem, motion: Motion, sampler: Sampler, phase: int, findings: Findings, gauge: Gauge
+    ) -> None:  # fmt: skip
         super().__init__(problem, findings)
+        self._gauge = gauge
         self._shapes = shapes_of(problem)
         self._motion, self._sampler, self._phase = motion, sampler, phase
         self._first, _ = motion.ranges[phase]
@@ -161,8 +171,10 @@ class _Phase(_Literals):
             evaluate, strays = self._posed(grid, names)
             left, right = (evaluate.value(side, names, np.arange(len(grid.times))) for side in _sides(row))
             kinds[0] = "during_m" if (left.unit or right.unit) == "m" else "during"
-            excess = _excess(left.values, right.values, row.operator)
-            stray = np.max(np.add(*(strays.of(side) for side in _sides(row))), axis=1)
+            if _loads(row):
+                kinds[0] = "load_share"
+            excess = _excess(left.values, right.values, row.operator) / _share(row)
+            stray = np.max(np.add(*(strays.of(side) for side in _sides(row))), axis=1) / _share(row)
             highest = np.maximum(excess[1:], excess[:-1]) + stray
             return Look(np.maximum(excess, 0.0), highest, self._findings.limit(kinds[0]))
 
@@ -173,7 +185,7 @@ class _Phase(_Literals):
 
     def _keep_value(self, literal: ir.Fact, row: ir.Row, held: dict[ir.Row, _Held]) -> None:
         names = self._names(literal)
-        stored = Evaluator(self._shapes, self._motion, self._problem.world)
+        stored = Evaluator(self._shapes, self._motion, self._problem.world, self._gauge)
         value = stored.value(row.left, names, np.array([self._first]))
         kind = "slip_m" if value.unit == "m" else "slip_rad"
         begin = held.setdefault(row, value.values)
@@ -210,7 +222,8 @@ class _Phase(_Literals):
     def _posed(self, grid: Grid, names: Mapping[str, str]) -> tuple[Evaluator, Strays]:
         placement = self._sampler.at(self._phase, grid.times)
         world = self._problem.world
-        evaluate = Evaluator(self._shapes, Shown(placement, self._sampler.kinematics), world)
+        shown = Shown(placement, self._sampler.kinematics)
+        evaluate = Evaluator(self._shapes, shown, world, self._gauge)
         bounds = Bounds(self._sampler, self._phase, grid, placement)
         return evaluate, Strays(self._sampler, bounds, self._shapes, evaluate, names, world)
 
@@ -245,10 +258,23 @@ def _excess(left: Array, right: Array, operator: str) -> Array:
 
 
 def _switch_kind(row: ir.Row, unit: str) -> str:
+    if _loads(row):
+        return "load_share"
     functions = set(_functions(row.left)) | (set() if row.right is None else set(_functions(row.right)))
     if unit == "m":
         return "gap_m" if "gap" in functions else "position_m"
     return "orientation_rad" if "axis" in functions else "residual"
+
+
+def _loads(row: ir.Row) -> bool:
+    """Whether a row speaks of loads."""
+    return any(name in LOADS for side in _sides(row) for name in _functions(side))
+
+
+def _share(row: ir.Row) -> float:
+    """What the excess of a row about loads is a share of: its bound, where that is a number above 1."""
+    bounds = [abs(float(s.value)) for s in _sides(row) if isinstance(s, ir.Number)]
+    return max([1.0, *bounds]) if _loads(row) else 1.0
 
 
 def _functions(node: ir.Term) -> Iterator[str]:

@@ -172,10 +172,14 @@ def _function(state: State, node: ir.Function, environment: Environment) -> Valu
             return _NUMERIC[node.name](number(state, node.args[0], environment))
         except (ValueError, OverflowError) as error:
             raise ReplayError(f"{node.name} has no value here") from error
+    if node.name == "torque" and isinstance(node.args[1], ir.Letter):
+        return state.guards.torque(str(term(state, node.args[0], environment)), node.args[1].letter)
     arguments = [term(state, a, environment) for a in node.args]
     match node.name, arguments:
         case "length", [ir.Chain() as chain]:
             return len(chain.modules)
+        case "load", [ir.Chain() | str() as thing]:
+            return state.guards.load(thing)
         case "reach", [ir.Chain() as chain]:
             return state.guards.chain_reach(chain)
         case "reach", [str(first), str(second)]:

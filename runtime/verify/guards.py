@@ -1,10 +1,11 @@
-"""Numeric guards of rules, measured on the scene at the start: distance, stride, reach, radius."""
+"""Numeric guards of rules, measured on the scene at the start: distance, stride, reach, radius, load, torque."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from ...compiler import ir
 from .geometry import Frames, frames
 from .shapes import Ruler, corners, geometry, heights, round_radius, transform
+from .start_loads import StartLoads, StartScene
 
 POINT = 1e-9
 FACE = 1e-9
@@ -33,7 +35,7 @@ class Guards:
     """The start scene of a problem, measured at will; every figure is computed once."""
 
     def __init__(self, problem: ir.Problem) -> None:
-        self._world = problem.world
+        self._problem, self._world = problem, problem.world
         self._ruler = Ruler()
         self._known: dict[tuple[str, ...], float] = {}
         self._placed: dict[str, list[_Placed]] = {}
@@ -85,6 +87,19 @@ class Guards:
         inner = sum(self.reach(entry, leave) for _, entry, leave in chain.modules)
         docks = zip(chain.modules, chain.modules[1:], strict=False)
         return inner + sum(self.radius(a[2]) + self.radius(b[1]) for a, b in docks)
+
+    def load(self, thing: str | ir.Chain) -> float:
+        """The worst ratio of load to strength: of a thing at the start, of a chain in the worst of all postures."""
+        return self._loads.chain(thing) if isinstance(thing, ir.Chain) else self._loads.load(thing)
+
+    def torque(self, name: str, joint: str) -> float:
+        """What the drive of a joint gives at the start; 0 where there is no such joint."""
+        return self._loads.torque(name, joint)
+
+    @cached_property
+    def _loads(self) -> StartLoads:
+        scene = StartScene(self._world, {n: joint_frames(m) for n, m in self._world.modules.items()})
+        return StartLoads(self._problem, scene)
 
     def _between(self, first: _Placed, second: _Placed) -> float:
         sides = []

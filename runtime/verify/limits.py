@@ -40,6 +40,7 @@ LIMITS: dict[str, float] = {
     "dock_ratio": 1.0,
     "foot_ratio": 1.0,
     "tip_m": 1e-4,
+    "load_share": 1e-2,
     "quaternion": 1e-6,
     "time_s": 1e-9,
 }
@@ -68,6 +69,8 @@ good plans are given where they come near.
 - torque_ratio, bearing_ratio, dock_ratio, foot_ratio: load times the task's `safety` over strength, where the task asks
   for physics. What is stated is meant as it is; planners keep a hundredth of it.
 - tip_m: how far a load leans out over the edge of what only rests. Rounding of samples, on levers of some metres.
+- load_share: by which share of their bound rows about loads are missed; they are looked at, not bounded, between
+  instants. Planners look at slices, between which loads are up to 0.8 % greater.
 - quaternion: lengths less 1. Rounding; quaternions are normalised before they are used.
 - time_s: times of phases against those of their samples. Rounding to 10 decimals."""
 

@@ -42,10 +42,22 @@ class Posed(Protocol):
         ...
 
 
+class Loaded(Protocol):
+    """What is known of loads."""
+
+    def value(self, function: ir.Function, names: Mapping[str, str], posed: Posed, at: Indices) -> Quantity:
+        """The value of a function about loads."""
+        ...
+
+
 class Evaluator:
     """Evaluates terms with the variables of one ground literal, at some instants."""
 
-    def __init__(self, shapes: Mapping[str, ir.Shape | None], motion: Posed, world: ir.World | None = None) -> None:
+    def __init__(
+        self, shapes: Mapping[str, ir.Shape | None], motion: Posed, world: ir.World | None = None,
+        loads: Loaded | None = None,
+    ) -> None:  # fmt: skip
+        self._loads = loads
         self._world = world
         self._shapes = shapes
         self._motion = motion
@@ -89,6 +101,10 @@ class Evaluator:
                 shape = self._shapes[name_of(subject, names)]
                 radius = 0.0 if shape is None else round_radius(shape.kind, shape.size)
                 return Quantity(np.full((len(index), 1), radius), unit)
+            case ("load" | "torque" | "wrench"), _:
+                if self._loads is None:
+                    raise MeaninglessRow(f"{node.name} has no value here")
+                return self._loads.value(node, names, self._motion, index)
             case "gap", (first, second):
                 return Quantity(self._gap(first, second, names, index), unit)
             case "inside", (first, second):

@@ -31,7 +31,7 @@ def shared(
         if node in forces:
             total += np.hstack([forces[node], moments[node]])
         for edge in support.hanging(node, ring):
-            total += np.hstack(known[edge])
+            total += (1.0 if edge.near == node else -1.0) * np.hstack(known[edge])
         weights[node] = total
     found = {e: (np.zeros((count, 3)), np.zeros((count, 3))) for e in ring}
     for t in range(count):

@@ -18,10 +18,11 @@ from ...compiler import ir
 from ...compiler.options import OPTIONS
 from ..plan import Plan
 from .findings import Findings, place_of
-from .geometry import Array, Frames, frames
+from .geometry import Array, Frames, Indices, frames
 from .happenings import kept
 from .inertia import body_mass, moments, weights
 from .rigid_model import RigidModel
+from .rows import Posed
 from .sampler import Sampler, Shown
 from .shared_loads import shared
 from .strengths import Joined, Support, joined, judge
@@ -65,10 +66,10 @@ def _measure(
     moving: bool, findings: Findings,
 ) -> None:  # fmt: skip
     shown = Shown(sampler.at(phase, times), sampler.kinematics)
-    nodes = _nodes(problem, shown)
-    loads = _loads(problem, nodes, _accelerated(problem, sampler, phase, times) if moving else None)
+    nodes = node_frames(problem, shown)
+    loads = node_loads(problem, nodes, _accelerated(problem, sampler, phase, times) if moving else None)
     edges = joined(problem, mode, kept(problem, mode))
-    wrenches = _wrenches(problem, edges, nodes, loads, safety)
+    wrenches = wrenches_of(problem, edges, nodes, loads, safety)
     for edge, (force, moment) in wrenches.items():
         for figure in judge(problem, edge, nodes, force, moment, safety):
             worst = int(np.argmax(figure.amounts))
@@ -80,13 +81,13 @@ def _measure(
         _repeat(problem, edges, nodes, wrenches, float(times[-1]), findings)
 
 
-def _nodes(problem: ir.Problem, shown: Shown) -> dict[tuple[str, int], Frames]:
-    """The frames `(T,)` of everything that is rigid and may move."""
+def node_frames(problem: ir.Problem, shown: Posed, at: Indices | slice = slice(None)) -> dict[tuple[str, int], Frames]:
+    """The frames `(T,)` of everything that is rigid and may move, at instants `at`."""
     found: dict[tuple[str, int], Frames] = {}
     for name in problem.world.modules:
-        found |= {(name, joint): frame for joint, frame in (shown.parts(name) or {}).items()}
+        found |= {(name, joint): frame[at] for joint, frame in (shown.parts(name) or {}).items()}
     for name in problem.world.bodies:
-        found[name, -1] = shown.frame(name)
+        found[name, -1] = shown.frame(name)[at]
     return found
 
 
@@ -106,7 +107,7 @@ def _solids(problem: ir.Problem) -> list[tuple[tuple[str, int], ir.Pose, float, 
     return found
 
 
-def _loads(
+def node_loads(
     problem: ir.Problem, nodes: Mapping[tuple[str, int], Frames],
     around: tuple[Mapping[tuple[str, int], Frames], Mapping[tuple[str, int], Frames]] | None,
 ) -> Loads:  # fmt: skip
@@ -142,14 +143,14 @@ def _accelerated(
     sides = []
     for step in (-STEP, STEP):
         shown = Shown(sampler.at(phase, inner + step), sampler.kinematics)
-        sides.append(_nodes(problem, shown))
+        sides.append(node_frames(problem, shown))
     return sides[0], sides[1]
 
 
 Wrenches = Mapping[Joined, tuple[Array, Array]]
 
 
-def _wrenches(
+def wrenches_of(
     problem: ir.Problem, edges: tuple[Joined, ...], nodes: Mapping[tuple[str, int], Frames], loads: Loads,
     safety: float,
 ) -> dict[Joined, tuple[Array, Array]]:  # fmt: skip
@@ -162,7 +163,8 @@ def _wrenches(
         for node in support.beyond(edge):
             if node in loads.forces:
                 force, moment = force + loads.forces[node], moment + loads.moments[node]
-        found[edge] = force, moment
+        sign = -1.0 if edge.near in support.beyond(edge) else 1.0
+        found[edge] = sign * force, sign * moment
     for ring in support.rings:
         found |= shared(problem, ring, nodes, loads.forces, loads.moments, found, support, safety)
     return found

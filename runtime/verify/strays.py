@@ -2,7 +2,8 @@
 
 The stray of a term in a stretch of time bounds how far its value anywhere in the stretch is from that at the nearer of
 both ends. Of a position it is half the length of the stretch times the speed; terms made of others follow by the rules
-for sums, products and quotients of numbers that are known but for an error."""
+for sums, products and quotients of numbers that are known but for an error. Of loads it is only estimated, as what they
+change by within the stretch."""
 
 from __future__ import annotations
 
@@ -74,6 +75,8 @@ class Strays:
                 return np.repeat(self._half * self._rates(subject).speed[:, None], 3, axis=1)
             case "axis", (subject, _):
                 return np.repeat(self._half * self._rates(subject).turn[:, None], 3, axis=1)
+            case ("load" | "torque" | "wrench"), _:
+                return np.abs(np.diff(self._values(node), axis=0))
             case ("mass" | "radius"), _:
                 return np.zeros((len(self._half), 1))
             case "centre", (subject,):

@@ -12,7 +12,7 @@ from tamplang.runtime.planner.plan_assembly import module_record
 from tamplang.runtime.verify.geometry import frames
 from tamplang.runtime.verify.happenings import kept
 from tamplang.runtime.verify.kinematics import Kinematics
-from tamplang.runtime.verify.statics import _loads, _wrenches
+from tamplang.runtime.verify.statics import node_loads, wrenches_of
 from tamplang.runtime.verify.strengths import Joined, joined, judge
 
 TEXT = """import std.rules
@@ -53,7 +53,7 @@ def both(pull: str, moment: str) -> tuple[np.ndarray, np.ndarray, float]:
     nodes = {("c", joint): frame for joint, frame in placed.items()}
     nodes |= {(n, -1): frames(b) for n, b in bodies.items()}
     edges = joined(problem, MODE, kept(problem, MODE))
-    found = _wrenches(problem, edges, nodes, _loads(problem, nodes, None), 1.5)
+    found = wrenches_of(problem, edges, nodes, node_loads(problem, nodes, None), 1.5)
     theirs = np.zeros(COUNT)
     for edge, (force, turn) in found.items():
         for figure in judge(problem, edge, nodes, force, turn, 1.5):

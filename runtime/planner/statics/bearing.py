@@ -15,9 +15,9 @@ import numpy as np
 from ....compiler.ir import Fact, Problem
 from ....compiler.physics.frames import GRAVITY, node_weights, poses
 from ....compiler.physics.records import CONTACTS
+from ....compiler.physics.safety import safety_of
 from ....compiler.physics.statics import Load, loads
 from ....compiler.physics.structure import stated_at, structure
-from ....compiler.scenes.check_strength import safety_of
 from ...geometry.attachments import next_mode
 from ...geometry.splines import spline_weights
 from ...skeleton import Array, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from .....compiler.physics.safety import safety_of
 from .....compiler.physics.stages import rows_of
-from .....compiler.scenes.check_strength import safety_of
 from ....geometry.attachments import next_mode
 from ....skeleton import Breach, Skeleton
 from ...statics.settings import STATICS

@@ -18,6 +18,7 @@ from ..collision.clearance_rows import Clearances
 from ..collision.pairs_in_phases import Collisions, Margins, refresh, rows
 from ..nlp.augmented_lagrangian import SolverOptions, SolverResult, SolverStatus, project, solve
 from ..nlp.features import Features, differences, homing, limits, norms
+from ..nlp.loaded_features import Wanted, loaded_groups, speaks
 from ..nlp.program import Program
 from ..nlp.row_groups import LinearGroup, RowGroup
 from ..nlp.unknowns import ORIGIN, UnknownsLayout
@@ -110,11 +111,23 @@ class SwitchProgram:
             for literal in sorted(mode | next_mode(self.skeleton, phase)):
                 self._features.add(literal, "during", (slice_,), phase)
 
+    def _loaded(self) -> list[Wanted]:
+        """What rows about loads bind where, before and after each switch."""
+        found: list[Wanted] = []
+        for slice_, phase in enumerate(self.phases, start=1):
+            after = next_mode(self.skeleton, phase)
+            for literal in sorted(self.skeleton.phases[phase].added):
+                found.append((literal, "switch", slice_, phase, after))
+            for mode in (self.skeleton.phases[phase].mode, after):
+                found += [(literal, "during", slice_, phase, mode) for literal in sorted(mode)]
+        return [w for w in found if speaks(self.problem, w[0])]
+
     def _all_groups(self) -> list[RowGroup]:
         steps = [(t - 1, t) for t in range(1, len(self.layout.slices))]
         phase_of = [self.phases[0], *self.phases]
         return [
             *self._features.groups(),
+            *loaded_groups(self.problem, self.layout, self._loaded()),
             norms(self.layout),
             limits(self.problem, self.layout, self.settings.limit_margin, phase_of),
             homing(self.problem, self.layout, HOMING),

@@ -11,6 +11,7 @@ import numpy as np
 from .....compiler import ir
 from .....compiler.ir import Fact, JointKind, Problem, ShapeKind
 from .....compiler.motion.constraints import BodyKind, EffectorKind, Kind, RestKind, arguments, stage, units
+from .....compiler.motion.loaded_rows import speaks_of_loads
 from .....compiler.motion.stages import Stage
 from ....skeleton import Array, Breach
 from .row_groups import LinearGroup, NormGroup, RowGroup, RowLabel, StageGroup
@@ -87,7 +88,7 @@ class Features:
         motion = self.problem.motions[literal[0]]
         binding = {v.name: o for v, o in zip(motion.variables, literal[1:], strict=True)}
         for number, (row, names, row_units) in enumerate(self._rows_of(literal[0])):
-            if row.when == when:
+            if row.when == when and not speaks_of_loads(row):
                 objects = tuple(binding.get(n, n) for n in names)
                 label = RowLabel(phase, Breach.ROW, literal, row_units, row.span)
                 self._bind(literal, number, row, names, objects, slices, label, scale)

@@ -21,6 +21,7 @@ from ..collision.pairs_in_phases import Collisions, Margins, refresh, rows
 from ..keyframes.keyframe_program import run
 from ..nlp.augmented_lagrangian import PATH, SolverOptions, SolverStatus, project
 from ..nlp.features import Features, differences, homing, limits, norms
+from ..nlp.loaded_features import Wanted, loaded_groups, speaks
 from ..nlp.program import Program
 from ..nlp.row_groups import RowGroup
 from ..nlp.unknowns import UnknownsLayout
@@ -101,6 +102,19 @@ class PathProgram:
                 for literal in sorted(next_mode(self.skeleton, number)):
                     self._features.add(literal, "during", (slices[-1],), number)
 
+    def _loaded(self) -> list[Wanted]:
+        """What rows about loads bind where."""
+        found: list[Wanted] = []
+        for k, number in enumerate(self.phases):
+            slices, phase = self._slices(k), self.skeleton.phases[number]
+            after = next_mode(self.skeleton, number)
+            for t in slices[1:-1] if self.pinned else slices[1:]:
+                found += [(literal, "during", t, number, phase.mode) for literal in sorted(phase.mode)]
+            if not self.pinned:
+                found += [(literal, "switch", slices[-1], number, after) for literal in sorted(phase.added)]
+                found += [(literal, "during", slices[-1], number, after) for literal in sorted(after)]
+        return [w for w in found if speaks(self.problem, w[0])]
+
     def _all_groups(self) -> list[RowGroup]:
         step = 1.0 / self.count
         triples: list[tuple[int, ...]] = []
@@ -112,6 +126,7 @@ class PathProgram:
             phase_of += [phase] * self.count
         return [
             *self._features.groups(),
+            *loaded_groups(self.problem, self.layout, self._loaded()),
             norms(self.layout),
             limits(self.problem, self.layout, self.settings.limit_margin / 3, phase_of),
             homing(self.problem, self.layout, HOMING * step**0.5),
