@@ -82,12 +82,15 @@ def _kind(problem: ir.Problem, name: str, slots: list[str]) -> Kind:
     found = world.effector(name)
     owner = found[0].name if found is not None else name
     body = world.bodies.get(owner)
+    shape: str | ir.Shape = ""
+    if body is not None:
+        shape = body.shape if body.shape.kind == ir.ShapeKind.CONVEX else body.shape.kind
     if body is not None and not body.movable:
-        return RestKind(body.shape if body.shape.kind == "convex" else body.shape.kind, body.mass)
+        return RestKind(shape, body.mass)
     if owner not in slots:
         slots.append(owner)
     if body is not None:
-        return BodyKind(body.shape if body.shape.kind == "convex" else body.shape.kind, slots.index(owner), body.mass)
+        return BodyKind(shape, slots.index(owner), body.mass)
     return EffectorKind(world.modules[owner].type, "" if found is None else found[1].name, slots.index(owner))
 
 

@@ -9,11 +9,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ..ir import JointKind, ModuleType, Problem, Shape, ShapeKind
+from ..ir import Effector, JointKind, Module, ModuleType, Problem, Shape, ShapeKind
 from .masses import body_mass, part_mass
 from .moments import shape_moments
 from .records import CONTACTS
-from .structure import WORLD, Edge, Node
+from .structure import WORLD, Edge, Node, driven
 
 Array = NDArray[np.float64]
 GRAVITY = 9.81
@@ -189,6 +189,9 @@ def meeting(problem: Problem, edge: Edge, at: Poses) -> tuple[Array, Array]:
         turn, place = at.turns[node], at.places[node]
     upright = np.broadcast_to(np.eye(3), turn.shape)
     if edge.manner in CONTACTS:
+        if found is not None:
+            under = at.places[found[0].name, driven(found[0].type, found[1].joint)]
+            place = np.concatenate([under[:, :2], place[:, 2:]], axis=1) if driven_away(found) else place
         return place - upright[:, :, 2] * _low(shape, turn)[:, None], upright
     far = shape.size[0] if shape is not None and shape.kind == ShapeKind.SPHERE and found is not None else 0.0
     return place + far * turn[:, :, 2], turn
@@ -210,12 +213,23 @@ def _low(shape: Shape | None, turn: Array) -> Array:
     return along + (radius if round_end else radius * np.sqrt(np.maximum(0.0, 1.0 - down[:, 2] ** 2)))
 
 
+def driven_away(found: tuple[Module, Effector]) -> bool:
+    """Whether an end carries a planar joint: what stands on it stands where that is."""
+    return driven(found[0].type, found[1].joint) != found[1].joint
+
+
 def foot_radius(problem: Problem, name: str) -> float:
-    """How far from where an end or a body stands it tips: half the smaller side of its shape, seen from above."""
+    """How far from where an end or a body stands it tips: half the smaller side of its shape, seen from above; of what
+    carries a planar joint, of the largest part on that."""
     found = problem.world.effector(name)
+    if found is not None and driven_away(found):
+        node = driven(found[0].type, found[1].joint)
+        return max([_half(k.shape) for k in found[0].type.links if k.joint == node], default=0.0)
     shape = found[1].shape if found is not None else problem.world.bodies[name].shape
-    if shape is None:
-        return 0.0
+    return 0.0 if shape is None else _half(shape)
+
+
+def _half(shape: Shape) -> float:
     if shape.kind == ShapeKind.BOX:
         return min(shape.size[0], shape.size[1]) / 2.0
     if shape.kind == ShapeKind.CONVEX:

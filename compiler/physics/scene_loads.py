@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..ir import Chain, Hold, Module, Problem, Shape
+from ..ir import Chain, Hold, JointKind, Module, Problem, Shape, ShapeKind
 from .frames import GRAVITY, Array, Poses, module_weights, poses
 from .records import weaker
 from .safety import safety_of
@@ -80,7 +80,7 @@ class SceneLoads:
                     waiting.append((other, node))
                     mass, moment = self._total(chain, number, other, node, at)
                     drive = module.type.joints[joint]
-                    turning = drive.kind == "revolute"
+                    turning = drive.kind == JointKind.REVOLUTE
                     strength = (math.inf, drive.torque) if turning else (drive.torque, math.inf)
                     yield from self._over(mass * GRAVITY, moment, *strength)
                     yield from self._over(0.0, moment, math.inf, drive.bearing)
@@ -134,7 +134,7 @@ class SceneLoads:
             if other != before:
                 drive = module.type.joints[joint]
                 leaving = np.asarray(drive.placement[:3]) if other > node else np.zeros(3)
-                travel = max(abs(drive.lower), abs(drive.upper)) if drive.kind == "prismatic" else 0.0
+                travel = max(abs(drive.lower), abs(drive.upper)) if drive.kind == JointKind.PRISMATIC else 0.0
                 step = far + float(np.linalg.norm(leaving - point)) + travel
                 yield from self._beyond(chain, number, other, node, at, step)
 
@@ -143,7 +143,7 @@ class SceneLoads:
         shape: Shape | None = None if found is None else found[1].shape
         if shape is None:
             return 0.0
-        return math.hypot(*shape.size) / 2.0 if shape.kind == "box" else shape.size[0]
+        return math.hypot(*shape.size) / 2.0 if shape.kind == ShapeKind.BOX else shape.size[0]
 
 
 def _neighbours(module: Module, node: int) -> list[tuple[int, int, Point]]:

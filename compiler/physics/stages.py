@@ -19,7 +19,7 @@ from ..motion.stages import Stage
 from .frames import GRAVITY, foot_radius, module_weights
 from .masses import body_mass
 from .records import CONTACTS
-from .structure import WORLD, Edge, Node, structure
+from .structure import WORLD, Edge, Node, driven, structure
 
 Place = tuple[int, int]
 """A slot by number, -1 for the world, and the joint of the module in it."""
@@ -179,7 +179,7 @@ class SymbolicLoads:
         kind = self.graph.kinds[bond.owner]
         assert isinstance(kind, ModuleType)
         axis, frame = self._axis(number)
-        if kind.joints[bond.joint].kind == "revolute":
+        if kind.joints[bond.joint].kind == JointKind.REVOLUTE:
             return ca.dot(axis, self._turning(number, frame.position))
         return -GRAVITY * self._mass[number] * axis[2]
 
@@ -195,9 +195,13 @@ class SymbolicLoads:
         else:
             frame, shape = self._frames[slot][0], None
         if bond.manner in CONTACTS:
-            return frame.position, ca.SX.eye(3)
+            place = frame.position
+            if isinstance(kind, ModuleType) and driven(kind, kind.effector(end).joint) != kind.effector(end).joint:
+                under = self._frames[slot][driven(kind, kind.effector(end).joint) + 1].position
+                place = ca.vertcat(under[0], under[1], place[2])
+            return place, ca.SX.eye(3)
         turn = axes(frame.quaternion)
-        out = shape.size[0] if shape is not None and shape.kind == "sphere" else 0.0
+        out = shape.size[0] if shape is not None and shape.kind == ShapeKind.SPHERE else 0.0
         return frame.position + out * turn[:, 2], turn
 
     def squares(self, number: int) -> list[Expression]:
@@ -215,7 +219,7 @@ class SymbolicLoads:
             joint, along = kind.joints[bond.joint], self._along(number)
             bent = ca.sumsqr(self._turning(number, self._axis(number)[1].position))
             within(along**2, joint.torque)
-            within(bent - along**2 if joint.kind == "revolute" else bent, joint.bearing)
+            within(bent - along**2 if joint.kind == JointKind.REVOLUTE else bent, joint.bearing)
             return found
         hold, mass = bond.hold, self._mass[number]
         if hold is None or bond.meets[0] < 0:

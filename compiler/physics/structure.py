@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ...langs.source import Span
-from ..ir import Fact, Hold, Problem
+from ..ir import IDENTITY, Fact, Hold, JointKind, ModuleType, Problem
 from ..motion.collision import keeps_pose
 from ..remembering import remembered
 from .records import CONTACTS, NOTHING, weaker
@@ -15,6 +15,7 @@ from .records import CONTACTS, NOTHING, weaker
 Node = tuple[str, int]
 """A module and the joint whose moving frame it is (-1: the module frame), or a body and -1. The world is WORLD."""
 WORLD: Node = ("", -1)
+STRAIGHT = IDENTITY[3:]
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,6 +134,18 @@ def _hold(problem: Problem, name: str, manner: str) -> Hold | None:
     body = problem.world.bodies.get(name)
     holds: tuple[Hold, ...] = found[1].holds if found is not None else body.holds if body is not None else ()
     return next((h for h in holds if h.manner == manner), None)
+
+
+def driven(kind: ModuleType, node: int) -> int:
+    """Where what stands on a planar joint has driven to: the moving frame of the planar joint that `node` carries, or
+    `node` itself where there is none."""
+    for first, joint in enumerate(kind.joints[: len(kind.joints) - 2]):
+        second, turn = kind.joints[first + 1 : first + 3]
+        slides = joint.kind == second.kind == JointKind.PRISMATIC and joint.placement[3:] == STRAIGHT
+        here = second.placement == turn.placement == IDENTITY and (second.parent, turn.parent) == (first, first + 1)
+        if joint.parent == node and slides and here and turn.kind == JointKind.REVOLUTE:
+            return first + 2
+    return node
 
 
 def stated_at(problem: Problem, edge: Edge) -> Span | None:

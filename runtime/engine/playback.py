@@ -249,8 +249,7 @@ class _Playback:
             if edge is None or edge.hold is None:
                 continue
             here = here or self._here()
-            point = meeting(self.problem, edge, here)[0]
-            about = moment[None] + np.cross(point, force[None])
+            about = moment[None] + np.cross(welds.anchor(self.world, pairs[weld])[None], force[None])
             borne = loads_of(self.problem, edge, here, -force[None], -about, 1.0)
             ratio = max((float(load.ratio[0]) for load in borne), default=0.0)
             names = edge.names

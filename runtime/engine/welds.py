@@ -49,6 +49,13 @@ def wrenches(world: EngineWorld) -> dict[int, tuple[Array, Array]]:
     return found
 
 
+def anchor(world: EngineWorld, pair: tuple[Node, Node]) -> Array:
+    """Where the point of a weld is on its second body, in the world."""
+    body, data = world.bodies[pair[1]], world.data
+    row = world.model.eq_data[world.welds[pair]]
+    return np.asarray(data.xpos[body] + data.xmat[body].reshape(3, 3) @ row[:3])
+
+
 def drift(world: EngineWorld, pair: tuple[Node, Node]) -> float:
     """By how many metres the point of a weld has come apart."""
     row, data = world.model.eq_data[world.welds[pair]], world.data

@@ -49,7 +49,7 @@ class Gauge:
             kind = next(j for j in self._problem.world.modules[owner].type.joints if j.name == joint)
             frame, (force, moment) = nodes[owner, drive.far[1]], found[drive]
             axis = frame.rotation @ (np.asarray(kind.axis) / np.linalg.norm(kind.axis))
-            acting = moment - np.cross(frame.position, force) if kind.kind == "revolute" else force
+            acting = moment - np.cross(frame.position, force) if kind.kind == ir.JointKind.REVOLUTE else force
             return Quantity(-(acting * axis).sum(axis=1, keepdims=True), "")
         return self._pair(function, names, posed, at)
 

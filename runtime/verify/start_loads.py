@@ -113,12 +113,12 @@ class _Held:
             kilograms, bent = self._sum(sides[0], node, sides[1])
             self._judge(joint, kilograms, bent)
             lever = float(np.linalg.norm(sides[2] - point))
-            lever += max(abs(joint.lower), abs(joint.upper)) if joint.kind == "prismatic" else 0.0
+            lever += max(abs(joint.lower), abs(joint.upper)) if joint.kind == ir.JointKind.PRISMATIC else 0.0
             mass, moment = mass + kilograms, moment + bent + kilograms * GRAVITY * lever
         return mass, moment
 
     def _judge(self, joint: ir.Joint, mass: float, moment: float) -> None:
-        drive = moment if joint.kind == "revolute" else mass * GRAVITY
+        drive = moment if joint.kind == ir.JointKind.REVOLUTE else mass * GRAVITY
         self.worst = max(self.worst, self._safety * drive / joint.torque, self._safety * moment / joint.bearing)
 
 

@@ -162,18 +162,41 @@ def meeting_place(problem: ir.Problem, edge: Joined, nodes: Mapping[Node, Frames
         own, shape = nodes[name, -1], problem.world.bodies[name].shape if name in problem.world.bodies else None
     radius = 0.0
     if shape is not None:
-        if shape.kind in (ir.ShapeKind.BOX, ir.ShapeKind.CONVEX):
-            convex = shape.kind == ir.ShapeKind.CONVEX
-            box = np.ptp(np.reshape(shape.size, (-1, 3)), axis=0) if convex else np.array(shape.size)
-            radius = float(min(box[:2])) / 2.0
-        else:
-            radius = shape.size[0]
+        radius = _half_width(shape)
     if edge.manner in ("pad", "rest"):
         drop = np.zeros(len(own)) if shape is None else heights(shape.kind, shape.size, own.rotation, False)
+        if end is not None:
+            wheels = _on_wheels(end[0].type, end[1].joint)
+            if wheels is not None:
+                under = nodes[end[0].name, wheels].position
+                own = Frames(np.column_stack([under[:, :2], own.position[:, 2]]), own.rotation)
+                parts = [k.shape for k in end[0].type.links if k.joint == wheels]
+                radius = max([_half_width(s) for s in parts], default=0.0)
         place = own.position - np.abs(drop)[:, None] * np.array([0.0, 0.0, 1.0])
         return place, np.broadcast_to(np.eye(3), own.rotation.shape), radius
     out = radius if end is not None and shape is not None and shape.kind == ir.ShapeKind.SPHERE else 0.0
     return own.position + out * own.rotation[:, :, 2], own.rotation, radius
+
+
+def _half_width(shape: ir.Shape) -> float:
+    """Half of how wide a shape is along the narrower one of its own two level axes."""
+    if shape.kind not in (ir.ShapeKind.BOX, ir.ShapeKind.CONVEX):
+        return shape.size[0]
+    box = np.ptp(np.reshape(shape.size, (-1, 3)), axis=0) if shape.kind == ir.ShapeKind.CONVEX else np.array(shape.size)
+    return float(min(box[:2])) / 2.0
+
+
+def _on_wheels(kind: ir.ModuleType, node: int) -> int | None:
+    """The last of the three joints of a planar one that sits on a node: what drives stands where that has come to."""
+    for third in range(2, len(kind.joints)):
+        chain = [kind.joints[third - 2], kind.joints[third - 1], kind.joints[third]]
+        kinds = ir.JointKind.PRISMATIC, ir.JointKind.PRISMATIC, ir.JointKind.REVOLUTE
+        if tuple(j.kind for j in chain) != kinds or chain[0].parent != node:
+            continue
+        in_line = chain[1].parent == third - 2 and chain[2].parent == third - 1
+        if in_line and all(j.placement == ir.IDENTITY for j in chain[1:]) and chain[0].placement[3:] == (0, 0, 0, 1):
+            return third
+    return None
 
 
 def judge(
