@@ -82,7 +82,7 @@ def _kind(problem: ir.Problem, name: str, slots: list[str]) -> Kind:
     found = world.effector(name)
     owner = found[0].name if found is not None else name
     body = world.bodies.get(owner)
-    shape: str | ir.Shape = ""
+    shape: ir.ShapeKind | ir.Shape = ir.ShapeKind.SPHERE
     if body is not None:
         shape = body.shape if body.shape.kind == ir.ShapeKind.CONVEX else body.shape.kind
     if body is not None and not body.movable:
