@@ -1,6 +1,6 @@
 """Claims that tests hold: one-line mutations of a copy of the tree, each of which the tests of its room must find.
 
-    tamplang bench mutants [--only TEXT] [--list] [--seconds S] [--markdown FILE.md]
+    tamplang bench mutants [--only TEXT] [--list] [--seconds S] [--jobs N] [--markdown FILE.md]
 
 The checkout itself is never changed. The tests of a mutation pass on the copy as it is, else nothing is said of it.
 """
@@ -14,8 +14,10 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from queue import SimpleQueue
 
 import _runs as bench
 from _mutations import MUTATIONS, Mutation
@@ -71,11 +73,44 @@ def judge(tree: Path, mutation: Mutation, seconds: float) -> str:
     return {True: "survived", False: "killed", None: "killed (time)"}[found]
 
 
-def markdown(outcomes: Sequence[Outcome]) -> str:
+def judge_all(tree: Path, tests: Sequence[str], mutations: Sequence[Mutation], seconds: float) -> list[Outcome]:
+    """The outcomes of mutations that the same tests must find, one after the other in one copy."""
+    sound = passes(tree, tests, seconds) is True
+    outcomes = []
+    for mutation in mutations:
+        outcomes.append(Outcome(mutation, judge(tree, mutation, seconds) if sound else "not judged"))
+        print(f"{outcomes[-1].result:14} {mutation.name}", flush=True)
+    return outcomes
+
+
+def run(chosen: Sequence[Mutation], seconds: float, jobs: int) -> list[Outcome]:
+    """The outcomes of all, in order; each of `jobs` threads has a copy of its own."""
+    groups: dict[tuple[str, ...], list[Mutation]] = {}
+    for mutation in chosen:
+        groups.setdefault(mutation.tests, []).append(mutation)
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(jobs) as pool:
+        trees: SimpleQueue[Path] = SimpleQueue()
+        for number in range(jobs):
+            trees.put(copied(Path(folder) / str(number)))
+
+        def judged(group: tuple[tuple[str, ...], list[Mutation]]) -> list[Outcome]:
+            tree = trees.get()
+            try:
+                return judge_all(tree, *group, seconds)
+            finally:
+                trees.put(tree)
+
+        found = [outcome for outcomes in pool.map(judged, groups.items()) for outcome in outcomes]
+    return sorted(found, key=lambda o: chosen.index(o.mutation))
+
+
+def head() -> str:
+    command = ["git", "-C", str(bench.ROOT), "rev-parse", "--short", "HEAD"]
+    return subprocess.run(command, capture_output=True, check=True, text=True).stdout.strip()
+
+
+def markdown(outcomes: Sequence[Outcome], commit: str) -> str:
     killed = sum(o.result.startswith("killed") for o in outcomes)
-    commit = subprocess.run(
-        ["git", "-C", str(bench.ROOT), "rev-parse", "--short", "HEAD"], capture_output=True, check=True, text=True
-    ).stdout.strip()
     lines = [
         "# Claims that tests hold",
         "",
@@ -98,26 +133,19 @@ def main() -> None:
     parser.add_argument("--only", default="", help="the mutations whose name or file contains this")
     parser.add_argument("--list", action="store_true", help="name them only")
     parser.add_argument("--seconds", type=float, default=SECONDS, help="for the tests of one mutation")
+    parser.add_argument("--jobs", type=int, default=1, help="how many are judged side by side")
     parser.add_argument("--markdown", type=Path)
     given = parser.parse_args()
     chosen = [m for m in MUTATIONS if given.only in m.name or given.only in m.file]
     if given.list:
         print("\n".join(f"{m.name}: {m.file}" for m in chosen))
         return
-    outcomes: list[Outcome] = []
-    with tempfile.TemporaryDirectory() as folder:
-        tree = copied(Path(folder))
-        sound: dict[tuple[str, ...], bool] = {}
-        for mutation in chosen:
-            if mutation.tests not in sound:
-                sound[mutation.tests] = passes(tree, mutation.tests, given.seconds) is True
-            result = judge(tree, mutation, given.seconds) if sound[mutation.tests] else "not judged"
-            outcomes.append(Outcome(mutation, result))
-            print(f"{result:14} {mutation.name}", flush=True)
+    commit = head()
+    outcomes = run(chosen, given.seconds, given.jobs)
     killed = sum(o.result.startswith("killed") for o in outcomes)
     print(f"{killed} of {len(outcomes)} killed")
     if given.markdown:
-        given.markdown.write_text(markdown(outcomes), encoding="utf-8")
+        given.markdown.write_text(markdown(outcomes, commit), encoding="utf-8")
 
 
 if __name__ == "__main__":
