@@ -34,6 +34,7 @@ TAMPER = ("tests/verify/test_tamper.py",)
 SEEDS = ("tests/loop/test_determinism.py", "-k", "seed")
 PATHS = ("tests/motion/test_phases_repair.py", "tests/motion/test_phases.py")
 NEARBY = ("tests/motion/test_nearby.py", "tests/motion/test_collision.py")
+FIGURES = ("tests/report/test_figures.py",)
 SENSING = ("tests/horizon/test_steering.py", "tests/horizon/test_world.py")
 
 ALGEBRA, ESTIMATE = "compiler/symbolic/algebra.py", "compiler/symbolic/estimate.py"
@@ -49,6 +50,7 @@ FOUND, TABLE, RATE = "runtime/verify/findings.py", "runtime/verify/limits.py", "
 DEPTH = "runtime/verify/collision.py"
 ATTEMPTS, SMOOTH = f"{MOTION}/phases/attempts.py", f"{MOTION}/phases/smoothing.py"
 CLEAR = f"{MOTION}/collision/clearance_rows.py"
+VIEW, LINE, TREE = "runtime/report/view.py", "runtime/report/timeline.py", "runtime/report/tree.py"
 SENSE, SUCC = "runtime/simulation/sensing.py", "compiler/symbolic/successors.py"
 
 MUTATIONS = [
@@ -179,4 +181,25 @@ MUTATIONS = [
     Mutation("bend never seen in sensing", SENSE, "> SIMULATION.sure * self.sigma * np.sqrt(inverse[2, 2]):", "> 1e9:",
              SENSING,
              "a look that is off the way tells a turn as soon, with the noise of the tests"),
+    # --- figures of the report
+    Mutation("report: metres told as centimetres", VIEW, "amount * 1000.0, small", "amount * 100.0, small", FIGURES),
+    Mutation("report: a small figure told as none", VIEW, "0.0 < abs(amount) < least", "False", FIGURES),
+    Mutation("report: share of the limit turned over", VIEW, "max(0.0, r.amount) / r.limit if",
+             "r.limit / max(1e-9, r.amount) if", FIGURES),
+    Mutation("report: least share called the worst", VIEW, "worst = max(known)", "worst = min(known)", FIGURES),
+    Mutation("report: the first window counts as latency", VIEW, "plan.timing.windows[1:]", "plan.timing.windows[0:]",
+             FIGURES),
+    Mutation("report: mean told as greatest latency", VIEW, "max(seconds))", "sum(seconds) / len(seconds))", FIGURES),
+    Mutation("report: shares of stages of each other", VIEW, "100.0 * value / whole",
+             "100.0 * value / max(seconds.values())", FIGURES),
+    Mutation("report: a gap told as optimal", VIEW, "    if statistics.optimal:", "    if statistics.gap is not None:",
+             FIGURES),
+    Mutation("report: motion ends with its first phase", LINE, "*(p.end for p in plan.phases)])",
+             "*(p.end for p in plan.phases[:1])])", FIGURES),
+    Mutation("report: blocks begin where phases end", LINE, "            phase.start * scale,\n            max(0.0",
+             "            phase.end * scale,\n            max(0.0", FIGURES),
+    Mutation("report: largest joint value without its sign", LINE, "values[int(np.argmax(np.abs(values)))]",
+             "values[int(np.argmax(values))]", FIGURES),
+    Mutation("report: limits drawn upside down", LINE, "100.0 * (high - value)", "100.0 * (value - low)", FIGURES),
+    Mutation("report: nodes below counted once more", TREE, "above.below += 1", "above.below += 2", FIGURES),
 ]
