@@ -4,14 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .....compiler.ir import JointKind, World
-from .....compiler.motion.collision import ON_AXIS, PATH_MARGIN, Sphere, body_spheres, module_spheres, shape_distance
+from .....compiler.ir import IDENTITY, JointKind, ModuleType, Shape, ShapeKind, World
+from .....compiler.motion.collision import (
+    ON_AXIS,
+    PATH_MARGIN,
+    Sphere,
+    body_spheres,
+    bounding_radius,
+    module_spheres,
+    pose_matrix,
+    shape_distance,
+)
 from ....skeleton import Array
 from .joint_forest import Mount, Obstacle, PhaseTree
 from .settings import PHASES
@@ -109,8 +119,39 @@ def hoist(tree: PhaseTree, node: int, centre: Array) -> tuple[int, Array]:
     return node, centre
 
 
+@lru_cache(maxsize=64)
+def _plain(type_: ModuleType) -> tuple[ModuleType, frozenset[int]]:
+    """A module with points in place of its convex bodies, and which of its parts, effectors first, these are."""
+    shapes = [*(e.shape for e in type_.effectors), *(link.shape for link in type_.links)]
+    hulls = frozenset(k for k, s in enumerate(shapes) if s is not None and s.kind == ShapeKind.CONVEX)
+    if not hulls:
+        return type_, hulls
+    point, ends = Shape(ShapeKind.SPHERE, (0.0,)), len(type_.effectors)
+    effectors = tuple(replace(e, shape=point) if k in hulls else e for k, e in enumerate(type_.effectors))
+    links = tuple(replace(k, shape=point) if n + ends in hulls else k for n, k in enumerate(type_.links))
+    return replace(type_, effectors=effectors, links=links), hulls
+
+
+def hull_balls(tree: PhaseTree, world: World) -> tuple[Ball, ...]:
+    """Spheres around the convex bodies that move in a phase."""
+    found = []
+    for module, links in tree.links.items():
+        type_ = world.modules[module].type
+        shapes = [(e.joint, e.placement, e.shape) for e in type_.effectors if e.shape is not None]
+        shapes += [(link.joint, link.placement, link.shape) for link in type_.links]
+        found += [(*links[joint], placement, shape, module) for joint, placement, shape in shapes]
+    found += [(*mount, IDENTITY, world.bodies[name].shape, name) for name, mount in tree.bodies.items()]
+    balls = []
+    for node, local, placement, shape, owner in found:
+        if shape.kind == ShapeKind.CONVEX:
+            x, y, z = (local @ pose_matrix(placement))[:3, 3].tolist()
+            balls.append(Ball(node, (x, y, z), bounding_radius(shape), owner, None, False))
+    return tuple(balls)
+
+
 def moving_balls(tree: PhaseTree, world: World, margin: float) -> tuple[Ball, ...]:
-    """Spheres that cover, within `margin`, the modules and bodies that move in a phase."""
+    """Spheres that cover, within `margin`, the modules and bodies that move in a phase, but for convex bodies, which
+    are measured as they are."""
 
     def balls(mount: Mount, spheres: Sequence[Sphere], owner: str) -> Iterator[Ball]:
         node, local = mount
@@ -124,10 +165,13 @@ def moving_balls(tree: PhaseTree, world: World, margin: float) -> tuple[Ball, ..
 
     found: list[Ball] = []
     for module, links in tree.links.items():
-        for joint, spheres in groupby(module_spheres(world.modules[module].type, margin), lambda s: s.joint):
+        type_, hulls = _plain(world.modules[module].type)
+        covering = [s for s in module_spheres(type_, margin) if s.part not in hulls]
+        for joint, spheres in groupby(covering, lambda s: s.joint):
             found += balls(links[joint], list(spheres), module)
     for name, mount in tree.bodies.items():
-        found += balls(mount, body_spheres(world.bodies[name], margin), name)
+        if world.bodies[name].shape.kind != ShapeKind.CONVEX:
+            found += balls(mount, body_spheres(world.bodies[name], margin), name)
     return tuple(found)
 
 

@@ -16,7 +16,7 @@ from .....compiler.extents import box_sides
 from .....compiler.ir import Shape, ShapeKind, World
 from .....compiler.module_parts import module_parts, own_pairs
 from .....compiler.motion.collision import PhaseContacts, pose_matrix
-from ....geometry.exact_distances import Distances, Forms, Posed, distances
+from ....geometry.exact_distances import HULL, ROUND, Distances, Forms, Posed, distances
 from ....skeleton import Array
 from .batch_kinematics import BatchKinematics, Indices
 from .collision_spheres import Lineage
@@ -111,8 +111,11 @@ class ExactGeometry:
         self.at = np.array([
             [o.pose for o in phase.obstacles] + [far] * (count - len(phase.obstacles)) for phase in phases
         ]).reshape(len(phases), -1, 4, 4)  # fmt: skip
-        half = np.array([box_sides(s) for s in shapes]) / 2
-        self.extent = np.einsum("koij,koj->koi", np.abs(self.at[..., :3, :3]), half[self.rest])
+        self.half = np.array([box_sides(s) for s in shapes]) / 2
+        self.extent = np.einsum("koij,koj->koi", np.abs(self.at[..., :3, :3]), self.half[self.rest])
+        self._is_hull = np.array([s.kind == ShapeKind.CONVEX for s in shapes])
+        self.hulls = bool(self._is_hull.any())
+        """Whether there are bodies that the optimiser sees as they are, for want of spheres."""
         self._set_kinds(contacts, count)
 
     def _set_kinds(self, contacts: Sequence[PhaseContacts], count: int) -> None:
@@ -136,7 +139,8 @@ class ExactGeometry:
         result = object.__new__(ExactGeometry)
         result.phases = [self.phases[i] for i in index]
         result.kinematics, result.nodes, result.pairs = self.kinematics.take(index), self.nodes, self.pairs
-        result.moved_by, result.forms = self.moved_by, self.forms
+        result.moved_by, result.forms, result.half = self.moved_by, self.forms, self.half
+        result.hulls, result._is_hull = self.hulls, self._is_hull
         result.form, result.rest, result.local = self.form[index], self.rest[index], self.local[index]
         result.at, result.extent = self.at[index], self.extent[index]
         result.obstacle_kinds, result.pair_kinds = self.obstacle_kinds[..., index], self.pair_kinds[..., index]
@@ -165,6 +169,12 @@ class ExactGeometry:
         at = self.at[phase, obstacle]
         return Posed(self.forms, self.rest[phase, obstacle], at[:, :3, 3], at[:, :3, :3])
 
+    def is_hull(self, entries: Entries) -> NDArray[np.bool_]:
+        """Of which `(m,)` one side is a convex body."""
+        second = self.form if entries.among else self.rest
+        forms = self.form[entries.phase, entries.first], second[entries.phase, entries.second]
+        return np.asarray(self._is_hull[forms[0]] | self._is_hull[forms[1]])
+
     def name_pair(self, phase: int, among: bool, first: int, second: int) -> tuple[str, str]:
         """The objects behind a part and an obstacle of one of the phases, or `among` the parts."""
         stated = self.phases[phase]
@@ -190,13 +200,42 @@ class Entries:
         )  # fmt: skip
 
     def measured(self, geometry: ExactGeometry, frames: Array, beyond: Array) -> Distances:
-        """Their distances, exact where they are less than `beyond` `(m,)` metres."""
+        """Their distances, exact where they are less than `beyond` `(m,)` metres. What takes long to measure is looked
+        at only where the boxes around it are near."""
         one = geometry.placed(frames, self.first, self.phase, self.time)
         if self.among:
             other = geometry.placed(frames, self.second, self.phase, self.time)
         else:
             other = geometry.resting(self.second, self.phase)
-        return distances(one, other, beyond)
+        slow = np.flatnonzero((one.kind != ROUND) & (other.kind != ROUND) | (one.kind == HULL) | (other.kind == HULL))
+        if not len(slow):
+            return distances(one, other, beyond)
+        bound = _boxes_apart(one[slow], other[slow], geometry.half)
+        far = bound > beyond[slow]
+        beyond = beyond.copy()
+        beyond[slow[far]] = -np.inf
+        found = distances(one, other, beyond)
+        found.value[slow[far]] = bound[far]
+        return found
+
+    def hulls(self, geometry: ExactGeometry) -> Entries:
+        """Those of them of which one side is a convex body."""
+        return self[np.flatnonzero(geometry.is_hull(self))]
+
+
+def _boxes_apart(one: Posed, other: Posed, half: Array) -> Array:
+    """Lower bounds `(m,)` of distances, by the boxes of half sizes `half` `(forms, 3)` around the shapes along their
+    own axes: how far each is from the box, along those axes, around the other."""
+    turn = one.rotation.transpose(0, 2, 1) @ other.rotation
+    size, first, second = np.abs(turn), half[one.form], half[other.form]
+    offset = other.position - one.position
+    seen = (offset[:, None] @ one.rotation)[:, 0], (offset[:, None] @ other.rotation)[:, 0]
+    around = (size @ second[..., None])[..., 0], (first[:, None] @ size)[:, 0]
+    apart = [
+        np.linalg.norm(np.maximum(np.abs(way) - own - grown, 0.0), axis=1)
+        for way, own, grown in zip(seen, (first, second), around, strict=True)
+    ]
+    return np.asarray(np.maximum(*apart))
 
 
 def near_entries(geometry: ExactGeometry, frames: Array, room: Array) -> list[Entries]:
@@ -290,6 +329,18 @@ def worst_clash(geometry: ExactGeometry, phase: int, values: Array) -> Clash:
             pair = one.name_pair(0, entries.among, int(entries.first[k]), int(entries.second[k]))
             worst = Clash(pair, float(missed[k]))
     return worst
+
+
+def hulls_blocked(geometry: ExactGeometry, poses: Array) -> NDArray[np.bool_]:
+    """`(times,)` whether a convex body misses the clearance that is required, in the one phase of `geometry`, for joint
+    values `(times, joints)`."""
+    frames = geometry.kinematics.frames(poses[None])
+    result = np.zeros(len(poses), bool)
+    for near in near_entries(geometry, frames, np.zeros((len(geometry.nodes), 1, len(poses)))):
+        entries = near.hulls(geometry)
+        distance = entries.measured(geometry, frames, np.zeros(len(entries.first))).value
+        result[entries.time[distance < REQUIRED[entries.kind]]] = True
+    return result
 
 
 def blocked(geometry: ExactGeometry, poses: Array) -> NDArray[np.bool_]:

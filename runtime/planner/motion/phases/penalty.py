@@ -116,8 +116,8 @@ def _missed(batch: Batch, inner: Array, margin: float) -> _Rows:
     points = geometry.points.placed(frames)
     rows = [make(margin, shares, geometry, points, frames) for make in (_obstacle_rows, _pair_rows)]
     rows += [_whole_rows(margin, shares, geometry, k, points, frames) for k in range(len(geometry.wholes))]
-    if batch.closely:
-        rows += _exact_rows(batch, frames)
+    if batch.closely or batch.exact.hulls:
+        rows += _exact_rows(batch, frames, margin)
     slope = geometry.kinematics.by_variables(np.concatenate([r.slope for r in rows]))
     return _Rows(
         np.concatenate([r.amount for r in rows]), slope, np.concatenate([r.place for r in rows])
@@ -170,12 +170,16 @@ def _whole_rows(
     return _Rows(missed, -slope, k * times + t)
 
 
-def _exact_rows(batch: Batch, frames: Array) -> list[_Rows]:
-    """Of the true shapes, by CLOSELY."""
+def _exact_rows(batch: Batch, frames: Array, margin: float) -> list[_Rows]:
+    """Of the true shapes: of convex bodies by the margin, as there are no spheres for them, of others by CLOSELY."""
     geometry, times = batch.exact, frames.shape[-1]
     found = []
-    for entries in near_entries(geometry, frames, np.full((len(geometry.nodes), len(batch), times), CLOSELY)):
-        wanted = CLOSELY * batch.looks.shares[entries.kind, entries.time]
+    room = max(margin, CLOSELY) if geometry.hulls else CLOSELY
+    for entries in near_entries(geometry, frames, np.full((len(geometry.nodes), len(batch), times), room)):
+        if not batch.closely:
+            entries = entries.hulls(geometry)
+        wide = np.where(geometry.is_hull(entries), max(margin, CLOSELY), CLOSELY)
+        wanted = wide * batch.looks.shares[entries.kind, entries.time]
         measured = entries.measured(geometry, frames, wanted)
         hit = np.flatnonzero(measured.exact & (measured.value < wanted))
         near, normals = entries[hit], measured.normal[hit]

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .....compiler.ir import World
+from .....compiler.ir import ShapeKind, World
 from .....compiler.motion.collision import PATH_MARGIN, PhaseContacts
 from ....geometry.signed_distances import Shapes
 from .batch_kinematics import BatchKinematics, Indices, Points
-from .collision_spheres import Ball, Lineage, Meetings, moving_balls, obstacles_near
+from .collision_spheres import Ball, Lineage, Meetings, hull_balls, moving_balls, obstacles_near
 from .contact_margins import NEVER, Kinds, cross_kinds
 from .exact_check import PhaseParts, phase_parts
 from .exact_shapes import MovingShape, Whole, module_shapes
@@ -47,14 +47,15 @@ def _owners(balls: Sequence[Ball]) -> list[int]:
 
 def make_parts(tree: PhaseTree, world: World) -> tuple[Part, PhaseParts]:
     """What the optimiser sees of a phase: spheres, which meet large shapes of modules as they are; and the true shapes,
-    which accept its path; both of the same obstacles."""
+    which accept its path, and of which it sees convex bodies, too."""
     lineage = Lineage(tree)
     balls = moving_balls(tree, world, PATH_MARGIN)
-    near = obstacles_near(tree, lineage, balls, 2 * PATH_MARGIN)
+    near = obstacles_near(tree, lineage, (*balls, *hull_balls(tree, world)), 2 * PATH_MARGIN)
+    seen = [o for o in near if o.shape.kind != ShapeKind.CONVEX]
     found = module_shapes(tree, world, balls)
     pairs, meets = Meetings(lineage, balls).pairs([np.array(s.members) for s in found])
     shapes = [replace(s, meets=m) for s, m in zip(found, meets, strict=True)]
-    return Part(tree, balls, pairs, near, tuple(shapes)), phase_parts(lineage, world, near)
+    return Part(tree, balls, pairs, seen, tuple(shapes)), phase_parts(lineage, world, near)
 
 
 class Geometry:

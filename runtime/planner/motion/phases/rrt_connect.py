@@ -13,6 +13,7 @@ from ....budget import Budget
 from ....skeleton import Array
 from .batch_kinematics import Indices
 from .contact_margins import REQUIRED
+from .exact_check import hulls_blocked
 from .phase_batch import Batch
 from .proximity import close
 
@@ -32,10 +33,11 @@ CUTS = 6
 
 
 class _Checker:
-    """Whether poses of one phase are free, on the optimiser's spheres with the contacts of the phase exempt."""
+    """Whether poses of one phase are free, on the optimiser's spheres, and on convex bodies, with the contacts of the
+    phase exempt."""
 
     def __init__(self, batch: Batch, phase: int) -> None:
-        self.geometry = batch.coarse.take(np.array([phase]))
+        self.geometry, self.exact = batch.coarse.take(np.array([phase])), batch.exact.take(np.array([phase]))
         joints = batch.joints
         self.lower, self.upper = joints.lower[phase] + 1e-3, joints.upper[phase] - 1e-3
 
@@ -44,6 +46,9 @@ class _Checker:
         result = np.asarray(((poses >= self.lower) & (poses <= self.upper)).all(axis=1))
         for found in close(self.geometry, poses[None], 0.0):
             result[found.time[found.clearance < REQUIRED[found.kind]]] = False
+        if self.exact.hulls:
+            left = np.flatnonzero(result)
+            result[left] = ~hulls_blocked(self.exact, poses[left])
         return result
 
     def advance(self, starts: Array, goals: Array) -> tuple[Array, Array]:
