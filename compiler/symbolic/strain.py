@@ -35,6 +35,40 @@ class _Source:
     holds: Check | None
 
 
+class _Witnesses:
+    """The strains that an action may have, least first, each with what must hold of a state for it to be one."""
+
+    def __init__(self, found: list[tuple[float, Check | None, Step | None]]) -> None:
+        self._found = found
+        self._known: dict[tuple[int, tuple[bool, ...]], float] = {}
+        self._conditions = list(dict.fromkeys(holds for _, holds, _ in found if holds is not None))
+        self._bits: int | None = 0
+        """The bits of a state that settle which of them is the least, with the conditions; None where a step has
+        conditions of its own."""
+        for _, _, step in found:
+            if step is not None and step.check is not None:
+                self._bits = None
+                return
+            for mask, _, _ in step.tests if step is not None else ():
+                self._bits |= mask
+
+    def least(self, state: int) -> float:
+        """The least strain in a state, 0 without a witness."""
+        if self._bits is None:
+            return self._first(state)
+        seen = (state & self._bits, tuple([holds(state) for holds in self._conditions]))
+        known = self._known.get(seen)
+        if known is None:
+            known = self._known[seen] = self._first(state)
+        return known
+
+    def _first(self, state: int) -> float:
+        for strain, holds, step in self._found:
+            if (holds is None or holds(state)) and (step is None or step.possible(state)):
+                return strain
+        return 0.0
+
+
 class Strain:
     """The strains of the actions of one problem."""
 
@@ -46,8 +80,9 @@ class Strain:
         self._sides = {id(flat): [_sides(c) for c in length_bounds(flat)] for flat in successors.domains.rules}
         self._fixed = {name for name, flats in self._rules.items() if all(map(self._speaks_of_arguments, flats))}
         self._settled: dict[int, float] = {}
-        self._sources: dict[tuple[int, int], tuple[_Source, ...]] = {}
+        self._sources: dict[tuple[int, int], tuple[int, tuple[_Source, ...]]] = {}
         self._rows: dict[tuple[int, Any], Row] = {}
+        self._witnesses: dict[tuple[int, int, int], _Witnesses] = {}
         self._values: dict[tuple[Any, ...], float] = {}
 
     def of(self, state: int, number: int) -> float:
@@ -82,31 +117,38 @@ class Strain:
         return {v.name: a for v, a in zip(variables, action.args, strict=True)}
 
     def _by_witness(self, state: int, number: int) -> float:
-        least: float | None = None
-        for source in self._sources_of(state, number):
-            if source.holds is not None and not source.holds(state):
-                continue
-            for strain, step in self._row(source.block, state).get(number, ()):
-                if step is None or step.possible(state):
-                    least = strain if least is None else min(least, strain)
-                    break
-        return 0.0 if least is None else least
+        flags = state & self.successors.layout.flag_mask
+        known = self._sources.get((flags, number))
+        read, sources = known if known is not None else self._sources_of(state, flags, number)
+        key = (flags, number, state & read)
+        witnesses = self._witnesses.get(key)
+        if witnesses is None:
+            found = [
+                (strain, source.holds, step)
+                for source in sources
+                for strain, step in self._row(source.block, state).get(number, ())
+            ]
+            witnesses = self._witnesses[key] = _Witnesses(sorted(found, key=lambda witness: witness[0]))
+        return witnesses.least(state)
 
-    def _sources_of(self, state: int, number: int) -> tuple[_Source, ...]:
-        """The blocks that may give an action in states with the flags of this one."""
-        key = (state & self.successors.layout.flag_mask, number)
-        if key not in self._sources:
-            action = self.successors.action(number)
-            args = self._arguments(action)
-            blocks = self.successors.blocks(state)
-            agreeing = [
-                block for block in blocks
-                if block.flat.rule.name == action.rule
-                and all(args[name] == value for name, value in block.env.items() if name in args)
-            ]  # fmt: skip
-            alone = len(agreeing) == 1
-            self._sources[key] = tuple(_Source(b, None if alone else _check(b.tests)) for b in agreeing)
-        return self._sources[key]
+    def _sources_of(self, state: int, flags: int, number: int) -> tuple[int, tuple[_Source, ...]]:
+        """The blocks that may give an action in states with these flags, and the bits of a state that name their
+        rows."""
+        action = self.successors.action(number)
+        args = self._arguments(action)
+        agreeing = [
+            block for block in self.successors.blocks(state)
+            if block.flat.rule.name == action.rule
+            and all(args[name] == value for name, value in block.env.items() if name in args)
+        ]  # fmt: skip
+        alone = len(agreeing) == 1
+        read = 0
+        for block in agreeing:
+            for _, place in block.keys:
+                read |= place.mask << place.shift
+        sources = tuple(_Source(b, None if alone else _check(b.tests)) for b in agreeing)
+        self._sources[flags, number] = read, sources
+        return read, sources
 
     def _row(self, block: Block, state: int) -> Row:
         numbers = tuple(state >> place.shift & place.mask for _, place in block.keys)

@@ -58,9 +58,11 @@ def maximise_slack(search: SkeletonSearch, strain: Strain, candidate: Candidate)
                 place = no_goods.descend(node.place, action)
                 if history is None or place == LEAF:
                     continue
-                total = node.strain + strain.of(node.state, action) ** SEARCH.penalty_power
                 key = (following, history, place)
                 known = best.get(key)
+                if known is not None and node.strain >= known.strain:
+                    continue
+                total = node.strain + strain.of(node.state, action) ** SEARCH.penalty_power
                 if known is None or total < known.strain:
                     best[key] = _Node(total, cost, following, history, place, action, node)
         layer = sorted(best.values(), key=lambda n: n.strain)[:SEARCH.slack_width]
