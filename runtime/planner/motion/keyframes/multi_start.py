@@ -21,8 +21,8 @@ SEQUENCE, SINGLE = SolverOptions(inner_tolerance=3e-2), SolverOptions()
 """For several phases and for one. Multipliers that are taken up soon save a fifth of the steps of several; one phase
 has them lead astray more often: grasps from unknown postures are then refused in 10 % of draws instead of none."""
 ACCURATE = 1e-9
-"""Metres and radians by which a row may be missed: poses are chained from phase to phase, and 1e-6 added up to more than
-the tolerance over some 250 of them, so that whole draws were thrown away."""
+"""Metres and radians by which a row may be missed: poses are chained from phase to phase, and 1e-6 added up past the
+tolerance over some 250 of them, so that whole draws were thrown away."""
 LEAST = 1e-6
 
 
