@@ -13,6 +13,7 @@ from ...seeds import Seed
 from ...skeleton import BoundResult, Configuration, Skeleton, beginning
 from ..motion.keyframes.sequence import solve_sequence, window_feasible
 from ..motion.path.path_program import solve_path
+from ..motion.path.relief import relieved
 from ..motion.phases import UnsupportedPhase, solve_sequence_path
 from ..motion.settings import MotionSettings
 from ..statics import borne
@@ -93,4 +94,7 @@ def sequence_path(
         found = solve_sequence_path(skeleton, sequence.configurations, settings, seed, budget, thorough, known)
     except UnsupportedPhase:
         found = solve_path(skeleton, settings, seed, budget, sequence, pinned=True)
-    return borne(skeleton, found)
+    refused = borne(skeleton, found)
+    if refused.feasible or not found.feasible:
+        return refused
+    return relieved(skeleton, found, refused, settings, seed, budget)

@@ -17,7 +17,7 @@ from ..motion.keyframes.sequence import solve_sequence
 from ..motion.keyframes.settings import KEYFRAMES
 from ..motion.path.path_program import solve_path
 from ..motion.settings import MotionSettings
-from ..statics import borne, slowed
+from ..statics import asked, borne, slowed
 from .requests import AttemptRequest, SequenceRequest, sequence_path
 from .settings import BOUNDS
 from .speculation import Speculation
@@ -176,7 +176,9 @@ class Solves:
         """P_path, with bounded effort."""
         self.tell("path", f"P_path of {len(skeleton)} actions")
         with self.clock("path"):
-            result = solve_path(skeleton, self.settings, self.seed, self.budget, sequence, effort=BOUNDS.path_effort)
+            bears = asked(skeleton.problem)
+            effort = BOUNDS.path_effort
+            result = solve_path(skeleton, self.settings, self.seed, self.budget, sequence, effort=effort, bears=bears)
             result = borne(skeleton, result)
         self._count(Bound.PATH, result.feasible)
         return result

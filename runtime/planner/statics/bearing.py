@@ -70,6 +70,12 @@ def exceeded_switches(skeleton: Skeleton, first: int, slices: Sequence[Configura
     return sorted(found, key=lambda v: -v.amount)
 
 
+def exceeded_on(skeleton: Skeleton, phase: int, path: PhasePath, before: Configuration) -> list[Violation]:
+    """What is too heavily loaded on the way through a phase."""
+    modules, bodies = _sampled(path, before, np.linspace(0.0, 1.0, STATICS.looked_at))
+    return exceeded(skeleton.problem, skeleton.phases[phase].mode, modules, bodies, phase)
+
+
 def borne(skeleton: Skeleton, result: BoundResult) -> BoundResult:
     """A feasible result of paths, refused where something is too heavily loaded on the way."""
     if not result.feasible or not asked(skeleton.problem):
@@ -77,9 +83,7 @@ def borne(skeleton: Skeleton, result: BoundResult) -> BoundResult:
     found: list[Violation] = []
     now = result.configurations[0]
     for phase, path in enumerate(result.paths):
-        times = np.linspace(0.0, 1.0, STATICS.looked_at)
-        modules, bodies = _sampled(path, now, times)
-        found += exceeded(skeleton.problem, skeleton.phases[phase].mode, modules, bodies, phase)
+        found += exceeded_on(skeleton, phase, path, now)
         now = result.configurations[phase + 1]
     if not found:
         return result
@@ -89,7 +93,8 @@ def borne(skeleton: Skeleton, result: BoundResult) -> BoundResult:
 def _sampled(path: PhasePath, before: Configuration, share: Array) -> tuple[dict[str, Array], dict[str, Array]]:
     """Everything at shares of the phase's time. Module poses between samples are those of splines through them: at most
     micrometres off what the joints give."""
-    weights = spline_weights(path.samples - 1, share) if path.samples > 2 else np.stack([1.0 - share, share], axis=1)
+    last = path.samples - 1
+    weights = spline_weights(last, share * last) if last > 1 else np.stack([1.0 - share, share], axis=1)
     modules = {name: weights @ rows for name, rows in path.modules.items()}
     bodies = {name: np.repeat(pose[None], len(share), axis=0) for name, pose in before.bodies.items()}
     bodies |= {name: weights @ rows for name, rows in path.bodies.items()}

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
+from .....compiler.ir import Fact, Problem
 from .....compiler.physics.safety import safety_of
 from .....compiler.physics.stages import rows_of
 from ....geometry.attachments import next_mode
@@ -15,11 +18,17 @@ from ..nlp.unknowns import UnknownsLayout
 
 def bearing_rows(skeleton: Skeleton, layout: UnknownsLayout, phases: range, free: bool) -> list[RowGroup]:
     """One group for each structure: the instances are slices. Structures with closed loops have none."""
-    problem = skeleton.problem
-    safety = safety_of(problem.options) / STATICS.room
     wanted = {(0, phases[0], skeleton.phases[phases[0]].mode)} if free else set()
     for slice_, phase in enumerate(phases, start=1):
         wanted |= {(slice_, phase, skeleton.phases[phase].mode), (slice_, phase, next_mode(skeleton, phase))}
+    return bearing_groups(skeleton.problem, layout, wanted)
+
+
+def bearing_groups(
+    problem: Problem, layout: UnknownsLayout, wanted: Iterable[tuple[int, int, frozenset[Fact]]]
+) -> list[RowGroup]:
+    """Rows at slices, each with its phase and mode, whose loads are unknown and open to none of them."""
+    safety = safety_of(problem.options) / STATICS.room
     groups: list[RowGroup] = []
     for slice_, phase, mode in sorted(wanted, key=lambda w: (w[0], w[1], sorted(w[2]))):
         rows = rows_of(problem, mode, safety)

@@ -51,14 +51,15 @@ class PhaseResult:
 
 def solve_phase(
     skeleton: Skeleton, phase: int, before: Configuration, after: Configuration, settings: MotionSettings,
-    random: np.random.Generator, budget: Budget, starts: int = STARTS,
+    random: np.random.Generator, budget: Budget, starts: int = STARTS, bears: bool = False,
 ) -> PhaseResult:  # fmt: skip
-    """The motion of one phase between two switches, from a straight start, then from bumped ones. Raises OutOfTime."""
+    """The motion of one phase between two switches, from a straight start, then from bumped ones; with `bears` within
+    all strengths at rest. Raises OutOfTime."""
     best: PhaseResult | None = None
     iterations = 0
     for number in range(starts):
         wider = replace(settings, margin=settings.margin * NEARER) if number % 3 == 1 else settings
-        program = PathProgram(skeleton, wider, [before, after], True, range(phase, phase + 1))
+        program = PathProgram(skeleton, wider, [before, after], True, range(phase, phase + 1), bears)
         bump = {n: random.normal(0.0, BUMP, len(c) - 7) for n, c in before.modules.items()} if number > 1 else {}
         x = program.pack(_between(before, after, settings.slices, bump))
         x = project(program.program(), x, ACCURATE, budget, PROJECTIONS)

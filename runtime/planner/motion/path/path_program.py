@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .....compiler.ir import Problem
+from .....compiler.ir import Fact, Problem
 from .....compiler.motion.collision import Pair, PhaseContacts, contacts, taper
 from ....budget import Budget
 from ....geometry.attachments import followers, involved, next_mode
@@ -18,6 +18,7 @@ from ....seeds import Seed
 from ....skeleton import Array, Bound, BoundResult, Breach, Configuration, PhasePath, Skeleton
 from ..collision.clearance_rows import Clearances
 from ..collision.pairs_in_phases import Collisions, Margins, refresh, rows
+from ..keyframes.bearing_rows import bearing_groups
 from ..keyframes.keyframe_program import run
 from ..nlp.augmented_lagrangian import PATH, SolverOptions, SolverStatus, project
 from ..nlp.features import Features, differences, homing, limits, norms
@@ -48,16 +49,17 @@ STILL = 1e-9
 
 class PathProgram:
     """Slices 1 … T of every phase after the start; slice (k + 1) T is the switch of the k-th of `phases`, which are
-    all phases unless said otherwise. `switches` begin with the configuration before the first of them."""
+    all phases unless said otherwise. `switches` begin with the configuration before the first of them. With `bears`
+    loads at rest keep within strengths at all slices."""
 
     def __init__(
         self, skeleton: Skeleton, settings: MotionSettings, switches: Sequence[Configuration], pinned: bool,
-        phases: range | None = None,
+        phases: range | None = None, bears: bool = False,
     ) -> None:  # fmt: skip
         self.skeleton = skeleton
         self.problem: Problem = skeleton.problem
         self.settings = settings
-        self.pinned = pinned
+        self.pinned, self.bears = pinned, bears
         self.strict = True
         """Whether margins are held to, and not only wished for."""
         self.phases = range(len(skeleton)) if phases is None else phases
@@ -115,6 +117,18 @@ class PathProgram:
                 found += [(literal, "during", slices[-1], number, after) for literal in sorted(after)]
         return [w for w in found if speaks(self.problem, w[0])]
 
+    def _bearing(self) -> list[RowGroup]:
+        """Rows that keep loads within strengths, where they are asked for."""
+        if not self.bears:
+            return []
+        found: list[tuple[int, int, frozenset[Fact]]] = []
+        for k, number in enumerate(self.phases):
+            slices, mode = self._slices(k), self.skeleton.phases[number].mode
+            found += [(t, number, mode) for t in slices[1:-1]]
+            if not self.pinned:
+                found += [(slices[-1], number, m) for m in (mode, next_mode(self.skeleton, number))]
+        return bearing_groups(self.problem, self.layout, found)
+
     def _all_groups(self) -> list[RowGroup]:
         step = 1.0 / self.count
         triples: list[tuple[int, ...]] = []
@@ -127,6 +141,7 @@ class PathProgram:
         return [
             *self._features.groups(),
             *loaded_groups(self.problem, self.layout, self._loaded()),
+            *self._bearing(),
             norms(self.layout),
             limits(self.problem, self.layout, self.settings.limit_margin / 3, phase_of),
             homing(self.problem, self.layout, HOMING * step**0.5),
@@ -206,6 +221,7 @@ def solve_path(
     sequence: BoundResult,
     pinned: bool = False,
     effort: int | None = None,
+    bears: bool = False,
 ) -> BoundResult:
     """P_path from the switch configurations of P_seq; with `pinned` they stay as they are (P_seqPath). Phases that
     stall get their joints bumped, at most six times, and no more once `effort` is spent: iterations times unknowns.
@@ -213,7 +229,7 @@ def solve_path(
     began = time.monotonic()
     random = seed.child("path").random()
     switches = sequence.configurations
-    path = PathProgram(skeleton, settings, switches, pinned)
+    path = PathProgram(skeleton, settings, switches, pinned, bears=bears)
     slices = path.start(switches, [None] * len(skeleton))
     start = path.pack(slices)
     iterations, most = 0, None if effort is None else max(1, effort // max(1, len(start)))

@@ -1,0 +1,32 @@
+"""Loads on the way between switches: they are looked at over all of a phase, and paths give way to them."""
+
+from pathlib import Path
+
+from tamplang.compiler import ir
+from tamplang.compiler.pipeline import compile_text
+from tamplang.runtime.plan import Plan
+from tamplang.runtime.planner.lgp import SolveOptions, solve
+from tamplang.runtime.verify.check import check as judge
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def payload(load: str, physics: bool = True) -> tuple[ir.Problem, Plan]:
+    text = (EXAMPLES / "payload.tamp").read_text()
+    text = text if physics else text.replace("physics = statics, ", "")
+    problem, _ = compile_text(text, "payload.tamp", None, {"load": load})
+    outcome = solve(problem, SolveOptions(time=60.0))
+    assert outcome.status == "solved", [d.message for d in outcome.explanation]
+    return problem, outcome.plans[0]
+
+
+def test_a_grip_that_would_slip_on_the_way_is_carried_another_way() -> None:
+    _, plan = payload("8 kg")
+    assert plan.verdict is not None and plan.verdict.verified
+    assert 0.8 < plan.verdict.worst["dock_ratio"] <= 1.0
+
+
+def test_without_physics_the_base_would_tip_over() -> None:
+    problem, _ = payload("5 kg")
+    _, careless = payload("5 kg", physics=False)
+    assert "tip_m" in {f.kind for f in judge(careless, problem).failures}
