@@ -60,6 +60,7 @@ from .lifted_ir import (
     effects_with_loops,
     span_of,
 )  # fmt: skip
+from .objectives import Objective
 from .physics.records import Hold, Inertial
 
 __all__ = [
@@ -120,10 +121,10 @@ class JointKind(StrEnum):
 class Joint:
     """`parent` is the index of the joint whose moving frame carries it, -1 for
     the module frame. The moving frame is parent · placement · motion(axis, q). Limits in rad or m, greatest speed per
-    s, greatest acceleration per s². A `passive` joint has no drive; one that `follows` another has its leader's. A
-    drive weighs `mass`, kg, sits at the joint on the parent's frame, gives at most `torque`, N m (N of a prismatic
-    joint), and has the inertia `rotor`, kg m² (kg), behind the gear; across its axis a joint bears the moment
-    `bearing`, N m. `stated` is where that is written."""
+    s, greatest acceleration per s², greatest `jerk` per s³. A `passive` joint has no drive; one that `follows` another
+    has its leader's. A drive weighs `mass`, kg, sits at the joint on the parent's frame, gives at most `torque`, N m
+    (N of a prismatic joint), and has the inertia `rotor`, kg m² (kg), behind the gear; across its axis a joint bears
+    the moment `bearing`, N m. `stated` is where that is written."""
 
     name: str
     kind: JointKind
@@ -141,6 +142,7 @@ class Joint:
     torque: float = math.inf
     bearing: float = math.inf
     rotor: float = 0.0
+    jerk: float = math.inf
     stated: Span | None = field(default=None, compare=False, repr=False)
 
 
@@ -276,6 +278,7 @@ class Options:
     margin: float | None = None
     physics: str | None = None
     safety: float | None = None
+    minimise: Objective | None = None
 
 
 @dataclass(frozen=True, slots=True)

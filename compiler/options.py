@@ -9,14 +9,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..langs.diagnostics import UsageError, did_you_mean
+from .objectives import Objective, spelled
 
 
 @dataclass(frozen=True, slots=True)
 class Option:
     """`kind` is "word" (one of `choices`), "whole" (a number from 1, to `most` if that is given), "time" (seconds),
-    "length" (metres) or "number" (from 1). Without `default` nothing is limited, or the task's scene decides. `places`
-    are where it may be given: "task" (the `options` block), "solve" and "sweep" (the commands), "python"
-    (`Task.solve`)."""
+    "length" (metres), "objective" (a weighted sum of measures) or "number" (from 1). Without `default` nothing is
+    limited, or the task's scene decides. `places` are where it may be given: "task" (the `options` block), "solve" and
+    "sweep" (the commands), "python" (`Task.solve`)."""
 
     name: str
     kind: str
@@ -43,6 +44,8 @@ OPTIONS: Mapping[str, Option] = {
                frozenset(("task",)), "none", ("none", "statics", "dynamics")),
         Option("safety", "number", "How many times its load everything must bear.", frozenset(("task",)), 1.5),
         Option("margin", "length", "Distance that things wish to keep, metres.", frozenset(("task",))),
+        Option("minimise", "objective", "What plans are to be best at.", frozenset(("task", "solve", "python")),
+               "actions"),
         Option("solutions", "whole", "How many plans to find.", frozenset(("solve", "python")), 1, most=1000),
     )
 }  # fmt: skip
@@ -78,5 +81,9 @@ def _fault(option: Option, value: object) -> str | None:
     if option.kind == "number":
         fits = isinstance(value, int | float) and not isinstance(value, bool) and 1 <= value < math.inf
         return None if fits else "a number from 1"
+    if option.kind == "objective":
+        if isinstance(value, str):
+            spelled(value)
+        return None if isinstance(value, str | Objective) else "an objective such as makespan + 0.1 * travel"
     number = isinstance(value, int | float) and not isinstance(value, bool) and value == value
     return None if number else "a number of seconds" if option.kind == "time" else "a length in metres"

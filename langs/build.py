@@ -309,7 +309,10 @@ class TreeBuilder(TermBuilder):
             case "breakdown_item":
                 module, time = self.terms(children[:2])
                 return s.BreakdownItem(module, time, str(children[2]), span=span)
-        entries = [(str(o.children[0]), self.term(o.children[1])) for o in branches(tree, "option")]
+        entries = [
+            ("minimise" if o.data == "objective" else str(o.children[0]), self.term(o.children[-1]))
+            for o in branches(tree, "option", "objective")
+        ]
         return s.OptionsItem(tuple(entries), span=span)
 
     def _body(self, tree: Branch) -> s.BodyItem:

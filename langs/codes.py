@@ -142,6 +142,18 @@ CODES: dict[str, CodeInfo] = {
         "The option does not take this value.",
         "options { bound = paths }", "options { bound = path }"),
     "E0211": CodeInfo("division by zero", "type", "The divisor is zero for the parameters given."),
+    "E0212": CodeInfo("unknown objective", "type",
+        "What can be minimised is actions (their cost), duration (seconds of motion, of all robots together), makespan "
+        "(seconds until the last action is done), travel (how far joints move) and energy (joules, with `physics` on).",
+        "options { minimise = time }", "options { minimise = makespan }"),
+    "E0214": CodeInfo("weight that is not positive", "type",
+        "What is minimised is a cost: a negative weight would make plans better the longer they are, and with all "
+        "weights zero all plans are alike.",
+        "options { minimise = makespan - travel }", "options { minimise = makespan + travel }"),
+    "E0215": CodeInfo("objectives without a unit in common", "type",
+        "An objective is a sum of measures of a plan, each times a plain number: what a second, a radian, a joule or "
+        "an action counts. Lengths and times are no weights, and numbers alone measure nothing.",
+        "options { minimise = makespan + 3 s }", "options { minimise = makespan + 0.1 * travel }"),
     "E0301": CodeInfo("unbound variable", "logic",
         "Every variable is a parameter or bound by exists, forall or for.",
         "pre (on X A)   # X is no parameter", "pre exists X: object { (on X A) }"),
@@ -269,6 +281,9 @@ CODES: dict[str, CodeInfo] = {
     "E0523": CodeInfo("does not bear itself at the start", "scene",
         "With `physics` on, the scene cannot even stand as it is: the load of a joint, dock or foot, times `safety`, "
         "is more than it states to bear. No plan can begin there."),
+    "E0524": CodeInfo("energy without physics", "scene",
+        "Energy is the work of joints against their torques, which only `physics` tells.",
+        "options { minimise = energy }", "options { physics = dynamics, minimise = energy }"),
     "S0001": CodeInfo("infeasible", "outcome", "It is proved that no sequence of actions reaches the goal."),
     "S0002": CodeInfo("exhausted", "outcome",
         "Every candidate sequence was refused by the motion solver; this is no proof."),

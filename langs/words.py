@@ -36,6 +36,7 @@ WORDS: Mapping[str, Word] = {
     "guide": Word("part", "names the heuristic that guides the search"),
     "fact": Word("part", "states what holds at the start"),
     "options": Word("part", "sets options of the planner for this task"),
+    "minimise": Word("part", "what plans are to be best at, such as `makespan + 0.1 * travel`"),
     "start": Word("part", "the value of a heuristic at the start"),
     "effector": Word("part", "an end of a module, where it stands, grips or is docked; also the type of all of them"),
     "joint": Word("part", "a revolute, prismatic or planar joint of a module"),

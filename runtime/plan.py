@@ -202,8 +202,20 @@ class SearchNode(Record, frozen=True):
     status: str
 
 
+class ObjectiveRecord(Record, frozen=True):
+    """What a plan was to be best at, as it is spelled: its `value` in `unit` ("" of a sum of several measures), the
+    `measures` in it, and `bounds` below which the value is never, by what they hold for."""
+
+    minimise: str
+    value: float
+    unit: str
+    measures: dict[str, float]
+    bounds: dict[str, float]
+
+
 class StatisticsRecord(Record, frozen=True):
-    """How a plan was found. `path_cost` is the cost of its motion, `path_cost_before` that before it was polished."""
+    """How a plan was found. `path_cost` is the cost of its motion, `path_cost_before` that before it was polished.
+    `objective` is there where another one than the cost of actions was asked for."""
 
     tree_nodes: int = 0
     expanded_nodes: int = 0
@@ -215,6 +227,7 @@ class StatisticsRecord(Record, frozen=True):
     tree: list[SearchNode] = []
     path_cost: float | None = None
     path_cost_before: float | None = None
+    objective: ObjectiveRecord | msgspec.UnsetType = msgspec.UNSET
 
 
 class TimingRecord(Record, frozen=True):

@@ -77,6 +77,7 @@ class Task:
         solutions: int = 1,
         solver: str | None = None,
         slices: int | None = None,
+        minimise: str | None = None,
         horizon: int | str | None = None,
         jobs: int = 1,
         cluster: str | None = None,
@@ -88,7 +89,8 @@ class Task:
         (`compiler/options.py`).
 
         `bound` is "seq", "seq-path" or "path"; `search` "astar", "wastar", "bfs" or "guide"; `time` seconds from now
-        (`math.inf`: no limit); `nodes` of the search tree; `solver` "algn" or "ipopt"; `slices` per phase; `horizon`
+        (`math.inf`: no limit); `nodes` of the search tree; `solver` "algn" or "ipopt"; `slices` per phase;
+        `minimise` an objective such as "makespan + 0.1 * travel"; `horizon`
         plans the motion of so many actions at a time, "auto" as many as seem wise. With `jobs` above 1, so many
         processes work side by side, or this one and the workers of the `cluster` at tcp://HOST:PORT: the result is the
         same. `found` gets every verified plan as soon as it stands.
@@ -104,7 +106,7 @@ class Task:
 
         chosen = {
             "bound": bound, "search": search, "time": time, "nodes": nodes, "solutions": solutions, "solver": solver,
-            "slices": slices,
+            "slices": slices, "minimise": minimise,
         }  # fmt: skip
         check_given("python", chosen | unknown, BESIDE_OPTIONS)
         from .runtime.planner.bounds.speculation import opened

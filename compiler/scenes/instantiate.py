@@ -7,6 +7,7 @@ import random
 from collections.abc import Mapping
 
 from ...langs import syntax
+from ...langs.diagnostics import UsageError
 from .. import ir
 from ..checks.check_heuristics import lower_heuristic
 from ..checks.context import Context
@@ -14,6 +15,7 @@ from ..checks.kinds import VALUE_TYPES
 from ..checks.names import Entry, Scope, Typed
 from ..checks.relaxation import Relaxation, RelaxedWorld, movable
 from ..checks.values import bind_arguments
+from ..objectives import check_energy
 from .check_rows import check_rows
 from .check_start import check_start
 from .check_strength import check_joint_names, check_strength
@@ -50,6 +52,7 @@ def instantiate(
         check_rows(context.findings, problem)
         check_joint_names(context.findings, problem)
         check_strength(context.findings, problem)
+        _check_energy(context, problem)
     return problem
 
 
@@ -68,6 +71,16 @@ def _task_entries(
                 return None
             known.update(one)
     return known
+
+
+def _check_energy(context: Context, problem: ir.Problem) -> None:
+    """Reports E0524."""
+    try:
+        if problem.options.minimise is not None:
+            check_energy(problem.options.minimise, problem.options.physics)
+    except UsageError as error:
+        assert error.diagnostic is not None
+        context.findings.add(error.diagnostic)
 
 
 def _problem(

@@ -12,6 +12,7 @@ from ..checks.context import Context
 from ..checks.kinds import LENGTH, NUMBER, TIME
 from ..checks.names import Scope
 from ..checks.values import number
+from ..objectives import Objective, ObjectiveFault, objective_of
 from ..options import Option, given_at
 
 KINDS = {"whole": NUMBER, "number": NUMBER, "time": TIME, "length": LENGTH}
@@ -28,6 +29,8 @@ def check_options(context: Context, scope: Scope, item: syntax.OptionsItem, befo
             context.findings.unknown("E0116", "option", name, where, known)
         elif option.kind == "word":
             changes[name] = _word(context, option, term)
+        elif option.kind == "objective":
+            changes[name] = _objective(context, scope, term)
         else:
             changes[name] = _number(context, scope, option, term)
     return dataclasses.replace(before, **{k: v for k, v in changes.items() if v is not None})
@@ -50,6 +53,17 @@ def _text(term: syntax.Term) -> str | None:
         left, right = _text(term.left), _text(term.right)
         return f"{left}-{right}" if left and right else None
     return None
+
+
+def _objective(context: Context, scope: Scope, term: syntax.Term) -> Objective | None:
+    def weight(part: syntax.Term) -> float | None:
+        return number(context, scope, part, NUMBER, "a weight of an objective")
+
+    try:
+        return objective_of(term, weight, lambda name: name in scope.entries)
+    except ObjectiveFault as fault:
+        context.findings.report(fault.code, fault.span, str(fault), help=fault.help)
+        return None
 
 
 def _number(context: Context, scope: Scope, option: Option, term: syntax.Term) -> float | int | None:

@@ -9,19 +9,22 @@ refusals fed back to the search, and the verifier's word on every plan before it
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
+import msgspec
+
 from ...compiler.ir import Problem
+from ...compiler.objectives import ACTIONS, Objective, check_energy, spelled
 from ...compiler.options import OPTIONS, given_at
 from ...langs.diagnostics import Diagnostic
 from ..budget import ASIDE, SECONDS, Budget, OutOfTime, Status, ending
 from ..geometry.start_contacts import touching
-from ..plan import Plan, StatisticsRecord, TimingRecord
+from ..plan import ObjectiveRecord, Plan, StatisticsRecord, TimingRecord
 from ..seeds import Seed
-from ..skeleton import Bound, Skeleton
+from ..skeleton import Bound, PhasePath, Skeleton
 from .bounds.length_unit import length_unit
 from .bounds.multi_bound import MultiBound
 from .bounds.speculation import Speculation
@@ -29,6 +32,8 @@ from .bounds.verdicts import Judgement
 from .candidate_loop import CandidateLoop
 from .conflicts.infeasibility import Refusals, distrust, fewer, unverified
 from .motion.settings import MotionSettings
+from .schedule.at_once import AtOnce
+from .schedule.objective_value import valued
 from .search.best_first import Candidate, SkeletonSearch
 from .search.slack_maximisation import maximise_slack
 
@@ -47,18 +52,22 @@ class SolveOptions:
     solver: str = OPTIONS["solver"].default
     seed: int = 0
     slices: int | None = None
+    minimise: Objective = ACTIONS
     ahead: Speculation = field(default_factory=Speculation, compare=False, repr=False)
 
 
 def options_of(problem: Problem, chosen: Mapping[str, Any], otherwise: float = SECONDS) -> SolveOptions:
     """What is `chosen` by name and not None, else what the task's `options` block says, else the defaults. `time` may
-    be infinite; `otherwise` is the time in seconds where neither says one."""
+    be infinite; `otherwise` is the time in seconds where neither says one. Raises UsageError for an objective that
+    makes no sense here."""
     values: dict[str, Any] = {}
     for name in given_at("python"):
         value = chosen.get(name)
         value = getattr(problem.options, name, None) if value is None else value
         if value is not None:
-            values[name] = value
+            values[name] = spelled(value) if name == "minimise" and isinstance(value, str) else value
+    if "minimise" in values:
+        check_energy(values["minimise"], problem.options.physics)
     seconds = values.pop("time", otherwise)
     values["bound"] = Bound(values.get("bound", FINEST))
     return SolveOptions(**values, time=None if math.isinf(seconds) else seconds, seed=problem.seed)
@@ -125,6 +134,7 @@ class _SolveRun:
         settings, seed = motion_settings(problem, options), Seed(options.seed)
         self.bounds = MultiBound(problem, settings, options.bound, seed, self.budget, self._tell, options.ahead)
         self.refusals = Refusals(problem)
+        self.at_once = AtOnce(problem, settings, seed, self.budget, self._tell)
         self.search: SkeletonSearch | None = None
 
     def run(self) -> Outcome:
@@ -163,17 +173,32 @@ class _SolveRun:
     def _believed(self, skeleton: Skeleton, candidate: Candidate, judgement: Judgement) -> bool:
         """Whether the verifier believes a motion; then the plan is kept and handed on. Raises OutOfTime."""
         statistics = self._statistics([*self.accepted, candidate])
-        plan = self.bounds.believe(skeleton, candidate.actions, judgement, statistics, self._timing())
+        plan, paths = self.bounds.believe(skeleton, candidate.actions, judgement, statistics, self._timing())
         if plan.verdict is None:
             self.distrusted = plan
             raise OutOfTime
         if not plan.verdict.verified:
             self.distrusted = self.distrusted or plan
             return False
+        plan = self._valued(skeleton, candidate, paths, plan)
         self.plans.append(plan)
         if self.found is not None:
             self.found(plan)
         return True
+
+    def _valued(self, skeleton: Skeleton, candidate: Candidate, paths: Sequence[PhasePath], plan: Plan) -> Plan:
+        """The plan as the objective wants it, with its value: where seconds count, one that is as short as its motions
+        allow."""
+        objective = self.options.minimise
+        if objective == ACTIONS:
+            return plan
+        critical: float | None = None
+        if objective.timed:
+            with self.bounds.clock("schedule"):
+                plan, critical = self.at_once.shorter(skeleton, candidate.actions, paths, plan)
+        value = valued(self.problem, objective, plan, candidate.cost, self.first_bound or 0.0, critical)
+        statistics = msgspec.structs.replace(plan.statistics, objective=value)
+        return msgspec.structs.replace(plan, statistics=statistics)
 
     def _statistics(self, accepted: list[Candidate] | None = None) -> StatisticsRecord:
         search = self.search
@@ -196,7 +221,7 @@ class _SolveRun:
 
     def _outcome(self, status: Status) -> Outcome:
         statistics, timing = self._statistics(), self._timing()
-        order = sorted(range(len(self.accepted)), key=lambda i: self.accepted[i].cost)
+        order = sorted(range(len(self.accepted)), key=self._worth)
         self.accepted = [self.accepted[i] for i in order]
         plans = [_with_statistics(self.plans[i], statistics, timing, self.accepted[k].cost)
                  for k, i in enumerate(order) if i < len(self.plans)]  # fmt: skip
@@ -212,10 +237,17 @@ class _SolveRun:
         elif self.distrusted is not None:
             status, explanation = Status.REFUSED, distrust(self.distrusted.verdict)
         actions = [str(a) for a in self.accepted[0].actions] if self.accepted else []
+        if plans:
+            actions = [phase.action for phase in plans[0].phases]
         if self.distrusted is not None and not self.accepted:
             actions = [phase.action for phase in self.distrusted.phases]
         refused = None if self.accepted else self.distrusted
         return Outcome(status, plans, statistics, timing, explanation, actions, statistics.cost, refused)
+
+    def _worth(self, index: int) -> float:
+        """What the plan, or without motion the candidate, of this number is worth: less is better."""
+        told = self.plans[index].statistics.objective if index < len(self.plans) else None
+        return told.value if isinstance(told, ObjectiveRecord) else self.accepted[index].cost
 
     def _tell(self, stage: str, message: str) -> None:
         if self.report is None:
@@ -241,11 +273,10 @@ def motion_settings(problem: Problem, options: SolveOptions) -> MotionSettings:
 
 def _with_statistics(plan: Plan, statistics: StatisticsRecord, timing: TimingRecord, cost: float) -> Plan:
     """The plan with the figures of the whole run, but its own costs and gap."""
-    import msgspec
-
     gap = None if statistics.gap is None else statistics.gap + cost - statistics.cost
-    path, before = plan.statistics.path_cost, plan.statistics.path_cost_before
+    told = plan.statistics
     own = msgspec.structs.replace(
-        statistics, cost=cost, gap=gap, optimal=gap == 0.0, path_cost=path, path_cost_before=before
-    )
+        statistics, cost=cost, gap=gap, optimal=gap == 0.0, path_cost=told.path_cost,
+        path_cost_before=told.path_cost_before, objective=told.objective,
+    )  # fmt: skip
     return msgspec.structs.replace(plan, statistics=own, timing=timing)

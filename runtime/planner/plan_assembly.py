@@ -56,16 +56,16 @@ def assemble(
 ) -> record.Plan:
     """The plan file of a solved skeleton: one path per action. Raises MissingLibrary."""
     motions = _resampled(problem, skeleton, paths)
-    phases = _phases(problem, actions, skeleton, motions)
+    phases = phase_records(problem, actions, skeleton, motions)
     final_mode = literal_records(problem, skeleton.final_mode, {})
-    return plan_of(problem, motions, paths, phases, final_mode, statistics)
+    return plan_of(problem, motions, splines_of(problem.world, motions, paths), phases, final_mode, statistics)
 
 
 def plan_of(
-    problem: ir.Problem, motions: Sequence[SampledMotion], paths: Sequence[PhasePath],
+    problem: ir.Problem, motions: Sequence[SampledMotion], splines: list[record.SplineRecord],
     phases: list[record.PhaseRecord], final_mode: list[record.LiteralRecord], statistics: record.StatisticsRecord,
 ) -> record.Plan:  # fmt: skip
-    """The plan file of phases with their motions, one after the other; `paths` hold the knots of the splines."""
+    """The plan file of phases with their motions, one after the other, and their splines."""
     world = problem.world
     return record.Plan(
         format=record.FORMAT,
@@ -78,7 +78,7 @@ def plan_of(
         times=_rounded_row(np.concatenate([m.times for m in motions])) if motions else [0.0],
         tracks=[_track(m, motions) for m in world.modules.values()],
         body_tracks=[piece for b in world.bodies.values() for piece in _body_tracks(b, motions)],
-        splines=_splines(world, motions, paths),
+        splines=splines,
         statistics=statistics,
         needs=_needs(world),
     )
@@ -154,7 +154,7 @@ def _body_tracks(body: ir.Body, motions: Sequence[SampledMotion]) -> list[record
     return pieces
 
 
-def _splines(
+def splines_of(
     world: ir.World, motions: Sequence[SampledMotion], paths: Sequence[PhasePath]
 ) -> list[record.SplineRecord]:
     """A spline for every phase in which joints of a module move."""
@@ -227,9 +227,10 @@ def placed(problem: ir.Problem, span: Span | None) -> record.PlaceRecord | None:
 # --- the phases --------------------------------------------------------------------------------------------------
 
 
-def _phases(
+def phase_records(
     problem: ir.Problem, actions: Sequence[ir.Action], skeleton: Skeleton, motions: Sequence[Resampled]
 ) -> list[record.PhaseRecord]:
+    """The phases of actions with their motions, from the start on."""
     stepper = Stepper(problem)
     facts, mode = problem.init, problem.init_motion
     places: dict[ir.Fact, Span | None] = {}

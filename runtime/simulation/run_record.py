@@ -9,7 +9,7 @@ import msgspec
 
 from ...compiler import ir
 from .. import plan as record
-from ..planner.plan_assembly import Places, literal_records, phase_record, plan_of
+from ..planner.plan_assembly import Places, literal_records, phase_record, plan_of, splines_of
 from ..planner.search.stepper import Stepper
 from ..skeleton import Phase
 from .world import Executed
@@ -32,7 +32,8 @@ def plan_of_run(
     motions = [step.executed for step in steps]
     paths = [executed.interval.path for executed in motions]
     mode = literal_records(problem, final_mode, places)
-    plain = plan_of(problem, motions, paths, _phases(problem, steps), mode, statistics)
+    splines = splines_of(problem.world, motions, paths)
+    plain = plan_of(problem, motions, splines, _phases(problem, steps), mode, statistics)
     return msgspec.structs.replace(
         plain,
         courses=[record.CourseRecord(c.body, c.start, [list(p) for p in c.points], c.speed, c.returns)

@@ -57,6 +57,23 @@ class Seconds(Real):
         super().__init__(min=0, min_open=True)
 
 
+class ObjectiveText(click.ParamType[str]):
+    """An objective, told with its code where it makes no sense."""
+
+    name = "objective"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        from ..compiler.objectives import spelled
+        from ..langs.diagnostics import UsageError
+
+        try:
+            spelled(str(value))
+        except UsageError as error:
+            code = "" if error.diagnostic is None else f"{error.diagnostic.code} "
+            self.fail(f"{code}{error}", param, ctx)
+        return str(value)
+
+
 def plain(text: str) -> bool:
     """Whether a number is written in ASCII, and is one: not `nan`."""
     try:
@@ -69,7 +86,10 @@ def planner_option(name: str, *argument: str, **more: Any) -> Callable[[Command]
     """The option `--name` as the table of the planner's options has it; `more` is told to click as it is. The command
     gives None on where it is not set."""
     option = OPTIONS[name]
-    kinds = {"word": click.Choice(option.choices), "whole": WholeNumber(1, option.most), "time": Seconds()}
+    kinds: dict[str, click.ParamType[Any]] = {
+        "word": click.Choice(option.choices), "whole": WholeNumber(1, option.most), "time": Seconds(),
+        "objective": ObjectiveText(),
+    }  # fmt: skip
     return click.option(f"--{name}", *argument, **{"type": kinds[option.kind], "help": option.help, **more})
 
 

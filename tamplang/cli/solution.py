@@ -18,7 +18,7 @@ from .sources import as_objects, as_text, show_diagnostics
 if TYPE_CHECKING:
     from ..api import Plan, Result
     from ..compiler.ir import Problem
-    from ..runtime.plan import StatisticsRecord, TimingRecord
+    from ..runtime.plan import ObjectiveRecord, StatisticsRecord, TimingRecord
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +108,7 @@ def result_json(problem: Problem, result: Result, written: Written, compile_seco
         "expanded_nodes": statistics.expanded_nodes,
         "bounds": {b.bound: {"solved": b.solved, "refused": b.refused} for b in statistics.bounds},
         "cost": result.cost,
+        "objective": _objective_json(plan),
         "seconds": _seconds(result.timing, compile_seconds),
         **standing(verdict, plan is not None and plan.record.complete),
         "worst": verdict.worst if verdict is not None else {},
@@ -117,6 +118,31 @@ def result_json(problem: Problem, result: Result, written: Written, compile_seco
         "report": str(written.report) if written.report is not None else None,
         "explanation": as_objects(result.explanation),
     }
+
+
+def objective_of(plan: Plan | None) -> ObjectiveRecord | None:
+    """What a plan was to be best at, where it was another thing than the cost of its actions."""
+    from ..runtime.plan import ObjectiveRecord
+
+    told = None if plan is None else plan.record.statistics.objective
+    return told if isinstance(told, ObjectiveRecord) else None
+
+
+def _objective_json(plan: Plan | None) -> dict[str, object] | None:
+    told = objective_of(plan)
+    if told is None:
+        return None
+    gap = {name: told.value - bound for name, bound in told.bounds.items()}
+    return {"minimise": told.minimise, "value": told.value, "unit": told.unit, "measures": told.measures,
+            "bounds": told.bounds, "gap": gap}  # fmt: skip
+
+
+def _objective_line(told: ObjectiveRecord) -> str:
+    """The value, and how far it may be above the least one."""
+    unit = f" {told.unit}" if told.unit else ""
+    bounds = [f"at least {bound:.4g}{unit} for {name}" + (f", gap {told.value - bound:.3g}{unit}" if bound else "")
+              for name, bound in told.bounds.items()]  # fmt: skip
+    return f"{told.minimise}: {told.value:.4g}{unit} ({'; '.join(bounds)})"
 
 
 def _seconds(timing: TimingRecord, compile_seconds: float) -> dict[str, float]:
@@ -147,6 +173,8 @@ def result_lines(problem: Problem, result: Result, written: Written) -> list[str
         lines.append("  the goal holds at the start: nothing is to be done")
     if result.actions:
         lines.append(f"{counted(len(result.actions), 'action')}, cost {result.cost:g}{_quality(result.statistics)}")
+    told = objective_of(result.plan or result.refused)
+    lines += [] if told is None else [_objective_line(told)]
     lines.append(_effort(result.statistics, result.timing))
     plan = result.plan or result.refused
     if plan is not None and plan.record.verdict is not None:

@@ -32,6 +32,7 @@ from .watch import watch_option, watching
 @planner_option("search")
 @click.option("--horizon", callback=checked_horizon, metavar="N|auto", help="Plan the motion of N actions at a time.")
 @planner_option("solutions", default=1, show_default=True)
+@planner_option("minimise", metavar="OBJECTIVE")
 @planner_option("time", "seconds")
 @memory_option
 @planner_option("nodes")
@@ -53,6 +54,7 @@ def solve(
     search: str | None,
     horizon: int | str | None,
     solutions: int,
+    minimise: str | None,
     seconds: float | None,
     memory: int | None,
     nodes: int | None,
@@ -78,6 +80,7 @@ def solve(
         raise click.UsageError("--horizon plans window after window in one process: leave out --jobs and --cluster")
     checked_side(jobs, cluster)
     from ..api import Task
+    from ..compiler.objectives import check_energy, spelled
     from ..compiler.pipeline import compile_problem
     from ..compiler.scenes.happenings import unseen
     from ..runtime.budget import SECONDS
@@ -87,6 +90,8 @@ def solve(
     with limited(most, memory, f"compiling {file}", as_json, jobs or 1) as guard, needing_libraries():
         with reading_sources(as_json=as_json):
             loaded = Task(*compile_problem(file, task, parameters, seed))
+            if minimise is not None:
+                check_energy(spelled(minimise), loaded.problem.options.physics)
         compiled = time.monotonic() - started
         later = unseen(loaded.problem.world)
         warnings = (*loaded.warnings, *((later,) if later is not None else ()))
@@ -108,6 +113,7 @@ def solve(
                 time=guard.remaining,
                 nodes=nodes,
                 solutions=solutions,
+                minimise=minimise,
                 solver=solver,
                 horizon=horizon,
                 jobs=jobs or 1,

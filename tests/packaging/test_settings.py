@@ -19,10 +19,11 @@ RECORDS = {
     "SEARCH": "runtime.planner.search", "CONFLICTS": "runtime.planner.conflicts", "BOUNDS": "runtime.planner.bounds",
     "RECEDING": "runtime.planner.receding", "KEYFRAMES": "runtime.planner.motion.keyframes",
     "PHASES": "runtime.planner.motion.phases", "SOLVER": "runtime.planner.motion.nlp",
-    "STATICS": "runtime.planner.statics", "SIMULATION": "runtime.simulation", "SYMBOLIC": "compiler.symbolic",
+    "STATICS": "runtime.planner.statics", "SCHEDULE": "runtime.planner.schedule",
+    "SIMULATION": "runtime.simulation", "SYMBOLIC": "compiler.symbolic",
 }  # fmt: skip
 UNSTEERING = {
-    "EMPTY", "OFF", "LEAF", "ORIGIN", "DIVERGED", "HALF_TURN", "IDENTITY", "UP", "UPRIGHT", "DIGITS",
+    "EMPTY", "OFF", "LEAF", "ORIGIN", "DIVERGED", "HALF_TURN", "IDENTITY", "UP", "UPRIGHT", "DIGITS", "START", "NEVER",
 }  # fmt: skip
 """Names for places in a table, poses, and how a file is written."""
 ROUNDING = {
@@ -90,6 +91,7 @@ def test_every_setting_says_its_unit_and_what_it_does(name: str) -> None:
 
 def test_the_options_block_holds_what_the_table_says() -> None:
     kinds = {"word": "str", "whole": "int", "time": "float", "length": "float", "number": "float"}
+    kinds["objective"] = "Objective"
     told = {name: f"{kinds[option.kind]} | None" for name, option in given_at("task").items()}
     assert {f.name: f.type for f in dataclasses.fields(Options)} == told
     assert Options() == Options(**dict.fromkeys(told))

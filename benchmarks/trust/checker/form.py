@@ -52,7 +52,7 @@ SCHEMA: Record = {
 KNOWN = {
     "statistics": {
         "tree_nodes", "expanded_nodes", "optimal", "gap", "cost", "path_cost", "path_cost_before", "bounds",
-        "refusals", "tree", "seconds",
+        "refusals", "tree", "seconds", "objective",
     },
     "verdict": {"verified", "worst", "measures", "failures", "residuals", "goal_reached", "unmet", "at_rest"},
     "timing": {"seconds", "windows"},

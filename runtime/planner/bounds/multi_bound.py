@@ -8,7 +8,7 @@ from ....compiler.ir import Action, Chain, Problem
 from ...budget import Budget, unless_spent
 from ...plan import Plan, StatisticsRecord, TimingRecord
 from ...seeds import Seed
-from ...skeleton import Bound, BoundResult, Configuration, Skeleton, Violation, beginning
+from ...skeleton import Bound, BoundResult, Configuration, PhasePath, Skeleton, Violation, beginning
 from ...verify import verify
 from ..conflicts.nogoods import GeneralisedNoGoods
 from ..motion.keyframes.initial_guesses import guess
@@ -108,12 +108,12 @@ class MultiBound(Solves):
     def believe(
         self, skeleton: Skeleton, actions: Sequence[Action], judgement: Judgement, statistics: StatisticsRecord,
         timing: TimingRecord,
-    ) -> Plan:  # fmt: skip
-        """The plan with the verifier's verdict in it, without one where there was no time for it. One that is refused
-        gets a second motion, with larger margins and from another seed. Raises OutOfTime."""
-        plan = self._verified(skeleton, actions, judgement, statistics, timing)
+    ) -> tuple[Plan, list[PhasePath]]:  # fmt: skip
+        """The plan with the verifier's verdict in it, without one where there was no time for it, and its motion. One
+        that is refused gets a second motion, with larger margins and from another seed. Raises OutOfTime."""
+        plan, paths = self._verified(skeleton, actions, judgement, statistics, timing), judgement.paths or []
         if plan.verdict is None or plan.verdict.verified:
-            return plan
+            return plan, paths
         careful, seed = self.settings, self.seed
         try:
             self.settings = careful.wider(BOUNDS.wider_margin)
@@ -123,9 +123,9 @@ class MultiBound(Solves):
         finally:
             self.settings, self.seed = careful, seed
         if judgement.paths is None:
-            return plan
+            return plan, paths
         again = self._verified(skeleton, actions, judgement, statistics, timing)
-        return again if again.verdict is not None and again.verdict.verified else plan
+        return (again, judgement.paths) if again.verdict is not None and again.verdict.verified else (plan, paths)
 
     def _verified(
         self, skeleton: Skeleton, actions: Sequence[Action], judgement: Judgement, statistics: StatisticsRecord,

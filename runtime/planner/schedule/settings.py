@@ -1,0 +1,46 @@
+"""The numbers that steer profiles and schedules."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ....compiler.settings import setting
+
+
+@dataclass(frozen=True)
+class ScheduleSettings:
+    """The numbers that steer profiles and schedules."""
+
+    tick: float = setting(
+        0.01, "s", "All begins, ends and knots of a schedule are multiples of it, so that rest and motion join.",
+        "Rounding up costs half of it per phase, 1 % of short ones; twice as long is too coarse for ramps.",
+    )  # fmt: skip
+    most_ticks: int = setting(
+        6000, "ticks", "A plan that takes longer has a longer tick: a file and its check grow with their number."
+    )
+    ramp: float = setting(
+        0.04, "s", "Over so long accelerations change at least, from rest on: it bounds the jerk.",
+        "Over 57 phases 0.05 s cost 6 % against unbounded jerk in the median, 0.1 s 12 %.",
+    )  # fmt: skip
+    ramp_share: float = setting(
+        0.08, "1", "The same as a share of a short phase's time, so that no phase pays more than this for its ramps."
+    )
+    grid: int = setting(120, "points", "Points along a curve at which its speed is chosen.")
+    dense: int = setting(40, "looks", "Looks at a curve per knot, by which its length is measured.")
+    slower: int = setting(8, "times", "How often a profile is slowed down by what it is still too fast.")
+    put_off: int = setting(
+        5, "ticks", "By so much a start is put off while something is in the way, before it is brought nearer again."
+    )
+    rounds: int = setting(4, "rounds", "How often limits are lowered where the stored curve passes them.")
+    fine: int = setting(8, "looks", "Looks per tick where two things that move come near each other.")
+    near: float = setting(
+        2e-3, "m", "What a moving thing keeps from one that rests elsewhere than when the motion was planned."
+    )
+    touch: float = setting(
+        3e-4, "m", "How much nearer than at the switches two things may come; the verifier forbids three times as much."
+    )
+    orders: int = setting(8, "orders", "How many orders of priority are tried where things are in each other's way.")
+
+
+SCHEDULE = ScheduleSettings()
+"""The numbers that steer profiles and schedules."""

@@ -1,0 +1,160 @@
+"""From a verified plan in sequence to one whose robots work at once: profiles, schedule, plan."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ....compiler.ir import Action, Problem
+from ...budget import Budget
+from ...geometry.resampling import resample
+from ...plan import Plan, StatisticsRecord
+from ...seeds import Seed
+from ...skeleton import Configuration, PhasePath, Skeleton, start_configuration
+from ..search.skeleton_replay import build_skeleton
+from ..search.stepper import Inapplicable, Stepper, replayed
+from ..statics import slowed
+from .clearance import SegmentClearances
+from .dependencies import Precedence, precedence
+from .list_schedule import Timetable, scheduled, tails
+from .profiles import path_as_is, retimed
+from .scheduled_plan import plan_order, scheduled_plan
+from .settings import SCHEDULE
+
+
+@dataclass(frozen=True, slots=True)
+class Timed:
+    """A plan in seconds: the plan, seconds until its last action, that none with these motions is shorter than `bound`
+    seconds, and whether its robots work at once."""
+
+    plan: Plan
+    makespan: float
+    bound: float
+    at_once: bool
+
+
+class Scheduler:
+    """Makes plans of a problem shorter. `margin`, metres, is what two robots keep that move at once."""
+
+    def __init__(self, problem: Problem, margin: float, seed: Seed, budget: Budget) -> None:
+        self._problem, self._margin, self._seed, self._budget = problem, margin, seed, budget
+
+    def plans(
+        self, skeleton: Skeleton, actions: Sequence[Action], paths: Sequence[PhasePath], statistics: StatisticsRecord
+    ) -> Iterator[Timed]:
+        """Plans with these motions, for the verifier to choose the first that it believes: the shortest that was found,
+        and that with one phase after the other. Raises OutOfTime."""
+        if not paths:
+            return
+        tick = self._tick(paths)
+        faster = self._profiles(skeleton, paths, tick)
+        order = precedence(skeleton, faster, tick)
+        sequence = _in_sequence(order)
+        bound = _bound(order) * tick
+        found = self._best(skeleton, actions, order, faster)
+        if found is not None and found[0].end < sequence.end:
+            yield self._written(actions, *found, tick, bound, statistics, True)
+        yield self._written(actions, sequence, order, tick, bound, statistics, False)
+
+    def _tick(self, paths: Sequence[PhasePath]) -> float:
+        total = sum(path.duration for path in paths)
+        return SCHEDULE.tick * max(1, math.ceil(total / (SCHEDULE.tick * SCHEDULE.most_ticks)))
+
+    def _profiles(self, skeleton: Skeleton, paths: Sequence[PhasePath], tick: float) -> list[PhasePath]:
+        """Every phase by its fastest law, as slow as its drives need."""
+        faster = []
+        for path in paths:
+            self._budget.check()
+            faster.append(retimed(self._problem.world, path, tick))
+        slower = slowed(skeleton, faster, start_configuration(self._problem))
+        if slower is None:
+            return [path_as_is(path, tick) for path in paths]
+        return [f if s.duration <= f.duration else path_as_is(replace(f, duration=s.duration), tick)
+                for f, s in zip(faster, slower, strict=True)]  # fmt: skip
+
+    def _best(
+        self, skeleton: Skeleton, actions: Sequence[Action], order: Precedence, paths: Sequence[PhasePath]
+    ) -> tuple[Timetable, Precedence] | None:
+        """The shortest of some schedules, whose actions can be done in its order, with what comes before what."""
+        configurations = _configurations(skeleton, paths)
+        clearances = SegmentClearances(skeleton, order, configurations, self._margin)
+        random = self._seed.child("schedule").random()
+        tail = np.array(tails(order), dtype=float)
+        best: tuple[Timetable, Precedence] | None = None
+        for attempt in range(SCHEDULE.orders):
+            self._budget.check()
+            noise = 1.0 if not attempt else random.uniform(0.6, 1.4, len(tail))
+            found = self._applicable(actions, order, clearances, (tail * noise).tolist())
+            if found is not None and (best is None or found[0].end < best[0].end):
+                best = found
+            if best is not None and best[0].end <= _bound(best[1]):
+                break
+        return best
+
+    def _applicable(
+        self, actions: Sequence[Action], order: Precedence, clearances: SegmentClearances, priority: Sequence[float]
+    ) -> tuple[Timetable, Precedence] | None:
+        """A schedule whose actions can be done in the order of its switches and reach the goal: where they cannot, the
+        actions that were exchanged keep their order."""
+        while True:
+            found = scheduled(order, clearances, priority)
+            if found is None:
+                return None
+            told = self._wrong(actions, plan_order(found))
+            if not told:
+                return found, order
+            ordered = tuple(before | {a for a, b in told if b == k} for k, before in enumerate(order.ordered))
+            order = replace(order, ordered=ordered)
+
+    def _wrong(self, actions: Sequence[Action], line: Sequence[int]) -> set[tuple[int, int]]:
+        """Pairs of actions that must not be exchanged, as an order of them shows; none where it works."""
+        exchanged = {(b, a) for i, a in enumerate(line) for b in line[i + 1 :] if b < a}
+        if not exchanged:
+            return set()
+        facts, done = self._problem.init, 0
+        try:
+            for step in replayed(self._problem, [actions[k] for k in line]):
+                facts, done = step.facts, done + 1
+        except Inapplicable:
+            failed = line[done]
+            return {pair for pair in exchanged if failed in pair} or exchanged
+        return set() if Stepper(self._problem).holds(facts, self._problem.goal) else exchanged
+
+    def _written(
+        self, actions: Sequence[Action], schedule: Timetable, order: Precedence, tick: float, bound: float,
+        statistics: StatisticsRecord, at_once: bool,
+    ) -> Timed:  # fmt: skip
+        line = plan_order(schedule)
+        done = [actions[k] for k in line]
+        skeleton = build_skeleton(self._problem, done)
+        plan = scheduled_plan(self._problem, done, skeleton, order, schedule, tick, statistics)
+        return Timed(plan, schedule.end * tick, bound, at_once)
+
+
+def _bound(order: Precedence) -> int:
+    """Ticks below which no schedule of these motions ends: that of its longest chain, with nothing in the way."""
+    free = scheduled(order, None, tails(order))
+    assert free is not None
+    return free.end
+
+
+def _in_sequence(order: Precedence) -> Timetable:
+    """One phase after the other."""
+    starts: list[int | None] = []
+    switches: list[int] = []
+    for segment in order.segments:
+        begin = switches[-1] if switches else 0
+        starts.append(None if segment is None else begin)
+        switches.append(begin + max(1, 0 if segment is None else segment.ticks))
+    return Timetable(tuple(starts), tuple(switches))
+
+
+def _configurations(skeleton: Skeleton, paths: Sequence[PhasePath]) -> list[Configuration]:
+    """Where everything is at the switches of a plan in sequence, the start first."""
+    found = [start_configuration(skeleton.problem)]
+    for phase, path in zip(skeleton.phases, paths, strict=True):
+        found.append(resample(skeleton.problem, phase.mode, path, found[-1], 0.0, 1).end(found[-1]))
+    return found

@@ -1,0 +1,90 @@
+"""Robots that work at once: what the planner makes of it, and what the verifier refuses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+from msgspec.structs import replace
+
+from benchmarks.trust.checker import judge, read
+from tamplang.api import Plan, load
+from tamplang.runtime.plan import Plan as PlanRecord
+from tamplang.runtime.verify import verify
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+
+@pytest.fixture(scope="module")
+def mounted() -> PlanRecord:
+    """Four crawlers mount a plate, all at once."""
+    result = load(EXAMPLES / "quadruped.tamp").solve(time=300, minimise="makespan")
+    assert result.plan is not None
+    return result.plan.record
+
+
+def test_what_nothing_keeps_apart_is_done_at_once(mounted: PlanRecord) -> None:
+    objective = mounted.statistics.objective
+    assert objective.value == pytest.approx(mounted.times[-1])
+    assert objective.value == pytest.approx(objective.bounds["these actions"])
+    through = [s for s in mounted.splines if s.until > s.first]
+    assert len({s.module for s in through}) >= 3
+    assert mounted.times[-1] < 3.0
+
+
+def test_both_checkers_believe_it(mounted: PlanRecord) -> None:
+    verdict = verify(mounted)
+    assert verdict.verified and verdict.goal_reached
+    assert judge(read(text_of(mounted))) == []
+
+
+def text_of(plan: PlanRecord) -> str:
+    return str(msgspec.json.encode(plan), "utf-8")
+
+
+def kinds(plan: PlanRecord) -> set[str]:
+    return {f.kind for f in verify(plan).failures}
+
+
+def test_a_spline_that_moves_a_bound_module_through_its_switch_is_refused(mounted: PlanRecord) -> None:
+    """Two phases of one module as one spline, with a rate at the switch between them that binds it."""
+    last = len(mounted.phases) - 1
+    final = next(s for s in mounted.splines if s.first == s.until == last)
+    before = next(s for s in mounted.splines if s.module == final.module and s.until < last)
+    begin = mounted.phases[before.first].start
+    count = round((mounted.phases[last].end - begin) / 0.01)
+    knots = np.round(begin + np.arange(count + 1) * 0.01, 10)
+    share = np.linspace(0.0, 1.0, count + 1)[:, None]
+    start, end = np.asarray(before.values[0]), np.asarray(final.values[-1])
+    values = np.round(start + (end - start) * (3 * share**2 - 2 * share**3), 10)
+    joined = replace(before, until=last, knots=knots.tolist(), values=values.tolist())
+    splines = [s for s in mounted.splines if s is not final and s is not before and not (
+        s.module == final.module and before.first <= s.first)]  # fmt: skip
+    assert "switch_rad_s" in kinds(replace(mounted, splines=[joined, *splines]))
+
+
+def test_a_spline_shifted_in_time_is_refused(mounted: PlanRecord) -> None:
+    spline = next(s for s in mounted.splines if s.until > s.first)
+    values = [spline.values[0], *spline.values[:-1]]
+    shifted = replace(spline, values=[*values[:-1], spline.values[-1]])
+    others = [s for s in mounted.splines if s is not spline]
+    assert kinds(replace(mounted, splines=[shifted, *others])) & {"spline_rad", "joint_acceleration_rad_s2"}
+
+
+def test_phases_and_splines_of_two_formats_do_not_mix(mounted: PlanRecord, tmp_path: Path) -> None:
+    from tamplang.runtime.plan_files import PlanFileError, read_plan
+
+    text = text_of(mounted)
+    file = tmp_path / "mixed.plan.json"
+    file.write_text(text.replace("tamplang-plan/2", "tamplang-plan/1", 1), encoding="utf-8")
+    with pytest.raises(PlanFileError):
+        read_plan(str(file))
+
+
+def test_the_same_seed_gives_the_same_plan(mounted: PlanRecord) -> None:
+    again = load(EXAMPLES / "quadruped.tamp").solve(time=300, minimise="makespan")
+    assert again.plan is not None
+    assert text_of(replace(again.plan.record, timing=None)) == text_of(replace(mounted, timing=None))
+    assert isinstance(again.plan, Plan)
