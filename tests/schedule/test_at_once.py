@@ -30,7 +30,7 @@ def test_what_nothing_keeps_apart_is_done_at_once(mounted: PlanRecord) -> None:
     assert objective.value == pytest.approx(mounted.times[-1])
     assert objective.value == pytest.approx(objective.bounds["these actions"])
     through = [s for s in mounted.splines if s.until > s.first]
-    assert len({s.module for s in through}) >= 3
+    assert len({s.module for s in through}) >= 2
     assert mounted.times[-1] < 3.0
 
 

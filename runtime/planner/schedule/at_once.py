@@ -12,6 +12,7 @@ from ...plan import Plan
 from ...seeds import Seed
 from ...skeleton import PhasePath, Skeleton
 from ...verify import verify
+from ..bounds.length_unit import length_unit
 from ..motion.settings import MotionSettings
 from .stage import Scheduler
 
@@ -22,7 +23,7 @@ class AtOnce:
     def __init__(
         self, problem: Problem, settings: MotionSettings, seed: Seed, budget: Budget, tell: Callable[[str, str], None]
     ) -> None:  # fmt: skip
-        self._scheduler = Scheduler(problem, settings.margin, seed, budget)
+        self._scheduler = Scheduler(problem, settings.margin * length_unit(problem), seed, budget)
         self._budget, self._tell = budget, tell
 
     def shorter(
