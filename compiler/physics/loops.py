@@ -32,51 +32,51 @@ def shared(
             signs[edge, column] = -1.0 if edge in ways[loop.child] else 1.0
     total = [(f.copy(), m.copy()) for f, m in known]
     total += [(np.zeros((count, 3)), np.zeros((count, 3))) for _ in found.loops]
-    for t in range(count):
-        rows, constant, scale = _rows(problem, found, at, known, signs, t, safety)
-        x = _least(rows, constant, scale, unknowns)
-        for column in range(len(found.loops)):
-            wrench = x[6 * column : 6 * column + 6]
-            total[len(found.edges) + column][0][t] += wrench[:3]
-            total[len(found.edges) + column][1][t] += wrench[3:]
-            for number in map(int, np.flatnonzero(signs[:, column])):
-                total[number][0][t] += signs[number, column] * wrench[:3]
-                total[number][1][t] += signs[number, column] * wrench[3:]
+    rows, constants, scale = _rows(problem, found, at, known, signs, safety)
+    solver = _Least(rows.shape[1], unknowns, scale) if len(scale) else None
+    taken = np.zeros((count, unknowns)) if solver is None else np.stack(
+        [solver(rows[t], constants[t]) for t in range(count)]
+    )
+    for column in range(len(found.loops)):
+        force, moment = taken[:, 6 * column : 6 * column + 3], taken[:, 6 * column + 3 : 6 * column + 6]
+        total[len(found.edges) + column] = force.copy(), moment.copy()
+        for number in map(int, np.flatnonzero(signs[:, column])):
+            sign = signs[number, column]
+            total[number] = total[number][0] + sign * force, total[number][1] + sign * moment
     return total
 
 
 def _rows(
-    problem: Problem, found: Structure, at: Poses, known: Sequence[tuple[Array, Array]], signs: Array, t: int,
-    safety: float,
-) -> tuple[Array, Array, Array]:  # fmt: skip
-    """Rows a · x + b <= s c of all strengths: c is 1 where the ratio s may grow, 0 where what rests must not lift."""
-    rows, constants, scales = list[Array](), list[float](), list[float]()
-
-    def add(edge_number: int, functional: Array, limit: float, grows: bool) -> None:
-        """functional · (force, moment about the origin) <= limit."""
-        row = np.zeros(6 * len(found.loops))
-        base = np.zeros(6)
-        if edge_number >= len(found.edges):
-            column = edge_number - len(found.edges)
-            row[6 * column : 6 * column + 6] = functional
-        else:
-            base = np.concatenate([known[edge_number][0][t], known[edge_number][1][t]])
-            for other in map(int, np.flatnonzero(signs[edge_number])):
-                row[6 * other : 6 * other + 6] = signs[edge_number, other] * functional
-        rows.append(row / limit)
-        constants.append(float(functional @ base) / limit)
-        scales.append(1.0 if grows else 0.0)
-
+    problem: Problem, found: Structure, at: Poses, known: Sequence[tuple[Array, Array]], signs: Array, safety: float
+) -> tuple[Array, Array, Array]:
+    """Rows a · x + b <= s c of all strengths, over the samples: a (T, R, 6 L), b (T, R); c (R,) is 1 where the ratio s
+    may grow, 0 where what rests must not lift."""
+    count, width = len(at.turns[WORLD]), 6 * len(found.loops)
+    rows, constants, scales = list[Array](), list[Array](), list[float]()
     for number, edge in enumerate(found.all):
-        for functional, limit, grows in _functionals(problem, edge, at, t, safety):
-            add(number, functional, limit, grows)
+        own = _functionals(problem, edge, at, safety)
+        if not own:
+            continue
+        base = np.concatenate(known[number], axis=1) if number < len(found.edges) else np.zeros((count, 6))
+        for functional, limit, grows in own:
+            row = np.zeros((count, width))
+            if number >= len(found.edges):
+                column = number - len(found.edges)
+                row[:, 6 * column : 6 * column + 6] = functional
+            else:
+                for other in map(int, np.flatnonzero(signs[number])):
+                    row[:, 6 * other : 6 * other + 6] = signs[number, other] * functional
+            rows.append(row / limit)
+            constants.append((functional * base).sum(axis=1) / limit)
+            scales.append(1.0 if grows else 0.0)
     if not rows:
-        return np.zeros((0, signs.shape[1] * 6)), np.zeros(0), np.zeros(0)
-    return np.array(rows), np.array(constants), np.array(scales)
+        return np.zeros((count, 0, width)), np.zeros((count, 0)), np.zeros(0)
+    return np.stack(rows, axis=1), np.stack(constants, axis=1), np.array(scales)
 
 
-def _functionals(problem: Problem, edge: Edge, at: Poses, t: int, safety: float) -> list[tuple[Array, float, bool]]:
-    """What is limited of an edge's wrench: linear functionals of it, their limits, and whether the ratio counts."""
+def _functionals(problem: Problem, edge: Edge, at: Poses, safety: float) -> list[tuple[Array, float, bool]]:
+    """What is limited of an edge's wrench: linear functionals of it `(T, 6)`, their limits, and whether the ratio
+    counts."""
     found: list[tuple[Array, float, bool]] = []
 
     def both(functional: Array, limit: float) -> None:
@@ -86,27 +86,25 @@ def _functionals(problem: Problem, edge: Edge, at: Poses, t: int, safety: float)
     if edge.is_joint:
         joint = problem.world.modules[edge.names[0]].type.joints[edge.joint]
         node = (edge.names[0], edge.joint)
-        turn, place = at.turns[node][t], at.places[node][t]
+        turn, place = at.turns[node], at.places[node]
         axis = turn @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
-        drive = _moment(axis, place) if joint.kind == JointKind.REVOLUTE else np.concatenate([axis, np.zeros(3)])
-        both(drive, joint.torque)
-        for direction in _across(axis):
-            both(_moment(direction, place), joint.bearing * math.cos(math.pi / (4 * SIDES)))
+        both(_moment(axis, place) if joint.kind == JointKind.REVOLUTE else _force(axis), joint.torque)
+        if math.isfinite(joint.bearing):
+            for direction in _across(axis):
+                both(_moment(direction, place), joint.bearing * math.cos(math.pi / (4 * SIDES)))
         return found
     if edge.hold is None:
         return found
-    one = Poses({n: r[t : t + 1] for n, r in at.turns.items()}, {n: p[t : t + 1] for n, p in at.places.items()})
-    places, frames = meeting(problem, edge, one)
-    place, axes = places[0], frames[0]
-    hold, normal = edge.hold, axes[:, 2]
+    place, axes = meeting(problem, edge, at)
+    hold, normal = edge.hold, axes[:, :, 2]
     inner = math.cos(math.pi / (2 * SIDES))
     contact = edge.manner in CONTACTS
-    push = np.concatenate([normal if edge.turned else -normal, np.zeros(3)])
+    push = _force(normal if edge.turned else -normal)
     sticks = hold.force if edge.manner == "pad" else 0.0 if contact else math.inf
     for k in range(SIDES):
         angle = math.pi * k / SIDES
-        direction = math.cos(angle) * axes[:, 0] + math.sin(angle) * axes[:, 1]
-        force, bend = np.concatenate([direction, np.zeros(3)]), _moment(direction, place)
+        direction = math.cos(angle) * axes[:, :, 0] + math.sin(angle) * axes[:, :, 1]
+        force, bend = _force(direction), _moment(direction, place)
         shear = min(hold.shear, hold.friction * hold.force) if edge.manner == "grip" else hold.shear
         both(force, shear * inner)
         both(bend, hold.moment * inner)
@@ -119,7 +117,7 @@ def _functionals(problem: Problem, edge: Edge, at: Poses, t: int, safety: float)
                     found.append(_leaning(sign * bend, push, radius * inner / safety, sticks))
     both(_moment(normal, place), hold.twist)
     if not contact:
-        both(np.concatenate([normal, np.zeros(3)]), hold.force)
+        both(_force(normal), hold.force)
     elif math.isfinite(sticks):
         found.append((-push, max(sticks, 1e-6) / safety, sticks > 0.0))
     return found
@@ -130,14 +128,20 @@ def _leaning(functional: Array, push: Array, share: float, sticks: float) -> tup
     return functional - share * push, max(share * sticks, 1e-6), sticks > 0.0
 
 
+def _force(direction: Array) -> Array:
+    """The functional of a wrench that is its force along a direction."""
+    return np.concatenate([direction, np.zeros_like(direction)], axis=1)
+
+
 def _moment(direction: Array, place: Array) -> Array:
     """The functional of a wrench that is its moment about a line through `place`."""
-    return np.concatenate([-np.cross(direction, place), direction])
+    return np.concatenate([np.cross(place, direction), direction], axis=1)
 
 
 def _across(axis: Array) -> list[Array]:
-    first = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
-    first /= np.linalg.norm(first)
+    """Directions all round across axes `(T, 3)`."""
+    first = np.cross(axis, np.eye(3)[np.abs(axis).argmin(axis=1)])
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
     second = np.cross(axis, first)
     angles = [math.pi * k / (2 * SIDES) for k in range(2 * SIDES)]
     return [math.cos(a) * first + math.sin(a) * second for a in angles]
@@ -155,19 +159,29 @@ def _program(unknowns: int, rows: int) -> Any:
     )
 
 
-def _least(rows: Array, constant: Array, scale: Array, unknowns: int) -> Array:
+class _Least:
     """x with the least s such that rows · x + constant <= s scale. Rows that do not grow give way, dearly, where all
     cannot hold. A small square keeps what strengths leave open small."""
-    if not len(rows):
-        return np.zeros(unknowns)
-    count = unknowns + 2
-    weights = np.concatenate([np.full(unknowns, 1e-7), [1e-9, 1e-9]])
-    gradient = np.concatenate([np.zeros(unknowns), [1.0, 100.0]])
-    matrix = np.column_stack([rows, -scale, -(1.0 - scale)])
-    low = np.concatenate([np.full(unknowns, -np.inf), [0.0, 0.0]])
-    import casadi as ca
 
-    solved = _program(count, len(rows))(
-        h=ca.diag(ca.DM(weights)), g=gradient, a=matrix, lba=-np.inf, uba=-constant, lbx=low, ubx=np.inf
-    )
-    return np.asarray(solved["x"]).ravel()[:unknowns]
+    def __init__(self, rows: int, unknowns: int, scale: Array) -> None:
+        self._unknowns, count = unknowns, unknowns + 2
+        program = _program(count, rows)
+        self._buffer, self._solve = program.buffer()
+        self._matrix, self._upper, self._found = np.zeros((count, rows)), np.zeros(rows), np.zeros(count)
+        self._matrix[unknowns], self._matrix[unknowns + 1] = -scale, -(1.0 - scale)
+        given = {
+            "h": np.concatenate([np.full(unknowns, 1e-7), [1e-9, 1e-9]]),
+            "g": np.concatenate([np.zeros(unknowns), [1.0, 100.0]]), "a": self._matrix,
+            "lba": np.full(rows, -np.inf), "uba": self._upper,
+            "lbx": np.concatenate([np.full(unknowns, -np.inf), [0.0, 0.0]]), "ubx": np.full(count, np.inf),
+        }  # fmt: skip
+        self._given = list(given.values())
+        for name, values in given.items():
+            self._buffer.set_arg(program.index_in(name), values.reshape(-1).data)
+        self._buffer.set_res(program.index_out("x"), self._found.data)
+
+    def __call__(self, rows: Array, constant: Array) -> Array:
+        self._matrix[: self._unknowns] = rows.T
+        self._upper[:] = -constant
+        self._solve()
+        return self._found[: self._unknowns].copy()
