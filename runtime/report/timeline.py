@@ -12,18 +12,22 @@ from ...compiler.ir import JointKind
 from ..geometry.transforms import Array
 from ..plan import JointRecord, Plan
 from ..tracks import body_rows
+from .lanes import Motion, critical, motions, works_at_once
 from .replay import joint_rows, pick_samples
 from .robots import ACCENT, Robot, effector_owners, group_modules, module_colours
 
 RULE_COLOURS = ("#5b6ee1", "#c7683c", "#3c9a5f", "#b04a8f", "#6d8a1f", "#2b8fa3", "#a0522d", "#7a6bb5")
 PLOT_POINTS = 260
+WAITED = 0.015
+"""Seconds: less is no wait, as switches follow each other a hundredth apart."""
 NO_LIMIT = 1e8
 """A limit beyond this, rad or m, is none: plan files have no infinity."""
 
 
 @dataclass(frozen=True, slots=True)
 class TimelineBlock:
-    """One phase in one row, in percent of the whole time; `acts` when the row's thing takes part."""
+    """One phase in one row, in percent of the whole time; `acts` when the row's thing takes part. Where robots work at
+    once, one motion, or a wait; `critical` when the length of the plan hangs on it."""
 
     phase: int
     left: float
@@ -33,6 +37,7 @@ class TimelineBlock:
     acts: bool
     title: str
     completed: bool = True
+    critical: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +80,9 @@ class Timeline:
     ticks: list[tuple[float, str]]
     marks: list[Mark]
     happenings: list[Mark]
+    at_once: bool = False
+    waits: tuple[tuple[str, float], ...] = ()
+    """Modules that wait, and for how many seconds."""
 
 
 ROUTINE = ("start", "next window")
@@ -195,8 +203,36 @@ def build_timeline(plan: Plan) -> Timeline:
         return Bracket(index, phase.start * scale, width, first, last, closed, robot.hue)
 
     count = range(len(plan.phases))
+    at_once = works_at_once(plan)
+    moved = motions(plan) if at_once else []
+    hanging = critical(plan, moved)
+
+    def motion_blocks(name: str, robot: Sequence[str]) -> list[TimelineBlock]:
+        found = []
+        for number, motion in enumerate(moved):
+            if motion.module != name:
+                continue
+            colour, action = colours[plan.phases[motion.phase].rule], plan.phases[motion.phase].action
+            told = f"{motion.phase + 1}. {action} · moves {motion.begin:.2f} – {motion.end:.2f} s"
+            found.append(TimelineBlock(
+                motion.phase, motion.begin * scale, (motion.end - motion.begin) * scale, colour, robot[motion.phase],
+                True, told, critical=number in hanging,
+            ))  # fmt: skip
+            for since, seconds, why in ((motion.end, motion.waits, "for the switch"),
+                                        (motion.ready, motion.is_held_up, "until its way is free")):  # fmt: skip
+                if seconds > WAITED:
+                    told = f"{motion.phase + 1}. {action} · waits {seconds:.2f} s {why}"
+                    found.append(TimelineBlock(
+                        motion.phase, since * scale, seconds * scale, colour, robot[motion.phase], False, told
+                    ))  # fmt: skip
+        return found
+
     rows = [
-        TimelineRow(m.name, "module", [block(i, m.name, hues[i][at]) for i in count])
+        TimelineRow(
+            m.name,
+            "module",
+            motion_blocks(m.name, [h[at] for h in hues]) if at_once else [block(i, m.name, hues[i][at]) for i in count],
+        )
         for at, m in enumerate(plan.modules)
     ]
     for body in plan.bodies:
@@ -206,8 +242,18 @@ def build_timeline(plan: Plan) -> Timeline:
     actions = [block(i, "", "") for i in count]
     return Timeline(
         total, list(colours.items()), actions, rows, brackets, ticks(total), marks(plan, scale),
-        happenings(plan, scale),
+        happenings(plan, scale), at_once, waited(moved),
     )  # fmt: skip
+
+
+def waited(moved: Sequence[Motion]) -> tuple[tuple[str, float], ...]:
+    """By module, the seconds for which it waits for switches or until its way is free, where it does."""
+    sums: dict[str, float] = {}
+    for motion in moved:
+        for seconds in (motion.waits, motion.is_held_up):
+            if seconds > WAITED:
+                sums[motion.module] = sums.get(motion.module, 0.0) + seconds
+    return tuple(sorted(sums.items()))
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import median
 
-from ..plan import LiteralRecord, MeasureRecord, PhaseRecord, Plan, WindowRecord
+from ..plan import LiteralRecord, MeasureRecord, ObjectiveRecord, PhaseRecord, Plan, WindowRecord
 from .robots import Robot, group_modules, literal_text
 from .sources import SourceLine, SourceLink, Sources
 from .timeline import ModulePlots, Timeline, build_plots, build_timeline, rule_colours, total_time, window_seconds
@@ -61,6 +61,7 @@ class View:
     checked: bool
     """Whether the verdict was made for this page, and not read from the file."""
     optimality: str
+    objective: str
     seconds: float
     duration: float
     phases: list[PhaseView]
@@ -106,6 +107,15 @@ def optimality(plan: Plan) -> str:
     if statistics.gap is None:
         return "not proved optimal"
     return f"at most {statistics.gap:g} above the optimum"
+
+
+def minimised(plan: Plan) -> str:
+    """What the plan was to be best at, its value, and the bounds of it; "" where that was the cost of actions."""
+    told = plan.statistics.objective
+    if not isinstance(told, ObjectiveRecord):
+        return ""
+    bounds = [f"at least {figure(bound, told.unit)} for {name}" for name, bound in told.bounds.items() if bound > 0.0]
+    return f"{told.minimise}: {figure(told.value, told.unit)}" + (f" ({'; '.join(bounds)})" if bounds else "")
 
 
 def shares(records: Sequence[MeasureRecord], sources: Sources) -> list[MeasureView]:
@@ -182,6 +192,7 @@ def build_view(plan: Plan, checked: bool) -> View:
         standing(plan),
         checked or verdict is None,
         optimality(plan),
+        minimised(plan),
         total,
         total_time(plan),
         phases,

@@ -88,3 +88,22 @@ def test_the_same_seed_gives_the_same_plan(mounted: PlanRecord) -> None:
     assert again.plan is not None
     assert text_of(replace(again.plan.record, timing=None)) == text_of(replace(mounted, timing=None))
     assert isinstance(again.plan, Plan)
+
+
+def test_the_report_tells_what_moves_at_once_and_who_waits(mounted: PlanRecord, tmp_path: Path) -> None:
+    from tamplang.runtime.report import write_report
+    from tamplang.runtime.report.timeline import build_timeline
+
+    timeline = build_timeline(mounted)
+    lanes = {row.name: [b for b in row.blocks if b.acts] for row in timeline.rows if row.kind == "module"}
+    first = [blocks[0] for blocks in lanes.values() if blocks]
+    assert timeline.at_once and len(first) == 4
+    assert max(b.left for b in first) < min(b.left + b.width for b in first)
+    hanging = [b for blocks in lanes.values() for b in blocks if b.critical]
+    assert {b.phase for b in hanging} >= {len(mounted.phases) - 1}
+    assert sum(b.width for b in {b.phase: b for b in hanging}.values()) > 95.0
+    assert timeline.waits and all(seconds > 0.0 for _, seconds in timeline.waits)
+    file = tmp_path / "report.html"
+    write_report(mounted, str(file), checked=True)
+    text = file.read_text(encoding="utf-8")
+    assert "block thin critical" in text and "waits: " in text and "makespan: " in text
