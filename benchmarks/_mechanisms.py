@@ -50,7 +50,7 @@ MECHANISMS = {
         Mechanism("repair", "local repair of switches around phases without a path",
                   [(f"{PLANNER}.bounds.solves", "MENDS", ()), (f"{PLANNER}.bounds.solves", "QUICK_MENDS", ())]),
         Mechanism("redraws", "all switches drawn anew where a phase has no path",
-                  [(BOUNDS, "redraws", 0), (f"{PLANNER}.bounds.solves", "REDRAWN_PHASES", 0)]),
+                  [(BOUNDS, "redraws", 0), (BOUNDS, "redrawn_phases", 0)]),
         Mechanism("places", "placement samples: many things laid out on a base", [(KEYFRAMES, "laid_out_from", NEVER)]),
         Mechanism("postures", "sampled postures near the target",
                   [(KEYFRAMES, "postures_anywhere", 0), (KEYFRAMES, "postures_turned", 0)]),

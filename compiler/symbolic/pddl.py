@@ -38,12 +38,9 @@ from .algebra import conjunction, disjunction, negation
 from .domains import FlatRule
 from .guards import Environment, Guards
 from .normal_form import FALSE, TRUE, free_names
+from .settings import SYMBOLIC
 from .strips import NOBODY, NOTHING, THING, Change, Schema, Strips, alternatives, contradicts, denial, literals
 from .successors import Successors, has_chains
-
-MOST_BRANCHES = 64
-LONGEST = 60
-"""Letters of a name; some readers have a limit for lines or files."""
 
 
 def to_pddl(problem: Problem) -> tuple[str, str]:
@@ -138,7 +135,7 @@ class _Writer:
         begin with a backquote in here."""
         if (kind, name) not in self._names:
             own = name.startswith("`")
-            plain = re.sub(r"[^a-z0-9_]", "_", name.lower()).strip("_")[:LONGEST]
+            plain = re.sub(r"[^a-z0-9_]", "_", name.lower()).strip("_")[:SYMBOLIC.pddl_name]
             whole = base = plain if own else f"{kind}_{plain}"
             number = 2
             while whole in self._taken:
@@ -212,7 +209,7 @@ class _Writer:
                 for found in product(*(list(self._changes(item.effects, e)) for e in inner)):
                     options.append((conjunction(c for c, _ in found), sum((e for _, e in found), ())))
             branches = [(conjunction((a, c)), (*b, *e)) for a, b in branches for c, e in options]
-            if len(branches) > MOST_BRANCHES:
+            if len(branches) > SYMBOLIC.pddl_branches:
                 raise UsageError("a rule has too many conditional effects for PDDL")
         yield from ((c, e) for c, e in branches if c != FALSE)
 

@@ -32,6 +32,13 @@ class SymbolicSettings:
         "Alternatives of a condition in the delete relaxation at most.",
     )
     strips_facts: int = setting(4096, "facts", "Facts of a delete relaxation at most.")
+    pddl_branches: int = setting(64, "branches", "Actions that one rule may become as PDDL.")
+    pddl_name: int = setting(
+        60, "letters",
+        "Length of a name in PDDL.",
+        "some readers have a limit for lines or files",
+    )
+
 
 
 SYMBOLIC = SymbolicSettings()

@@ -19,10 +19,9 @@ from .. import plan as record
 from ..geometry.resampling import Resampled, resample
 from ..native import MissingLibrary, load_native
 from ..skeleton import Array, Phase, PhasePath, Skeleton, start_configuration
+from .motion.settings import ACCEPTANCE
 from .search.stepper import Stepper
 
-FACTOR = 3
-"""Samples of the plan file per sample of the planner."""
 DIGITS = 10
 """Decimals of metres, radians and seconds in the file."""
 ROUNDING = 1e-9
@@ -117,7 +116,7 @@ def _resampled(problem: ir.Problem, skeleton: Skeleton, paths: Sequence[PhasePat
     now, begin = start_configuration(problem), 0.0
     result = []
     for phase, path in zip(skeleton.phases, paths, strict=True):
-        result.append(resample(problem, phase.mode, path, now, begin, FACTOR))
+        result.append(resample(problem, phase.mode, path, now, begin, ACCEPTANCE.stored_density))
         now, begin = result[-1].end(now), float(result[-1].times[-1])
     return result
 

@@ -22,7 +22,7 @@ from ...langs.source import Span
 from ..budget import ASIDE, Budget, Status, ending, unless_spent
 from ..plan import StatisticsRecord, TimingRecord, WindowRecord
 from ..planner.conflicts.infeasibility import ENDINGS, distrust, ended, unverified
-from ..planner.plan_assembly import FACTOR
+from ..planner.motion.settings import ACCEPTANCE
 from ..planner.receding.horizon_length import horizon_of
 from ..planner.receding.window import WindowStatus
 from ..planner.search.stepper import Stepper
@@ -333,7 +333,8 @@ class Run:
         added = phase.added if completed else frozenset[ir.Fact]()
         before = dict(self._places)
         executed = self.world.carry_out(
-            Interval(phase.action, phase.mode, added, path, completed), FACTOR * (path.samples - 1) + 1
+            Interval(phase.action, phase.mode, added, path, completed),
+            ACCEPTANCE.stored_density * (path.samples - 1) + 1,
         )
         if completed:
             self._apply(phase.action)

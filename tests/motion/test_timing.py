@@ -12,7 +12,10 @@ from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 
 from tamplang.compiler.ir import Joint, Module, ModuleType, World
-from tamplang.runtime.planner.motion.time_scaling import SHORTEST, peaks, shortest_duration
+from tamplang.runtime.planner.motion.settings import ACCEPTANCE
+from tamplang.runtime.planner.motion.time_scaling import peaks, shortest_duration
+
+SHORTEST = ACCEPTANCE.shortest_phase
 
 HERE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 JOINT = Joint("j", "revolute", -1, HERE, (0.0, 0.0, 1.0), -9.0, 9.0, 0.0, speed=2.0, acceleration=5.0)

@@ -21,7 +21,7 @@ from ....compiler.physics.masses import part_mass
 from ....compiler.physics.records import Hold, Inertial
 from ....langs.trees import mapped
 from ...skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton, Violation
-from ..motion.time_scaling import SHORTEST
+from ..motion.settings import ACCEPTANCE
 from .settings import BOUNDS
 from .verdicts import Conflict, Judgement
 
@@ -184,7 +184,7 @@ class LengthUnit:
         """A little slower than in its own unit, so that times are round."""
         seconds = math.ceil(path.duration * self.seconds * 100.0 - 1e-6) / 100.0
         ends = self._configuration(Configuration(path.modules, path.bodies), self.metres)
-        return PhasePath(ends.modules, ends.bodies, max(SHORTEST, seconds))
+        return PhasePath(ends.modules, ends.bodies, max(ACCEPTANCE.shortest_phase, seconds))
 
     def _configuration(self, configuration: Configuration, factor: float) -> Configuration:
         """Poses `(…, 7)` and slots `(…, 7 + n)` with their lengths multiplied."""

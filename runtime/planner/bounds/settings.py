@@ -52,6 +52,12 @@ class BoundSettings:
         "What P_path of one skeleton may take.",
         "about 12 s, at 25 to 50 µs each",
     )
+    redrawn_phases: int = setting(
+        32, "phases",
+        "So many phases are drawn anew in all where none closes a loop.",
+        "a draw then takes some 40 ms for each, P_path of the same 4 s; grasping a convex body takes up to 13 draws",
+    )
+
 
 
 BOUNDS = BoundSettings()

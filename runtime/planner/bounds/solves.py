@@ -23,10 +23,6 @@ from .settings import BOUNDS
 from .speculation import Speculation
 from .verdicts import Conflict, Judgement, blame, with_motion
 
-REDRAWN_PHASES = 32
-"""So many phases are drawn anew in all where none closes a loop: a draw then takes some 40 ms for each, P_path of the
-same 4 s. Grasping a convex body takes up to 13 draws."""
-
 
 @dataclass(eq=False)
 class Solves:
@@ -129,7 +125,7 @@ class Solves:
     def _draws(self, first: Skeleton) -> int:
         """How often the switches of a skeleton, of which `first` is to get its motion, are drawn anew."""
         loops = self._closes_a_loop(first, range(len(first)))
-        return BOUNDS.redraws if loops else max(BOUNDS.redraws, REDRAWN_PHASES // len(first))
+        return BOUNDS.redraws if loops else max(BOUNDS.redraws, BOUNDS.redrawn_phases // len(first))
 
     def _closes_a_loop(self, skeleton: Skeleton, phases: Collection[int]) -> bool:
         return any(looped(self.problem, skeleton.phases[phase].mode) for phase in phases)

@@ -19,19 +19,16 @@ from ...geometry.resampling import Resampled, effector_poses, kept_pairs, resamp
 from ...geometry.transforms import compose, inverse, joint_frames, rotate
 from ...skeleton import Array, Breach, Configuration, PhasePath, Violation
 from .phases.contact_margins import REQUIRED, kind_of
-from .phases.phase_batch import GREATEST_STEP
+from .phases.settings import PHASES
+from .settings import ACCEPTANCE
 
-FACTOR = 5
-"""Samples per knot of the spline."""
-SAMPLES = 200
-"""Least samples per phase."""
 STILL = 1e-9
 
 
 def dense(problem: Problem, mode: frozenset[Fact], path: PhasePath, start: Configuration) -> Resampled:
-    """The motion of a phase as the plan file will hold it, at least SAMPLES + 1 samples."""
+    """The motion of a phase as the plan file will hold it, at least `samples` + 1 of them."""
     knots = max(len(rows) for rows in path.modules.values()) - 1
-    return resample(problem, mode, path, start, 0.0, max(FACTOR, -(-SAMPLES // knots)))
+    return resample(problem, mode, path, start, 0.0, max(ACCEPTANCE.samples_per_knot, -(-ACCEPTANCE.samples // knots)))
 
 
 def slip(problem: Problem, mode: frozenset[Fact], motion: Resampled, start: Configuration) -> float:
@@ -56,13 +53,13 @@ def _poses(problem: Problem, name: str, motion: Resampled, start: Configuration)
 
 
 def steps(problem: Problem, phase: int, path: PhasePath) -> Iterator[Violation]:
-    """Joints that turn or slide by more than GREATEST_STEP from one slice to the next."""
+    """Joints that turn or slide by more than `PHASES.greatest_step` from one slice to the next."""
     for name, rows in path.modules.items():
         largest = np.abs(np.diff(rows[:, 7:], axis=0)).max(axis=0, initial=0.0)
         for joint, amount in zip(problem.world.modules[name].type.joints, largest, strict=True):
-            if amount > GREATEST_STEP:
+            if amount > PHASES.greatest_step:
                 unit = "rad" if joint.kind == JointKind.REVOLUTE else "m"
-                yield Violation(phase, Breach.STEP, (name, joint.name), float(amount - GREATEST_STEP), unit)
+                yield Violation(phase, Breach.STEP, (name, joint.name), float(amount - PHASES.greatest_step), unit)
 
 
 # --- clearances ------------------------------------------------------------------------------------------------------

@@ -10,10 +10,8 @@ from ....compiler.ir import World
 from ...geometry.resampling import between
 from ...geometry.splines import ClampedSpline
 from ...skeleton import Array, PhasePath
+from .settings import ACCEPTANCE
 from .time_scaling import second_derivatives, shortest_duration
-
-DENSER = 2
-"""Samples of an eased phase per sample of the planner."""
 
 
 def eased(world: World, paths: Sequence[PhasePath]) -> list[PhasePath]:
@@ -25,7 +23,7 @@ def eased(world: World, paths: Sequence[PhasePath]) -> list[PhasePath]:
 
 def _eased(world: World, path: PhasePath) -> PhasePath:
     count = path.samples - 1
-    even, times = np.linspace(0.0, 1.0, count + 1), _law(np.linspace(0.0, 1.0, DENSER * count + 1))
+    even, times = np.linspace(0.0, 1.0, count + 1), _law(np.linspace(0.0, 1.0, ACCEPTANCE.eased_density * count + 1))
     modules = {}
     for name, rows in path.modules.items():
         joints = settled(ClampedSpline(even, rows[:, 7:])(times))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from ....compiler.settings import setting
+
 
 @dataclass(frozen=True, slots=True)
 class MotionSettings:
@@ -24,3 +26,22 @@ class MotionSettings:
     def wider(self, by: float) -> MotionSettings:
         """The same with `by` metres more between surfaces, along paths and at switches."""
         return replace(self, margin=self.margin + by, switch_margin=self.switch_margin + by)
+
+
+@dataclass(frozen=True)
+class AcceptanceSettings:
+    """The numbers that steer how motions are accepted, timed and written."""
+
+    samples_per_knot: int = setting(5, "samples", "Looks at a path per knot of its spline, at least.")
+    samples: int = setting(200, "samples", "Looks at a phase, at least.")
+    eased_density: int = setting(2, "samples", "Samples of an eased phase per sample of the planner.")
+    shortest_phase: float = setting(0.1, "s", "Least duration of a phase.")
+    limit_share: float = setting(
+        0.9999, "1",
+        "What is used of a limit.",
+        "rounded figures keep it, too",
+    )
+    stored_density: int = setting(3, "samples", "Samples of the plan file per sample of the planner.")
+
+
+ACCEPTANCE = AcceptanceSettings()

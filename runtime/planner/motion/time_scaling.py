@@ -11,11 +11,7 @@ import numpy as np
 from ....compiler.ir import World
 from ...geometry.splines import ClampedSpline
 from ...skeleton import Array
-
-SHORTEST = 0.1
-"""Least duration of a phase, seconds."""
-SHARE = 0.9999
-"""What is used of a limit, so that rounded figures keep it, too."""
+from .settings import ACCEPTANCE
 
 
 def shortest_duration(world: World, modules: Mapping[str, Array]) -> float:
@@ -28,14 +24,14 @@ def shortest_duration(world: World, modules: Mapping[str, Array]) -> float:
     """
     joints = [joint for name in modules for joint in world.modules[name].type.joints]
     if not joints:
-        return SHORTEST
+        return ACCEPTANCE.shortest_phase
     values = np.hstack([modules[name][:, 7:] for name in modules])
     speed = np.array([joint.speed for joint in joints])
     acceleration = np.array([joint.acceleration for joint in joints])
     rates, changes = peaks(values)
-    by_speed = float((rates / speed).max()) / SHARE
-    by_acceleration = math.sqrt(float((changes / acceleration).max()) / SHARE)
-    return max(SHORTEST, math.ceil(max(by_speed, by_acceleration) * 100.0) / 100.0)
+    by_speed = float((rates / speed).max()) / ACCEPTANCE.limit_share
+    by_acceleration = math.sqrt(float((changes / acceleration).max()) / ACCEPTANCE.limit_share)
+    return max(ACCEPTANCE.shortest_phase, math.ceil(max(by_speed, by_acceleration) * 100.0) / 100.0)
 
 
 def peaks(values: Array) -> tuple[Array, Array]:

@@ -20,11 +20,7 @@ from ..nlp.row_groups import Chosen, RowLabel
 from ..nlp.unknowns import Indices
 from .broad_phase import NO_PAIRS, Blocks, Edges, Pairs
 from .part_frames import Cloud
-
-NEAR = 0.3
-"""Metres: pairs closer than this at the start of a solve take part in it; the others are looked at afterwards."""
-BROKEN = 1e-4
-"""Metres by which a pair that was left out overlaps and is told."""
+from .settings import COLLISION
 
 
 class Obstacles:
@@ -117,14 +113,14 @@ class Clearances:
         self._slopes: tuple[Distances, Indices, Array] | None = None
         self.ruler.forget()
 
-    def refresh(self, z: Array, near: float = NEAR) -> bool:
+    def refresh(self, z: Array, near: float = COLLISION.near) -> bool:
         """Let the pairs that are now closer than `near` beyond their margin take part, besides those that already do.
         Returns whether one of the new ones overlaps."""
         edges = self.cloud.edges(z)
         pairs, taking_part = self.pairs.joined(self._blocks.near(edges, self._edges or edges, near))
         value = self.ruler.measure(z, [pairs], [self.among], near).value
         close = taking_part | (value < near + pairs.wanted)
-        broken = bool((value[close & ~taking_part] < -BROKEN).any())
+        broken = bool((value[close & ~taking_part] < -COLLISION.broken).any())
         self._use(pairs[np.flatnonzero(close)])
         return broken
 

@@ -20,11 +20,7 @@ from ....geometry.exact_distances import ROUND, Forms, Posed
 from ....skeleton import Array
 from ..nlp.unknowns import Indices, UnknownsLayout
 from .broad_phase import Edges
-
-ARM = 0.1
-"""Metres from the origin of a part to its anchors on the axes: about a link's size, which keeps rounding small."""
-ANCHORS = 4
-"""The most anchors of a part; those of a part with fewer are repeated."""
+from .settings import COLLISION
 
 
 def anchors(part: ModulePart) -> list[Vec3]:
@@ -36,7 +32,7 @@ def anchors(part: ModulePart) -> list[Vec3]:
     elif part.shape.kind == ShapeKind.CAPSULE:
         points = [origin - part.shape.size[1] / 2 * axes[2], origin + part.shape.size[1] / 2 * axes[2]]
     else:
-        points = [origin, *(origin + ARM * axis for axis in axes)]
+        points = [origin, *(origin + COLLISION.anchor_arm * axis for axis in axes)]
     return [(float(x), float(y), float(z)) for x, y, z in points]
 
 
@@ -47,8 +43,8 @@ class _Block:
         self.stage, self.parts = stage, parts
         counts = [len(anchors(p)) for p in parts]
         first = np.cumsum([0, *counts[:-1]]) if parts else np.zeros(0, dtype=np.int64)
-        chosen = [[f + min(k, n - 1) for k in range(ANCHORS)] for f, n in zip(first, counts, strict=True)]
-        self.anchors = np.array(chosen, dtype=np.int64).reshape(-1, ANCHORS)
+        chosen = [[f + min(k, n - 1) for k in range(COLLISION.anchors)] for f, n in zip(first, counts, strict=True)]
+        self.anchors = np.array(chosen, dtype=np.int64).reshape(-1, COLLISION.anchors)
         self.slots: list[Indices] = []
         self._numbers: list[int] = []
         self._tables = (np.zeros((0, stage.inputs), dtype=np.int64), np.zeros(0, dtype=np.int64))
@@ -159,7 +155,7 @@ class Cloud:
                 length = np.maximum(np.linalg.norm(axis, axis=2, keepdims=True), 1e-12)
                 middle = 0.5 * (points[:, :, 0] + points[:, :, 1])
                 position[numbers] = np.where(round_[:, None], middle, points[:, :, 0])
-                frame = (points[:, :, 1:] - points[:, :, :1]).transpose(0, 1, 3, 2) / ARM
+                frame = (points[:, :, 1:] - points[:, :, :1]).transpose(0, 1, 3, 2) / COLLISION.anchor_arm
                 upright = np.zeros_like(frame)
                 upright[..., 2] = axis / length
                 rotation[numbers] = np.where(round_[:, None, None], upright, frame)
@@ -182,11 +178,11 @@ class Cloud:
         return result
 
     def shares(self, numbers: Indices, points: Array, posed: Posed) -> Array:
-        """The shares (len, ANCHORS) that anchors have in points (len, 3) fixed to some parts."""
+        """The shares (len, anchors) that anchors have in points (len, 3) fixed to some parts."""
         parts = posed[numbers]
         local = parts.local(points)
-        result = np.zeros((len(numbers), ANCHORS))
-        result[:, 1:] = local / ARM
+        result = np.zeros((len(numbers), COLLISION.anchors))
+        result[:, 1:] = local / COLLISION.anchor_arm
         result[:, 0] = 1.0 - result[:, 1:].sum(axis=1)
         round_ = np.flatnonzero(parts.kind == ROUND)
         half = parts.half[round_, 2]
@@ -208,7 +204,7 @@ class Cloud:
                 local = jacobian.reshape(len(places), -1, 3, block.stage.inputs)
                 chosen = block.anchors[where[mine, 2]]
                 moved = shares[mine, 0, None, None] * local[slot, chosen[:, 0]]
-                for k in range(1, ANCHORS):
+                for k in range(1, COLLISION.anchors):
                     rows = np.flatnonzero(shares[mine, k])
                     if len(rows):
                         moved[rows] += shares[mine[rows], k, None, None] * local[slot[rows], chosen[rows, k]]
@@ -225,7 +221,7 @@ class Cloud:
             if len(mine):
                 places = block.places
                 weights = np.zeros((len(places), int(block.anchors.max(initial=-1)) + 1, 3))
-                at = (np.repeat(where[mine, 1], ANCHORS), block.anchors[where[mine, 2]].ravel())
+                at = (np.repeat(where[mine, 1], COLLISION.anchors), block.anchors[where[mine, 2]].ravel())
                 np.add.at(weights, at, (shares[mine, :, None] * pulls[mine, None, :]).reshape(-1, 3))
                 flat = weights.reshape(len(places), -1)
                 found.append((block.stage.hessians(z[places], np.zeros((len(places), 0)), flat), places))

@@ -25,20 +25,10 @@ from ..nlp.unknowns import ORIGIN, UnknownsLayout
 from ..settings import MotionSettings
 from .bearing_rows import bearing_rows
 from .placement_samples import places
+from .settings import KEYFRAMES
 
 VERTICAL = frozenset({"top", "bottom", "inside"})
 """Functions that know where up is."""
-HOMING = 0.1
-VELOCITY = 0.3
-PLACE = 60.0
-"""How strongly things are drawn to the places that are laid out for them, against homing and velocity …"""
-TURN = 3.0
-"""… and to lie turned as they lay at the start."""
-REFRESHES = 4
-"""How often pairs that came near during a solve are taken in and the solve is resumed."""
-WISH = 10.0
-"""The scale of wished clearances: they weigh as much as rows do at first. A margin that can be had is then missed by a
-fraction of a millimetre for the sake of homing."""
 POLISH = SolverOptions(mu=1e4, damping=1e-3, iterations=60)
 
 
@@ -130,14 +120,14 @@ class SwitchProgram:
             *loaded_groups(self.problem, self.layout, self._loaded()),
             norms(self.layout),
             limits(self.problem, self.layout, self.settings.limit_margin, phase_of),
-            homing(self.problem, self.layout, HOMING),
-            differences(self.layout, self.layout.modules, steps, (-1.0, 1.0), VELOCITY),
+            homing(self.problem, self.layout, KEYFRAMES.homing_weight),
+            differences(self.layout, self.layout.modules, steps, (-1.0, 1.0), KEYFRAMES.velocity_weight),
             *self._tidy(),
         ]
 
     def _tidy(self) -> list[LinearGroup]:
-        """½ PLACE² Σ (xy − place)² + ½ TURN² Σ (q − q at the start)² over the things that are put down where many are
-        laid out, where things must not collide."""
+        """½ place_weight² Σ (xy − place)² + ½ turn_weight² Σ (q − q at the start)² over the things that are
+        put down where many are laid out, where things must not collide."""
         planned = places(self.skeleton) if self.settings.collisions else {}
         spots: list[tuple[int, float]] = []
         turns: list[tuple[int, float]] = []
@@ -147,7 +137,7 @@ class SwitchProgram:
                 slot, pose = self.layout.slot(slice_, name), self.problem.world.bodies[name].pose
                 spots += zip(slot[:2], place, strict=True)
                 turns += zip(slot[3:6], pose[3:6], strict=True)
-        return [self._pull(spots, PLACE), self._pull(turns, TURN)]
+        return [self._pull(spots, KEYFRAMES.place_weight), self._pull(turns, KEYFRAMES.turn_weight)]
 
     @staticmethod
     def _pull(targets: Sequence[tuple[int, float]], scale: float) -> LinearGroup:
@@ -176,7 +166,7 @@ class SwitchProgram:
 
     def program(self) -> Program:
         """The program over the pairs that take part at present."""
-        clearances = rows(self._clearance, WISH)
+        clearances = rows(self._clearance, KEYFRAMES.wish_scale)
         return Program(self.layout.constants, self.layout.unknowns, [*self._groups, *self._loads, *clearances])
 
     def bear(self, asked: bool) -> bool:
@@ -211,7 +201,7 @@ class SwitchProgram:
         """Solve from x; pairs that came near meanwhile are taken in and the solve resumes. Raises OutOfTime."""
         self._refresh(x)
         iterations = 0
-        for attempt in range(REFRESHES):
+        for attempt in range(KEYFRAMES.refreshes):
             program = self.program()
             outcome = run(program, x, options if attempt == 0 else POLISH, self.settings, budget)
             iterations += outcome.iterations

@@ -23,7 +23,6 @@ has them lead astray more often: grasps from unknown postures are then refused i
 ACCURATE = 1e-9
 """Metres and radians by which a row may be missed: poses are chained from phase to phase, and 1e-6 added up past the
 tolerance over some 250 of them, so that whole draws were thrown away."""
-LEAST = 1e-6
 
 
 def solve_span(
@@ -53,7 +52,7 @@ def _worst(result: BoundResult) -> float:
     if not result.violations:
         return 0.0
     worst = result.violations[0]
-    return LEAST if worst.kind in LOADS else worst.amount
+    return KEYFRAMES.load_violation if worst.kind in LOADS else worst.amount
 
 
 def _alike(amounts: list[float], factor: float) -> int:

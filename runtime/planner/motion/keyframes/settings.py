@@ -102,6 +102,28 @@ class KeyframeSettings:
     far: float = setting(0.02, "m or rad", "… or two without collisions with more than this …")
     far_alike: float = setting(1.03, "1", "… alike within this factor …")
     hopeless: float = setting(0.15, "m or rad", "… or two without collisions with more than this.")
+    homing_weight: float = setting(0.1, "1", "Weight of the distance of joints from their home.")
+    velocity_weight: float = setting(0.3, "1", "Weight of the way of joints from switch to switch.")
+    place_weight: float = setting(
+        60.0, "1/m",
+        "How strongly things are drawn to the places that are laid out for them, against homing and velocity.",
+    )
+    turn_weight: float = setting(3.0, "1", "And to lie turned as they lay at the start.")
+    refreshes: int = setting(
+        4, "solves",
+        "How often pairs that came near during a solve are taken in and the solve is resumed.",
+    )
+    wish_scale: float = setting(
+        10.0, "1/m",
+        "The scale of wished clearances.",
+        "they weigh as much as rows do at first: a margin that can be had is then missed by a fraction of a "
+        "millimetre for the sake of homing",
+    )
+    load_violation: float = setting(
+        1e-6, "m",
+        "What an excess of load counts against misses of rows: the last to be mended.",
+    )
+
 
 
 KEYFRAMES = KeyframeSettings()

@@ -13,9 +13,8 @@ from ....budget import Budget
 from ....skeleton import Array
 from .augmented_lagrangian import SolverOptions, SolverResult, SolverStatus
 from .program import Program
+from .settings import SOLVER
 from .unknowns import Indices
-
-ITERATIONS = 300
 
 
 def _construct(self: Any, name: str, inputs: list[int], outputs: list[Any], function: Any) -> None:
@@ -110,7 +109,7 @@ def solve_ipopt(program: Program, start: Array, options: SolverOptions, budget: 
     budget.check()
     problem, calls = _functions(program, start)
     settings: Any = {
-        "print_level": 0, "sb": "yes", "max_iter": ITERATIONS, "tol": 1e-4,
+        "print_level": 0, "sb": "yes", "max_iter": SOLVER.ipopt_iterations, "tol": 1e-4,
         "constr_viol_tol": options.tolerance / 10, "acceptable_tol": 1e-2, "acceptable_iter": 5,
         "acceptable_constr_viol_tol": options.tolerance,
         "max_wall_time": min(1e6, max(1e-3, budget.remaining)), "mu_strategy": "adaptive",

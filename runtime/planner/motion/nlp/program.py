@@ -11,13 +11,12 @@ import numpy as np
 from ....skeleton import Array, Breach, Violation
 from .normal_equations import Scatter, Sums, Together
 from .row_groups import ALL, LinearGroup, RowGroup, RowLabel, merged
+from .settings import SOLVER
 from .unknowns import Indices
 
 KINDS = ("cost", "equality", "inequality")
 WISH = "wish"
 """The kind of rows max(0, r) that cost what is missing of them, and are nothing to be refused for."""
-SMALL = 100_000
-"""Of a group with no more products of rows, all their places are found at once."""
 DIVERGED = 1e9
 """Stands for a violation that is no number: JSON has none, and no comparison would tell it."""
 
@@ -142,7 +141,7 @@ class Program:
         self, number: tuple[str, int], group: RowGroup, chosen: Indices, places: Indices
     ) -> tuple[Indices, Indices]:
         """Where the products of chosen instances go; those of a small group are all found at once."""
-        if group.shape[0] * places.shape[1] ** 2 > SMALL:
+        if group.shape[0] * places.shape[1] ** 2 > SOLVER.batched_products:
             scatter = Scatter(places, len(self.constants), self._shape)
             return scatter.band.ravel(), scatter.gradient.ravel()
         if number not in self._scatters:

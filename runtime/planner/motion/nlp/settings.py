@@ -12,6 +12,12 @@ class SolverSettings:
     """The numbers that steer the solvers."""
 
     hopeless: float = setting(4e-3, "m or rad", "A run that stalls above this violation will not become feasible.")
+    ipopt_iterations: int = setting(300, "iterations", "The most that IPOPT takes.")
+    batched_products: int = setting(
+        100_000, "products",
+        "Of a group with no more products of rows, all their places are found at once.",
+    )
+
 
 
 SOLVER = SolverSettings()

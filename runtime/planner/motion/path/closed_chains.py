@@ -2,7 +2,7 @@
 
 The phase is solved on its own between its two switches, as a motion program over the poses of all modules. Closure
 holds at its slices; so that it also holds on the spline between them, the path is sampled more densely and projected
-onto closure anew, until no kept pose drifts by more than SLIP.
+onto closure anew, until no kept pose drifts by more than `PATHS.slip`.
 """
 
 from __future__ import annotations
@@ -19,24 +19,12 @@ from ....skeleton import Array, Breach, Configuration, PhasePath, Skeleton, Viol
 from ..acceptance import clashes, dense, slip, steps
 from ..nlp.augmented_lagrangian import PATH, project
 from ..settings import MotionSettings
-from .path_program import BUMP, PathProgram, attempt
+from .path_program import PathProgram, attempt
+from .settings import PATHS
 
-SLIP = 1e-4
-"""The largest drift of a kept pose along the resampled path, metres or radians."""
-FACTORS = (1, 2, 4, 8)
-"""How many times as many slices a path may need for that, and for joints that move far."""
-ONCE, STARTS = 1, 3
-"""How many starts a phase gets, at first and once its switches were drawn anew: a straight one twice, the second time
-with a wider margin, then a bumped one."""
 CLOSURE = 1e-8
 ACCURATE = 1e-4
-PROJECTIONS = 40
-"""Accuracy and iterations with which starts are put onto closure."""
-SHRINKS = 0.5
-"""A spline along closure drifts 16 times less with twice the slices; one that does not even halve its drift jumps from
-one posture to another, and more slices do not help."""
-NEARER = 1.5
-"""By how much the margin grows when slices are clear but what lies between them is not."""
+"""Accuracy with which starts are put onto closure."""
 
 
 @dataclass(slots=True)
@@ -51,18 +39,18 @@ class PhaseResult:
 
 def solve_phase(
     skeleton: Skeleton, phase: int, before: Configuration, after: Configuration, settings: MotionSettings,
-    random: np.random.Generator, budget: Budget, starts: int = STARTS, bears: bool = False,
+    random: np.random.Generator, budget: Budget, starts: int = PATHS.starts, bears: bool = False,
 ) -> PhaseResult:  # fmt: skip
     """The motion of one phase between two switches, from a straight start, then from bumped ones; with `bears` within
     all strengths at rest. Raises OutOfTime."""
     best: PhaseResult | None = None
     iterations = 0
     for number in range(starts):
-        wider = replace(settings, margin=settings.margin * NEARER) if number % 3 == 1 else settings
+        wider = replace(settings, margin=settings.margin * PATHS.widening) if number % 3 == 1 else settings
         program = PathProgram(skeleton, wider, [before, after], True, range(phase, phase + 1), bears)
-        bump = {n: random.normal(0.0, BUMP, len(c) - 7) for n, c in before.modules.items()} if number > 1 else {}
+        bump = {n: random.normal(0.0, PATHS.bump, len(c) - 7) for n, c in before.modules.items()} if number > 1 else {}
         x = program.pack(_between(before, after, settings.slices, bump))
-        x = project(program.program(), x, ACCURATE, budget, PROJECTIONS)
+        x = project(program.program(), x, ACCURATE, budget, PATHS.projections)
         bound, x = attempt(program, x, wider, budget, PATH)
         iterations += bound.iterations
         path, violations = program.paths(program.unpack(x))[0], bound.violations
@@ -118,15 +106,15 @@ def accepted(
     """The path, as dense as its closure asks for, and what the swept check finds wrong with it."""
     problem, mode = skeleton.problem, skeleton.phases[phase].mode
     finer, drift = path, np.inf
-    for factor in FACTORS:
+    for factor in PATHS.slice_factors:
         if factor > 1:
             finer = _denser(skeleton, phase, path, before, after, settings, factor, budget)
         motion = dense(problem, mode, finer, before)
         coarser, drift = drift, slip(problem, mode, motion, before)
         found = [*steps(problem, phase, finer)]
-        if (drift <= SLIP and not found) or drift > max(SLIP, SHRINKS * coarser):
+        if (drift <= PATHS.slip and not found) or drift > max(PATHS.slip, PATHS.least_shrinking * coarser):
             break
-    if drift > SLIP:
+    if drift > PATHS.slip:
         found.append(Violation(phase, Breach.DRIFT, (), drift, "m"))
     elif settings.collisions:
         found += clashes(problem, phase, contacts(skeleton)[phase], motion, before)

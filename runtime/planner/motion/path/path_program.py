@@ -29,19 +29,8 @@ from ..nlp.unknowns import UnknownsLayout
 from ..settings import MotionSettings
 from ..time_scaling import shortest_duration
 from .path_guesses import interpolate
+from .settings import PATHS
 
-ACCELERATION = 0.1
-HOMING = 0.2
-WISH = 60.0
-"""Scale of wished clearances: against accelerations, whose scale is 9, a margin is missed by less than a millimetre."""
-LEAST = 5e-3
-"""Metres that what begins or ends to touch must be apart once the margin is whole, and on the way there its share: else
-the spline between two slices goes through what both only touch."""
-STIFF = 10.0
-"""Scale of kept and switch rows: without it a path slips by up to 2 cm."""
-BUMPS = 6
-BUMP = 0.5
-REFRESHES = 3
 RESUME = replace(PATH, damping=1e-3, iterations=60)
 ACCURATE = 1e-6
 STILL = 1e-9
@@ -92,13 +81,13 @@ class PathProgram:
             slices, phase = self._slices(k), self.skeleton.phases[number]
             if not self.pinned:
                 for literal in sorted(phase.added):
-                    self._features.add(literal, "switch", (slices[-1],), number, STIFF)
+                    self._features.add(literal, "switch", (slices[-1],), number, PATHS.stiffness)
             for t in slices[1:]:
                 if self.pinned and t == slices[-1]:
                     continue
                 before = slices[0] if self.pinned else t - 1
                 for literal in sorted(phase.mode):
-                    self._features.add(literal, "keep", (before, t), number, STIFF)
+                    self._features.add(literal, "keep", (before, t), number, PATHS.stiffness)
                     self._features.add(literal, "during", (t,), number)
             if not self.pinned:
                 for literal in sorted(next_mode(self.skeleton, number)):
@@ -131,6 +120,7 @@ class PathProgram:
 
     def _all_groups(self) -> list[RowGroup]:
         step = 1.0 / self.count
+        bending = PATHS.acceleration_weight * step**-1.5
         triples: list[tuple[int, ...]] = []
         phase_of = [self.phases[0]]
         for k, phase in enumerate(self.phases):
@@ -144,8 +134,8 @@ class PathProgram:
             *self._bearing(),
             norms(self.layout),
             limits(self.problem, self.layout, self.settings.limit_margin / 3, phase_of),
-            homing(self.problem, self.layout, HOMING * step**0.5),
-            differences(self.layout, self.layout.modules, triples, (1.0, -2.0, 1.0), ACCELERATION * step**-1.5),
+            homing(self.problem, self.layout, PATHS.homing_weight * step**0.5),
+            differences(self.layout, self.layout.modules, triples, (1.0, -2.0, 1.0), bending),
         ]
 
     def _collisions(self) -> list[Clearances]:
@@ -163,12 +153,13 @@ class PathProgram:
             share = taper(contact, objects, np.array([float(u)]), self.count)
             ahead = share is not None and share[0] > 0.0
             special[objects] = self.settings.margin * float(share[0]) if ahead and share is not None else None
-        least = {p: m * LEAST / self.settings.margin for p, m in special.items() if m and self.settings.margin > LEAST}
+        margin, apart = self.settings.margin, PATHS.least_clearance
+        least = {p: m * apart / margin for p, m in special.items() if m and margin > apart}
         return Margins(self.settings.margin, special, least)
 
     def program(self) -> Program:
         """The program over the pairs that take part at present."""
-        clearances = rows(self._clearance, None if self.strict else WISH)
+        clearances = rows(self._clearance, None if self.strict else PATHS.wish_scale)
         return Program(self.layout.constants, self.layout.unknowns, [*self._groups, *clearances])
 
     def refresh(self, x: Array) -> bool:
@@ -234,7 +225,7 @@ def solve_path(
     start = path.pack(slices)
     iterations, most = 0, None if effort is None else max(1, effort // max(1, len(start)))
     best: BoundResult | None = None
-    for number in range(BUMPS + 1):
+    for number in range(PATHS.bumps + 1):
         left = None if most is None else most - iterations
         result, x = attempt(path, path.pack(slices), settings, budget, PATH if number == 0 else RESUME, left)
         iterations += result.iterations
@@ -242,7 +233,7 @@ def solve_path(
             _check(path, result, settings, budget)
         if best is None or _worst(result) < _worst(best):
             best = result
-        if result.feasible or number == BUMPS or (most is not None and iterations >= most):
+        if result.feasible or number == PATHS.bumps or (most is not None and iterations >= most):
             break
         slices = _bumped(path, switches, path.unpack(x), {v.phase for v in result.violations}, random)
     assert best is not None
@@ -290,7 +281,7 @@ def _attempt(
     """One solve, resumed when pairs came near meanwhile, and projected when it is feasible."""
     iterations = 0
     path.refresh(x)
-    for number in range(REFRESHES):
+    for number in range(PATHS.refreshes):
         chosen = options if number == 0 else RESUME
         if most is not None:
             chosen = replace(chosen, iterations=min(chosen.iterations, most - iterations))
@@ -322,7 +313,7 @@ def _bumped(
     """The slices with the stalled phases interpolated anew, their joints bumped."""
     bumps: list[dict[str, Array] | None] = [None] * len(path.phases)
     for phase in sorted(stalled):
-        bump = {n: random.normal(0.0, BUMP, len(c) - 7) for n, c in switches[0].modules.items()}
+        bump = {n: random.normal(0.0, PATHS.bump, len(c) - 7) for n, c in switches[0].modules.items()}
         bumps[path.phases.index(phase)] = bump
     fresh = path.start(switches, bumps)
     result = list(slices)

@@ -10,15 +10,11 @@ from numpy.typing import NDArray
 
 from .....compiler.motion.collision import PhaseContacts, pair, taper
 from ....skeleton import Array
+from .settings import PHASES
 
 FULL, NEVER, START, END, BOTH = range(5)
 """The whole margin; none, as the two touch all the time; less near the start, near the end, or near both."""
-TOUCHING = 2e-4
-"""How deep two things may press into each other at looks at a path, metres: a fifth of what the verifier forbids, as
-they may be deeper between two looks."""
-CONTACT_TOLERANCE = 5e-4
-"""The same of a contact that begins or ends, which rows at switches may miss by more."""
-REQUIRED = np.array([-TOUCHING, -np.inf, -CONTACT_TOLERANCE, -CONTACT_TOLERANCE, -CONTACT_TOLERANCE])
+REQUIRED = np.array([-PHASES.touching, -np.inf, *[-PHASES.contact_tolerance] * 3])
 """The clearance, metres, that accepts two things, by their kind."""
 
 Kinds = NDArray[np.int8]

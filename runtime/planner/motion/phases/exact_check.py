@@ -22,12 +22,9 @@ from .batch_kinematics import BatchKinematics, Indices
 from .collision_spheres import Lineage
 from .contact_margins import NEVER, REQUIRED, Kinds, cross_kinds
 from .joint_forest import Obstacle, PhaseTree
+from .settings import PHASES
 
-REFINEMENT = 10
-"""Samples of the swept check per slice."""
-FAR = 1e-3
-"""Excess clearance, metres, beyond which nothing is measured: more counts as this much."""
-AT_SLICES = slice(None, None, REFINEMENT)
+AT_SLICES = slice(None, None, PHASES.refinement)
 NOTHING = Shape(ShapeKind.SPHERE, (0.0,))
 OUT_OF_SIGHT = 1e9
 """Metres away: where missing obstacles are put."""
@@ -270,37 +267,37 @@ def departure(vectors: Array) -> Array:
     """How far vectors `(…, fine times)` go from where they are at a slice, until another one is nearer, the sum of
     squares over the axis before `phases`: `(…, phases, slices + 1)` for `(…, k, phases, fine times)`."""
     times = np.arange(vectors.shape[-1])
-    away = vectors - vectors[..., (times + REFINEMENT // 2) // REFINEMENT * REFINEMENT]
-    first = np.maximum(times[AT_SLICES] - REFINEMENT // 2, 0)
+    away = vectors - vectors[..., (times + PHASES.refinement // 2) // PHASES.refinement * PHASES.refinement]
+    first = np.maximum(times[AT_SLICES] - PHASES.refinement // 2, 0)
     return np.asarray(np.sqrt(np.maximum.reduceat((away * away).sum(axis=-3), first, axis=-1)))
 
 
 def swept_clearance(geometry: ExactGeometry, values: Array) -> Array:
-    """The least excess clearance `(phases,)` at all fine times, for joint values `(phases, times, joints)`; FAR when it
-    is more."""
+    """The least excess clearance `(phases,)` at all fine times, for joint values `(phases, times, joints)`; `far`
+    when it is more."""
     frames = geometry.kinematics.frames(values)
     nodes, _, _, phases, times = frames.shape
     shift, turn = departure(frames[:, 3]), departure(frames[:, :3].reshape(nodes, 9, phases, times))
     lever = np.linalg.norm(geometry.local[:, :, :3, 3], axis=2) + geometry.reach
     moved = shift[geometry.nodes] + lever.T[:, :, None] * turn[geometry.nodes]
-    least = np.full(phases, FAR)
+    least = np.full(phases, PHASES.far)
     at_slices = frames[..., AT_SLICES]
-    for entries in near_entries(geometry, at_slices, moved + FAR):
+    for entries in near_entries(geometry, at_slices, moved + PHASES.far):
         room = moved[entries.first, entries.phase, entries.time]
         if entries.among:
             room = room + moved[entries.second, entries.phase, entries.time]
-        distance = entries.measured(geometry, at_slices, room + FAR).value
+        distance = entries.measured(geometry, at_slices, room + PHASES.far).value
         _lower(least, entries, distance)
-        closer = np.flatnonzero(distance - room < REQUIRED[entries.kind] + FAR)
+        closer = np.flatnonzero(distance - room < REQUIRED[entries.kind] + PHASES.far)
         fine = _between(entries[closer], times)
-        _lower(least, fine, fine.measured(geometry, frames, np.full(len(fine.first), FAR)).value)
+        _lower(least, fine, fine.measured(geometry, frames, np.full(len(fine.first), PHASES.far)).value)
     return least
 
 
 def _between(entries: Entries, times: int) -> Entries:
     """The entries, which are at slices, at the fine times nearest to these."""
-    around = entries.time[:, None] * REFINEMENT + np.arange(REFINEMENT) - REFINEMENT // 2
-    result = entries[np.repeat(np.arange(len(entries.first)), REFINEMENT)]
+    around = entries.time[:, None] * PHASES.refinement + np.arange(PHASES.refinement) - PHASES.refinement // 2
+    result = entries[np.repeat(np.arange(len(entries.first)), PHASES.refinement)]
     result.time = np.clip(around, 0, times - 1).ravel()
     return result
 
@@ -322,8 +319,8 @@ def worst_clash(geometry: ExactGeometry, phase: int, values: Array) -> Clash:
     one = geometry.take(np.array([phase]))
     frames = one.kinematics.frames(values[None])
     worst = Clash(("", ""), 0.0)
-    for entries in near_entries(one, frames, np.full((len(one.nodes), 1, len(values)), FAR)):
-        missed = REQUIRED[entries.kind] - entries.measured(one, frames, np.full(len(entries.first), FAR)).value
+    for entries in near_entries(one, frames, np.full((len(one.nodes), 1, len(values)), PHASES.far)):
+        missed = REQUIRED[entries.kind] - entries.measured(one, frames, np.full(len(entries.first), PHASES.far)).value
         if missed.max(initial=0.0) > worst.amount:
             k = int(missed.argmax())
             pair = one.name_pair(0, entries.among, int(entries.first[k]), int(entries.second[k]))
@@ -347,7 +344,7 @@ def blocked(geometry: ExactGeometry, poses: Array) -> NDArray[np.bool_]:
     """`(phases,)` whether the clearance that is required is missed, for joint values `(phases, times, joints)`."""
     frames = geometry.kinematics.frames(poses)
     result = np.zeros(len(poses), bool)
-    for entries in near_entries(geometry, frames, np.full((len(geometry.nodes), *poses.shape[:2]), FAR)):
-        distance = entries.measured(geometry, frames, np.full(len(entries.first), FAR)).value
+    for entries in near_entries(geometry, frames, np.full((len(geometry.nodes), *poses.shape[:2]), PHASES.far)):
+        distance = entries.measured(geometry, frames, np.full(len(entries.first), PHASES.far)).value
         result[entries.phase[distance < REQUIRED[entries.kind]]] = True
     return result

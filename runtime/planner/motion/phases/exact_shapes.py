@@ -16,9 +16,7 @@ from ....skeleton import Array
 from .batch_kinematics import Indices
 from .collision_spheres import Ball
 from .joint_forest import PhaseTree
-
-MANY = 16
-"""From how many spheres of its cover on a shape of a module is met as it is."""
+from .settings import PHASES
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +47,8 @@ def module_shapes(tree: PhaseTree, world: World, balls: Sequence[Ball]) -> list[
         ):
             node, local = links[joint]
             covers = members.get((module, number, node), [])
-            if shape is not None and shape.kind in (ShapeKind.BOX, ShapeKind.CYLINDER) and len(covers) >= MANY:
+            edged = shape is not None and shape.kind in (ShapeKind.BOX, ShapeKind.CYLINDER)
+            if shape is not None and edged and len(covers) >= PHASES.many_spheres:
                 found.append(MovingShape(node, local @ pose_matrix(placement), shape, module, tag, tuple(covers)))
     return found
 

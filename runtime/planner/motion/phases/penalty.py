@@ -13,13 +13,7 @@ from .exact_check import near_entries
 from .phase_batch import Batch, Looks
 from .phase_geometry import Geometry
 from .proximity import near_obstacles, near_pairs, near_whole
-
-LIMITS_ABOVE = 100.0
-"""How much heavier than a missed clearance the excess over a joint limit weighs, which no wish may push joints to."""
-CLOSELY = 3e-3
-"""Metres that true shapes are kept apart, where they are looked at: more than they come nearer between looks."""
-NEGLIGIBLE = 0.02
-"""Slices that count less at a time between others get nothing of the Hessian there."""
+from .settings import PHASES
 
 
 @dataclass(slots=True)
@@ -61,7 +55,7 @@ def penalty(batch: Batch, inner: Array, weight: float, widening: float = 1.0) ->
     rows = _missed(batch, inner, widening * batch.margin)
     low, high = batch.inner_limits()
     over = np.maximum(inner - high[:, None], 0.0) + np.minimum(inner - low[:, None], 0.0)
-    limit = LIMITS_ABOVE * weight
+    limit = PHASES.limits_above * weight
     value = 0.5 * limit * (over**2).sum(axis=(1, 2))
     gradient = limit * over
     hessian = np.zeros((phases, slices, joints, joints))
@@ -92,7 +86,7 @@ def _spread(looks: Looks, place: Indices, pull: Array, squares: Array, gradient:
     phase, time = np.divmod(place, len(looks.weights))
     weights = looks.weights[time, 1:-1]
     size = np.abs(weights)
-    size = np.where(size > NEGLIGIBLE, size * size.sum(axis=1, keepdims=True), 0.0)
+    size = np.where(size > PHASES.negligible, size * size.sum(axis=1, keepdims=True), 0.0)
     row, slice_ = np.nonzero(np.abs(weights) > 0.0)
     np.add.at(gradient, (phase[row], slice_), weights[row, slice_][:, None] * pull[row])
     row, slice_ = np.nonzero(size)
@@ -171,14 +165,14 @@ def _whole_rows(
 
 
 def _exact_rows(batch: Batch, frames: Array, margin: float) -> list[_Rows]:
-    """Of the true shapes: of convex bodies by the margin, as there are no spheres for them, of others by CLOSELY."""
+    """Of the true shapes: of convex bodies by the margin, as there are no spheres for them, of others `closely`."""
     geometry, times = batch.exact, frames.shape[-1]
     found = []
-    room = max(margin, CLOSELY) if geometry.hulls else CLOSELY
+    room = max(margin, PHASES.closely) if geometry.hulls else PHASES.closely
     for entries in near_entries(geometry, frames, np.full((len(geometry.nodes), len(batch), times), room)):
         if not batch.closely:
             entries = entries.hulls(geometry)
-        wide = np.where(geometry.is_hull(entries), max(margin, CLOSELY), CLOSELY)
+        wide = np.where(geometry.is_hull(entries), max(margin, PHASES.closely), PHASES.closely)
         wanted = wide * batch.looks.shares[entries.kind, entries.time]
         measured = entries.measured(geometry, frames, wanted)
         hit = np.flatnonzero(measured.exact & (measured.value < wanted))

@@ -13,14 +13,10 @@ from ....geometry.splines import spline_weights
 from ....skeleton import Array, Configuration
 from .batch_kinematics import Indices
 from .contact_margins import share_table
-from .exact_check import REFINEMENT, ExactGeometry, PhaseParts
+from .exact_check import ExactGeometry, PhaseParts
 from .joint_forest import PhaseTree, joint_values
 from .phase_geometry import Geometry, Part
-
-LIMIT_INSET = 0.02
-"""How far inside their limits joints are kept while a path is optimised, radians or metres."""
-GREATEST_STEP = 0.5
-"""The largest change of a joint between neighbouring slices, radians or metres."""
+from .settings import PHASES
 
 
 @dataclass(slots=True)
@@ -44,8 +40,8 @@ def _joints(trees: Sequence[PhaseTree], world: World) -> Joints:
         np.array([[getattr(j, name) for j in row] for row in rows]).reshape(len(trees), -1)
         for name in ("lower", "upper", "home", "speed")
     )
-    inset = np.minimum(LIMIT_INSET, 0.1 * (upper - lower))
-    return Joints(lower, upper, home, speed, inset, np.full(lower.shape, GREATEST_STEP))
+    inset = np.minimum(PHASES.limit_inset, 0.1 * (upper - lower))
+    return Joints(lower, upper, home, speed, inset, np.full(lower.shape, PHASES.greatest_step))
 
 
 class Looks:
@@ -66,7 +62,7 @@ class Batch:
 
     `start`, `end` `(phases, joints)` are fixed; a path `(phases, slices + 1, joints)` joins them. `phases` are
     the numbers of the phases. `coarse` is the geometry that the optimiser sees, at the times of `looks`; `exact` the
-    true shapes, which accept a path, at `times`, `REFINEMENT` per slice. With `closely` the optimiser sees these, too.
+    true shapes, which accept a path, at `times`, `refinement` per slice. With `closely` the optimiser sees these, too.
     """
 
     def __init__(
@@ -81,7 +77,7 @@ class Batch:
         self.start = np.array([joint_values(t, s) for t, (s, _) in zip(trees, states, strict=True)])
         self.end = np.array([joint_values(t, e) for t, (_, e) in zip(trees, states, strict=True)])
         self.coarse = Geometry([c for c, _ in parts], contacts, world)
-        self.times = np.arange(slices * REFINEMENT + 1) / REFINEMENT
+        self.times = np.arange(slices * PHASES.refinement + 1) / PHASES.refinement
         self.looks = Looks(slices, 1)
         self.closely = False
         self.exact = ExactGeometry([e for _, e in parts], contacts, self.coarse.kinematics)

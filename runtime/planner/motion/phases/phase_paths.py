@@ -19,6 +19,7 @@ from ....geometry.splines import spline_weights
 from ....geometry.transforms import coupled
 from ....seeds import Seed
 from ....skeleton import Array, Bound, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
+from ..path.settings import PATHS
 from ..settings import MotionSettings
 from ..time_scaling import shortest_duration
 from .attempts import PhaseGroup, improve, polish_groups, solve_groups, start_group
@@ -27,12 +28,9 @@ from .exact_check import blocked, worst_clash
 from .joint_forest import Mount, PhaseTree, UnsupportedPhase, arrive, phase_tree, pose_vector
 from .phase_batch import Batch
 from .phase_geometry import make_parts
+from .settings import PHASES
 from .smoothing import path_cost
-from .swept_check import BEYOND
 from .warm_starts import cost_of, taken_over
-
-LOOKED_AT = 5
-"""Where a refused path is looked at first for what is in its way: every so many of the fine times."""
 
 
 def _blocked(batch: Batch) -> list[Violation]:
@@ -53,7 +51,7 @@ def _failures(group: PhaseGroup, world: World) -> list[Violation]:
     for k in np.flatnonzero(~group.solved):
         phase = int(batch.phases[k])
         values = spline_weights(batch.slices, batch.times) @ group.paths[k]
-        clash = worst_clash(batch.exact, int(k), values[::LOOKED_AT])
+        clash = worst_clash(batch.exact, int(k), values[::PHASES.blame_stride])
         if clash.amount <= 0.0:
             clash = worst_clash(batch.exact, int(k), values)
         if clash.amount > 0.0:
@@ -62,7 +60,7 @@ def _failures(group: PhaseGroup, world: World) -> list[Violation]:
         joints = batch.joints
         beyond = np.maximum(values - joints.upper[k], joints.lower[k] - values).max(axis=0)
         step = np.abs(np.diff(group.paths[k], axis=0)).max(axis=0) - joints.step[k]
-        kind, excess = (Breach.JOINT_LIMIT, beyond) if beyond.max() > BEYOND else (Breach.STEP, step)
+        kind, excess = (Breach.JOINT_LIMIT, beyond) if beyond.max() > PHASES.beyond else (Breach.STEP, step)
         module, joint = batch.variables[k][int(excess.argmax())]
         record = world.modules[module].type.joints[joint]
         unit = "rad" if record.kind == JointKind.REVOLUTE else "m"
@@ -129,13 +127,14 @@ def _solve_others(
     others: Sequence[int], settings: MotionSettings, seed: Seed, budget: Budget, thorough: bool,
 ) -> None:  # fmt: skip
     """Phases that are no open chains, until one fails."""
-    from ..path.closed_chains import ONCE, STARTS, solve_phase
+    from ..path.closed_chains import solve_phase
 
+    starts = PATHS.starts if thorough else PATHS.first_starts
     for phase in others:
         if result.violations:
             return
         random = seed.child("phase", phase).random()
-        found = solve_phase(skeleton, phase, *states[phase], settings, random, budget, STARTS if thorough else ONCE)
+        found = solve_phase(skeleton, phase, *states[phase], settings, random, budget, starts)
         result.paths[phase] = found.path
         result.violations += found.violations
         result.cost += found.cost

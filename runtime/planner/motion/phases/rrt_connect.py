@@ -16,20 +16,7 @@ from .contact_margins import REQUIRED
 from .exact_check import hulls_blocked
 from .phase_batch import Batch
 from .proximity import close
-
-RESOLUTION = 0.05
-"""Largest change of a joint between checked poses on an edge, radians or metres."""
-STRIDE = 0.6
-"""Largest change of a joint along one edge."""
-EDGES = 8
-"""Edges that grow at a time."""
-SHORTEST = 0.1
-"""Edges that get less far are dropped, radians or metres."""
-NEAR = 0.3
-"""Share of the samples drawn around poses that were reached already."""
-SPREAD = 0.6
-CUTS = 6
-"""Cuts that are tried on a polyline at a time."""
+from .settings import PHASES
 
 
 class _Checker:
@@ -55,7 +42,7 @@ class _Checker:
         """How far straight edges `(m, joints)` are free: their last free poses `(m, joints)`, and whether those are
         the goals `(m,)`."""
         way = goals - starts
-        count = np.maximum(2, np.ceil(np.abs(way).max(axis=1) / RESOLUTION)).astype(np.intp)
+        count = np.maximum(2, np.ceil(np.abs(way).max(axis=1) / PHASES.edge_resolution)).astype(np.intp)
         first = np.cumsum(count) - count
         edge = np.repeat(np.arange(len(count)), count)
         number = np.arange(len(edge)) - first[edge] + 1
@@ -92,10 +79,10 @@ class _Tree:
 
 
 def _samples(checker: _Checker, tree: _Tree, random: np.random.Generator) -> Array:
-    """Poses `(EDGES, joints)` anywhere or around those of the tree."""
-    around = tree.poses[random.integers(len(tree.poses), size=EDGES)]
-    around = np.clip(around + random.normal(0.0, SPREAD, around.shape), checker.lower, checker.upper)
-    near = random.random((EDGES, 1)) < NEAR
+    """Poses `(edges, joints)` anywhere or around those of the tree."""
+    around = tree.poses[random.integers(len(tree.poses), size=PHASES.edges)]
+    around = np.clip(around + random.normal(0.0, PHASES.spread, around.shape), checker.lower, checker.upper)
+    near = random.random((PHASES.edges, 1)) < PHASES.around
     return np.where(near, around, random.uniform(checker.lower, checker.upper, around.shape))
 
 
@@ -110,9 +97,9 @@ def connect(
         goals = _samples(checker, own, random)
         parents = own.nearest(goals)
         way = goals - own.poses[parents]
-        way *= np.minimum(1.0, STRIDE / np.maximum(np.abs(way).max(axis=1), 1e-9))[:, None]
+        way *= np.minimum(1.0, PHASES.edge_stride / np.maximum(np.abs(way).max(axis=1), 1e-9))[:, None]
         reached, _ = checker.advance(own.poses[parents], own.poses[parents] + way)
-        far = np.abs(reached - own.poses[parents]).max(axis=1) >= SHORTEST
+        far = np.abs(reached - own.poses[parents]).max(axis=1) >= PHASES.shortest_edge
         if not far.any():
             continue
         nodes = own.add(reached[far], parents[far])
@@ -125,7 +112,7 @@ def connect(
             ]
             line = min(lines, key=_length)
             return line if number % 2 == 0 else line[::-1]
-        far = np.abs(back - other.poses[partners]).max(axis=1) >= SHORTEST
+        far = np.abs(back - other.poses[partners]).max(axis=1) >= PHASES.shortest_edge
         other.add(back[far], partners[far])
     return None
 
@@ -147,7 +134,7 @@ def _along(line: Array, at: Array) -> Array:
 
 def shorten(checker: _Checker, lines: list[Array], random: np.random.Generator) -> list[Array]:
     """Polylines with a corner cut where a straight edge is free: of some random ones that which saves most."""
-    shares = np.sort(random.uniform(0.0, 1.0, (len(lines), CUTS, 2)), axis=2)
+    shares = np.sort(random.uniform(0.0, 1.0, (len(lines), PHASES.cuts_at_once, 2)), axis=2)
     ends = np.array([_along(line, s.reshape(-1)) for line, s in zip(lines, shares, strict=True)])
     first, second = ends[:, 0::2], ends[:, 1::2]
     width = first.shape[2]

@@ -65,6 +65,69 @@ class PhaseSettings:
         "Pairs of spheres that are looked at at once, which is what a process can hold.",
         "a tenth of a second",
     )
+    touching: float = setting(
+        2e-4, "m",
+        "How deep two things may press into each other at looks at a path.",
+        "a fifth of what the verifier forbids, as they may be deeper between two looks",
+    )
+    contact_tolerance: float = setting(
+        5e-4, "m",
+        "The same of a contact that begins or ends, which rows at switches may miss by more.",
+    )
+    refinement: int = setting(10, "samples", "Samples of the swept check per slice.")
+    far: float = setting(
+        1e-3, "m",
+        "Excess clearance beyond which nothing is measured: more counts as this much.",
+    )
+    many_spheres: int = setting(
+        16, "spheres",
+        "From how many spheres of its cover on a shape of a module is met as it is.",
+    )
+    limits_above: float = setting(
+        100.0, "1",
+        "How much heavier than a missed clearance the excess over a joint limit weighs.",
+        "no wish may push joints to it",
+    )
+    closely: float = setting(
+        3e-3, "m",
+        "What true shapes are kept apart, where they are looked at.",
+        "more than they come nearer between looks",
+    )
+    negligible: float = setting(
+        0.02, "1",
+        "Slices that count less at a time between others get nothing of the Hessian there.",
+    )
+    limit_inset: float = setting(
+        0.02, "rad or m",
+        "How far inside their limits joints are kept while a path is optimised.",
+    )
+    greatest_step: float = setting(
+        0.5, "rad or m",
+        "The largest change of a joint between neighbouring slices.",
+    )
+    blame_stride: int = setting(
+        5, "samples",
+        "Where a refused path is looked at first for what is in its way: every so many of the fine times.",
+    )
+    edge_resolution: float = setting(
+        0.05, "rad or m",
+        "Largest change of a joint between checked poses on an edge of a tree.",
+    )
+    edge_stride: float = setting(0.6, "rad or m", "Largest change of a joint along one edge.")
+    edges: int = setting(8, "edges", "Edges that grow at a time.")
+    shortest_edge: float = setting(0.1, "rad or m", "Edges that get less far are dropped.")
+    around: float = setting(
+        0.3, "1",
+        "Share of the samples drawn around poses that were reached already.",
+    )
+    spread: float = setting(0.6, "rad or m", "How far from them.")
+    cuts_at_once: int = setting(6, "cuts", "Cuts that are tried on a polyline at a time.")
+    beyond: float = setting(
+        2e-4, "rad or m",
+        "How far joints may be beyond their limits.",
+        "a fifth of what the verifier forbids",
+    )
+
 
 
 PHASES = PhaseSettings()

@@ -11,15 +11,13 @@ from ....geometry.splines import spline_weights
 from ....skeleton import Array
 from .exact_check import swept_clearance
 from .phase_batch import Batch
-
-BEYOND = 2e-4
-"""How far joints may be beyond their limits, radians or metres: a fifth of what the verifier forbids."""
+from .settings import PHASES
 
 
 @dataclass(slots=True)
 class Sweep:
     """The swept check per phase: excess clearance (metres; accepted from 0), how far joint limits are exceeded
-    (up to BEYOND), and how far the largest step between slices exceeds what is allowed (up to 0)."""
+    (up to `PHASES.beyond`), and how far the largest step between slices exceeds what is allowed (up to 0)."""
 
     clearance: Array
     limit: Array
@@ -27,7 +25,7 @@ class Sweep:
 
     @property
     def clean(self) -> NDArray[np.bool_]:
-        return (self.clearance >= 0.0) & (self.limit <= BEYOND) & (self.step <= 0.0)
+        return (self.clearance >= 0.0) & (self.limit <= PHASES.beyond) & (self.step <= 0.0)
 
 
 def sweep(batch: Batch, paths: Array, chunk: int = 16) -> Sweep:
