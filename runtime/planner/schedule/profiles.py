@@ -12,7 +12,7 @@ from ....compiler.ir import World
 from ...geometry.resampling import between
 from ...geometry.splines import ClampedSpline
 from ...skeleton import Array, PhasePath
-from ..motion.time_scaling import SHARE
+from ..motion.settings import ACCEPTANCE
 from .even_splines import at_rest, bends, greatest_rates, natural_bends, slopes_at_knots
 from .settings import SCHEDULE
 from .time_optimal import TimeLaw, fastest
@@ -36,7 +36,7 @@ class _Limits:
         by_rate = float((rates / self.speed).max()) / step
         by_change = math.sqrt(float((changes / self.acceleration).max())) / step
         by_jerk = float((jerks / self.jerk).max()) ** (1.0 / 3.0) / step
-        return float(max(by_rate, by_change, by_jerk) / SHARE)
+        return float(max(by_rate, by_change, by_jerk) / ACCEPTANCE.limit_share)
 
 
 def retimed(world: World, path: PhasePath, tick: float) -> PhasePath:
@@ -136,8 +136,8 @@ def _profile(curve: _Curve, limits: _Limits, tick: float, factor: float) -> tupl
     share = {"speed": ones.copy(), "acceleration": ones.copy()}
     best: tuple[Array, float] | None = None
     for _ in range(SCHEDULE.rounds):
-        law = fastest(curve.first, curve.second, share["speed"][:, None] * limits.speed * SHARE,
-                      share["acceleration"][:, None] * limits.acceleration * SHARE)  # fmt: skip
+        law = fastest(curve.first, curve.second, share["speed"][:, None] * limits.speed * ACCEPTANCE.limit_share,
+                      share["acceleration"][:, None] * limits.acceleration * ACCEPTANCE.limit_share)  # fmt: skip
         if law is None:
             break
         ramp = max(2.0 * tick, min(SCHEDULE.ramp, SCHEDULE.ramp_share * law.duration)) * factor
@@ -174,7 +174,7 @@ def _lower(
     grid = np.linspace(0.0, 1.0, len(curve.first))
     for name, rate in (("speed", slopes_at_knots(made, bent) / step / limits.speed),
                        ("acceleration", bent / step**2 / limits.acceleration)):  # fmt: skip
-        over = np.abs(rate).max(axis=1) / SHARE
+        over = np.abs(rate).max(axis=1) / ACCEPTANCE.limit_share
         if over.max() <= 1.0:
             continue
         changed = True

@@ -9,7 +9,8 @@ from ....seeds import Seed
 from ....skeleton import LOADS, BoundResult, Skeleton
 from ...statics import exceeded_on
 from ..settings import MotionSettings
-from .closed_chains import STARTS, solve_phase
+from .closed_chains import solve_phase
+from .settings import PATHS
 
 
 def relieved(
@@ -23,7 +24,7 @@ def relieved(
     for phase in sorted({v.phase for v in refused.violations}):
         before, after = result.configurations[phase], result.configurations[phase + 1]
         random = seed.child("relief", phase).random()
-        found = solve_phase(skeleton, phase, before, after, settings, random, budget, STARTS, bears=True)
+        found = solve_phase(skeleton, phase, before, after, settings, random, budget, PATHS.starts, bears=True)
         violations = found.violations or exceeded_on(skeleton, phase, found.path, before)
         if violations:
             return refused
