@@ -7,7 +7,7 @@ A "length" and a "number" mix freely only when one of them is a plain literal nu
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from ..langs.frozen import dataclass
 
 
 @dataclass(frozen=True, slots=True)

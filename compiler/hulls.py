@@ -4,13 +4,13 @@ metres; its frame is at the middle of the box around it, along its axes."""
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..langs.frozen import dataclass
 from .apart import apart
 from .ir import Shape, ShapeKind, Vec3
 

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import StrEnum
 
+from ..langs.frozen import dataclass
 from ..langs.source import Source, Span
 from .lifted_ir import (
     Aggregate,

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TypeVar
 
 from ..langs import syntax
+from ..langs.frozen import dataclass
 from ..langs.source import Source, Span
 from . import ir
 from .checks.findings import Findings

@@ -7,8 +7,9 @@ no part in comparison.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from ..langs.frozen import dataclass
 from ..langs.source import Span
 from ..langs.trees import parts
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import lru_cache
 
 from lark import Token, Tree
 
 from ..langs.build_terms import Branch, Child
+from ..langs.frozen import dataclass
 from ..langs.parser import parse_tokens
 from ..langs.recovery import PLACEHOLDER
 from ..langs.source import Source

@@ -8,10 +8,11 @@ import json
 import os
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from ..langs.frozen import dataclass
 from ..langs.grammar_loader import cache_folder
 from ..langs.writer import write_atomically
 from .collada import asset

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
 from functools import lru_cache
 
+from ..langs.frozen import dataclass
 from .ir import ModuleType, Pose, Shape
 from .poses import compose, joint_frames
 from .symbolic.geometry import Placed, shape_distance

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
+from ..langs.frozen import dataclass
 from ..langs.source import Source
 from .mentions import Definition, Mention, Mentions, mentions_of
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from ..langs import syntax
 from ..langs.diagnostics import UsageError, did_you_mean
+from ..langs.frozen import dataclass
 from ..langs.source import Source, Span
 from ..langs.trees import parts
 

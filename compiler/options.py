@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from ..langs.diagnostics import UsageError, did_you_mean
+from ..langs.frozen import dataclass
 from .objectives import Objective, spelled
 
 

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from copy import copy
-from dataclasses import dataclass
 
 from lark import Lark, Token, UnexpectedCharacters
 from lark.lexer import ContextualLexer, LexerState, LexerThread
+
+from .frozen import dataclass
 
 
 @dataclass(frozen=True, slots=True)

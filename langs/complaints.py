@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 from lark import Token
 
 from .automaton import Automaton
 from .build_terms import span_of
 from .diagnostics import Diagnostic, Label, did_you_mean
+from .frozen import dataclass
 from .source import Source, Span
 
 UNITS = ("m", "cm", "mm", "rad", "deg", "s", "min", "m/s", "rad/s", "deg/s", "m/s^2", "rad/s^2", "deg/s^2",

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from .diagnostics import Diagnostic
+from .frozen import dataclass
 
 Edit = tuple[int, int, str]
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from lark import Token
 
 from .automaton import Automaton
 from .build_terms import span_of
 from .diagnostics import Diagnostic
+from .frozen import dataclass
 from .source import Source, Span
 from .words import TYPES
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 from lark import Token, Tree
 
 from .build_terms import Branch
+from .frozen import dataclass
 from .grammar_loader import parser
 
 STATEMENTS = frozenset(

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from difflib import get_close_matches
 
 from lark import Lark, Token
@@ -17,6 +16,7 @@ from lark import Lark, Token
 from . import complaints
 from .automaton import Automaton, Stack, Unreadable
 from .diagnostics import Diagnostic
+from .frozen import dataclass
 from .habits import habit
 from .source import Source
 

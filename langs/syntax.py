@@ -6,8 +6,7 @@ so two trees are equal when they say the same. Terms, conditions and effects are
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from .frozen import dataclass
 from .syntax_parts import CouplingItem, EffectorItem, Holds, JointItem, LinkItem, PhysicalNode, Stated
 from .syntax_terms import (
     Aggregate,

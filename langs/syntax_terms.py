@@ -6,8 +6,9 @@ Every node has a `span`, which takes no part in comparison, so two trees are equ
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from .frozen import dataclass
 from .source import Span
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..compiler.ir import Action, Fact, Problem
+from ..langs.frozen import dataclass
 from ..langs.source import Span
 
 Array = NDArray[np.float64]

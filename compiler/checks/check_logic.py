@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from ...langs import syntax
+from ...langs.frozen import dataclass
 from ...langs.source import Span
 from ...langs.trees import parts
 from .. import ir

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from ...langs import syntax
+from ...langs.frozen import dataclass
 from ...langs.source import Span
 from ...langs.trees import parts
 from .. import ir

@@ -10,12 +10,12 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
 
+from ...langs.frozen import dataclass
 from ..extents import box_sides
 from ..hulls import Array, hull
 from ..ir import (

@@ -7,11 +7,11 @@ per process. Residual signs: equalities r = 0, inequalities r <= 0.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import cache, partial
 
 import casadi as ca
 
+from ...langs.frozen import dataclass
 from .. import ir
 from ..physics.masses import module_mass, module_masses
 from . import distances

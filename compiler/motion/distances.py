@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
+from ...langs.frozen import dataclass
 from ..hulls import Array, Hull, hull, top_edges
 from ..ir import Shape, ShapeKind
 from ..physics.masses import DENSITY

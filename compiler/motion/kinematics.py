@@ -8,12 +8,12 @@ its pose `(7,)`.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cache, wraps
 from typing import Any, TypeAlias
 
 import casadi as ca
 
+from ...langs.frozen import dataclass
 from ..ir import Joint, JointKind, ModuleType, Pose
 
 Expression: TypeAlias = Any

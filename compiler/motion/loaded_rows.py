@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache
 
 import casadi as ca
 
+from ...langs.frozen import dataclass
 from .. import ir
 from ..physics.safety import safety_of
 from ..physics.stages import LoadGraph, SymbolicLoads, graph_of

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...langs.frozen import dataclass
 from ..ir import Effector, JointKind, Module, ModuleType, Problem, Shape, ShapeKind
 from .masses import body_mass, part_mass
 from .moments import shape_moments

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from ...langs.frozen import dataclass
 from ...langs.source import Span
 
 Vec3 = tuple[float, float, float]

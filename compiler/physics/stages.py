@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
 
 import casadi as ca
 
+from ...langs.frozen import dataclass
 from ..ir import Fact, Hold, JointKind, ModuleType, Problem, ShapeKind
 from ..motion.kinematics import Expression, Frame, axes, effector_frame, joint_frames, pose_frame, rotate
 from ..motion.stages import Stage

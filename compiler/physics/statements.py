@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ...langs import syntax
 from ...langs.diagnostics import did_you_mean
+from ...langs.frozen import dataclass
 from ...langs.source import Span
 from ...langs.syntax_parts import PhysicalNode
 from ..checks.context import Context

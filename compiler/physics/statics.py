@@ -8,10 +8,10 @@ verifier has its own.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...langs.frozen import dataclass
 from ..ir import Fact, Hold, JointKind, Problem
 from .frames import Array, Poses, foot_radius, meeting, node_weights, node_wrench
 from .loops import shared

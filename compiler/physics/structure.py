@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
+from ...langs.frozen import dataclass
 from ...langs.source import Span
 from ..ir import IDENTITY, Fact, Hold, JointKind, ModuleType, Problem
 from ..motion.collision import keeps_pose

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
+from ...langs.frozen import dataclass
 from ...langs.source import Span
 from .. import ir
 from ..checks.findings import Findings

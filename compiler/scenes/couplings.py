@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...langs import syntax
+from ...langs.frozen import dataclass
 from .. import ir
 from ..checks.context import Context
 from ..checks.kinds import ANGLE, LENGTH, NUMBER, Kind

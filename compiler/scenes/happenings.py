@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 from ...langs import syntax
 from ...langs.diagnostics import Diagnostic, did_you_mean
+from ...langs.frozen import dataclass
 from ...langs.source import Span
 from .. import ir
 from ..checks.context import Context

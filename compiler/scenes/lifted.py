@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from ...langs import syntax
+from ...langs.frozen import dataclass
 from .. import ir
 from ..checks.check_heuristics import check_heuristics
 from ..checks.check_logic import PlacementChoice, check_derived, check_placements, check_rules, lower_predicates

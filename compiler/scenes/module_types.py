@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from ...langs import syntax
+from ...langs.frozen import dataclass
 from ...langs.source import Span
 from .. import ir
 from ..checks.context import Context

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
+from ...langs.frozen import dataclass
 from .. import ir
 from ..extents import box_sides
 from ..poses import between, effector_pose, make, orientation, position, product, rotate, yaw

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
+from ...langs.frozen import dataclass
 from ...langs.trees import parts
 from .. import ir
 from ..symbolic.domains import Domains, FlatRule

@@ -7,10 +7,11 @@ and both sides of a condition are looked at.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from ...langs import syntax
 from ...langs.build_terms import MAX_DEPTH
+from ...langs.frozen import dataclass
 from ...langs.source import Span
 from .. import ir
 from ..checks.binders import bind, spend, unrolled

@@ -7,10 +7,11 @@ other readers have them: from the root on, and by name where a link carries seve
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from xml.etree import ElementTree
 
 from ...langs import syntax
+from ...langs.frozen import dataclass
 from ...langs.source import Source
 from .. import ir
 from ..checks.context import Context

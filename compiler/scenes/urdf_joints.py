@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from ...langs import syntax
+from ...langs.frozen import dataclass
 from .. import ir
 from ..checks.context import Context
 from ..checks.kinds import ANGLE, LENGTH, RATES

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from xml.etree import ElementTree
 
 from ...langs import syntax
+from ...langs.frozen import dataclass
 from ...langs.source import Source, Span
 from .. import ir
 from ..checks.context import Context

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import product
 
+from ...langs.frozen import dataclass
 from ..ir import Effect, Fact, Literal, Type, Var
 from .domains import FlatRule
 from .layout import STATIC

@@ -6,8 +6,9 @@ Starts from the facts at the start and adds what effects can add, position by po
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from ...langs.frozen import dataclass
 from ..ir import (
     Any_,
     ChainEnd,

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
+from ...langs.frozen import dataclass
 from ..ir import And, EffectFor, EffectItem, Fact, Literal, Number, Object, Or, Term, Type
 from .achievers import Achiever, Achievers
 from .domains import FlatRule

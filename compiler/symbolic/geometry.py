@@ -7,13 +7,13 @@ usual case: their distances are plain arithmetic, a whole row of them at a time.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...langs.frozen import dataclass
 from ..extents import box_sides
 from ..hulls import Array, convex_geometry
 from ..ir import Chain, ModuleType, Pose, Problem, Shape, ShapeKind

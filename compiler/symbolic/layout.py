@@ -8,8 +8,8 @@ predicate of two parameters whose values are many has one field per key: 0 for n
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
+from ...langs.frozen import dataclass
 from ..ir import Fact, Predicate, Problem
 from .domains import Domains
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ...langs.frozen import dataclass
 from .expressions import Check, Test
 
 Addition = tuple[int, int, int]

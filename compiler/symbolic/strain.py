@@ -8,9 +8,9 @@ row, as the successor functions find actions, and kept: among many interchangeab
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
+from ...langs.frozen import dataclass
 from ..ir import Action, Chain, Compare, Term
 from .blocks import Block
 from .domains import FlatRule

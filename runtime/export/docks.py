@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ...langs.frozen import dataclass
 from ..plan import LiteralRecord, Plan
 from .motion import Pose, pose_of, poses
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...compiler.ir import JointKind
 from ...langs.diagnostics import UsageError, did_you_mean
+from ...langs.frozen import dataclass
 from ..plan import ModuleRecord, Plan
 
 Array = NDArray[np.float64]

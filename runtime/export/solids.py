@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...compiler.ir import ShapeKind
+from ...langs.frozen import dataclass
 from ..plan import ShapeRecord
 from .motion import Pose
 

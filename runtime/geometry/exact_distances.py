@@ -8,7 +8,6 @@ that passes through a box the depth is that of its axis, which is none too great
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 from ...compiler.hulls import convex_geometry
 from ...compiler.ir import Shape, ShapeKind
 from ...compiler.motion.collision import bounding_radius
+from ...langs.frozen import dataclass
 from ..native import load_coal
 from ..skeleton import Array
 

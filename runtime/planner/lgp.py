@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from typing import Any
 
@@ -20,6 +20,7 @@ from ...compiler.ir import Problem
 from ...compiler.objectives import ACTIONS, Objective, check_energy, spelled
 from ...compiler.options import OPTIONS, given_at
 from ...langs.diagnostics import Diagnostic
+from ...langs.frozen import dataclass
 from ..budget import ASIDE, SECONDS, Budget, OutOfTime, Status, ending
 from ..geometry.start_contacts import touching
 from ..plan import ObjectiveRecord, Plan, StatisticsRecord, TimingRecord

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from ...compiler.ir import Problem
 from ...langs.diagnostics import Diagnostic
+from ...langs.frozen import dataclass
 from ...langs.render import render
 from ...langs.source import Source
 from ..budget import Status

@@ -4,10 +4,11 @@ the plan as long as it is."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from ...langs.frozen import dataclass
 from ..plan import Plan, SplineRecord
 from .robots import effector_owners
 

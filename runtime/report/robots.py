@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
+from ...langs.frozen import dataclass
 from ..plan import LiteralRecord, Plan
 
 PALETTE = ("#3f7fd0", "#e08a2c", "#2f9e77", "#a65fc4", "#c9506b", "#3aa6b9", "#8a9a2e", "#8d6e5a")

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import PurePosixPath
 
+from ...langs.frozen import dataclass
 from ..plan import PlaceRecord, SourceRecord
 
 TOKEN = re.compile(r"(?P<comment>#.*)|(?P<keyword>\b[a-z]+\b)|(?P<open>\{)|(?P<close>\})")

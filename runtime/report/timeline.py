@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...compiler.ir import JointKind
+from ...langs.frozen import dataclass
 from ..geometry.transforms import Array
 from ..plan import JointRecord, Plan
 from ..tracks import body_rows

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from ...langs.frozen import dataclass
 from ..plan import Plan, RefusalRecord, SearchNode
 
 MOST_NODES = 2000

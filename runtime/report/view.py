@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from statistics import median
 
+from ...langs.frozen import dataclass
 from ..plan import LiteralRecord, MeasureRecord, ObjectiveRecord, PhaseRecord, Plan, WindowRecord
 from .robots import Robot, group_modules, literal_text
 from .sources import SourceLine, SourceLink, Sources

@@ -7,10 +7,9 @@ sensor reads with normal noise. Inertia and load are taken to be fed forward exa
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ...langs.frozen import dataclass
 from ..skeleton import Array
 from .settings import SIMULATION
 

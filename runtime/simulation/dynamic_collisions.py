@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...compiler import ir
 from ...langs.diagnostics import Diagnostic
+from ...langs.frozen import dataclass
 from ..skeleton import Phase, PhasePath
 from .braking import at_times, braked
 from .predicted_clearance import nearest

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...compiler import ir
 from ...langs.diagnostics import Diagnostic
+from ...langs.frozen import dataclass
 from ..geometry.attachments import carrier, followers, involved, robots
 from ..geometry.resampling import kept_pairs
 from ..planner.receding.mid_run_state import Reached

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ...langs.frozen import dataclass
 from ..skeleton import Array
 from .sensing import Sensing
 from .world import SimulatedWorld

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TypeVar
 
 from ...compiler import ir
+from ...langs.frozen import dataclass
 from ..budget import Budget
 from ..geometry.attachments import carrier
 from ..planner.bounds.length_unit import LengthUnit

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from ...langs.diagnostics import Diagnostic
+from ...langs.frozen import dataclass
 from ..budget import Status
 from ..plan import Plan
 from ..planner.lgp import SolveOptions

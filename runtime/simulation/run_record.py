@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import msgspec
 
 from ...compiler import ir
+from ...langs.frozen import dataclass
 from .. import plan as record
 from ..planner.plan_assembly import Places, literal_records, phase_record, plan_of, splines_of
 from ..planner.search.stepper import Stepper

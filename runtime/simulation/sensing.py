@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
+from ...langs.frozen import dataclass
 from ..skeleton import Array
 from .settings import SIMULATION
 

@@ -6,11 +6,11 @@ Grips and feet hold. What joints mean for poses follows, by the verifier's kinem
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...compiler import ir
+from ...langs.frozen import dataclass
 from ..geometry.attachments import followers
 from ..geometry.transforms import coupled
 from ..plan import Plan

@@ -8,12 +8,13 @@ it, is carried along rigidly.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...compiler import ir
 from ...compiler.courses import centre_at
+from ...langs.frozen import dataclass
 from ..geometry.attachments import followers
 from ..geometry.resampling import Linker, between, kept_pairs
 from ..geometry.splines import ClampedSpline

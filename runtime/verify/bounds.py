@@ -14,11 +14,10 @@ derivative at most a.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...compiler.ir import JointKind
+from ...langs.frozen import dataclass
 from .geometry import Array
 from .sampler import Grid, Placement, Sampler
 

@@ -8,10 +8,9 @@ is halved, which makes m four times smaller; what is not decided in the end is r
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ...langs.frozen import dataclass
 from ..plan import Plan
 from .bounds import Bounds
 from .findings import Findings

@@ -6,11 +6,11 @@ stray between two of them is bounded; where the bound is not enough, the stretch
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...compiler import ir
+from ...langs.frozen import dataclass
 from ..plan import MeasureRecord, Plan
 from .bounds import Bounds
 from .findings import Findings, place_of

@@ -6,9 +6,10 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from ...compiler import ir
+from ...langs.frozen import dataclass
 from ...langs.source import Span
 from .guards import Guards
 

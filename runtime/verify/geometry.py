@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from ...langs.frozen import dataclass
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

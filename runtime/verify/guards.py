@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from ...compiler import ir
+from ...langs.frozen import dataclass
 from .geometry import Frames, frames
 from .shapes import Ruler, corners, geometry, heights, round_radius, transform
 from .start_loads import StartLoads, StartScene

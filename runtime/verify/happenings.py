@@ -6,11 +6,12 @@ The evaluation of courses is the checker's own; the planner's is elsewhere.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...compiler import ir
+from ...langs.frozen import dataclass
 from ..plan import Plan
 from .findings import Findings, place_of
 from .geometry import Array, Frames, frames

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...compiler.ir import JointKind
+from ...langs.frozen import dataclass
 from ..native import load_pinocchio
 from ..plan import JointRecord, ModuleRecord, Plan
 from .findings import Findings

@@ -7,11 +7,11 @@ from the holds found here; `docs/plan-format.md` gives the rule, so that every c
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...compiler import ir
+from ...langs.frozen import dataclass
 from .geometry import Array, Frames, frames
 from .happenings import Happenings, kept, thing_of
 from .kinematics import Motion

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from ...compiler import ir
 from ...compiler.printing_terms import format_formula
+from ...langs.frozen import dataclass
 from ...langs.source import Span
 from ..plan import LiteralRecord, PhaseRecord, PlaceRecord, Plan
 from .findings import Findings, place_of

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from ...compiler import ir
+from ...langs.frozen import dataclass
 from .geometry import Array, Frames, Indices
 from .inertia import body_mass, centre_of, mass_of
 from .shapes import Ruler, geometry, heights, inside_top, round_radius, transform

@@ -6,11 +6,11 @@ Nothing here looks at the stored samples, but at the first of each phase, where 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...compiler import ir
+from ...langs.frozen import dataclass
 from ..plan import Plan
 from .geometry import Array, Frames, Indices, frames
 from .happenings import Happenings

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
+from ...langs.frozen import dataclass
 from .bounds import Bounds
 from .findings import Findings
 from .geometry import Array, Frames, angles

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence, Set
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...compiler.ir import ShapeKind
+from ...langs.frozen import dataclass
 from ..plan import ModuleRecord, Plan, ShapeRecord
 from .geometry import Array, Frames, frames
 from .kinematics import Kinematics

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...compiler import ir
 from ...compiler.options import OPTIONS
+from ...langs.frozen import dataclass
 from ..plan import Plan
 from .findings import Findings, place_of
 from .geometry import Array, Frames, Indices, frames

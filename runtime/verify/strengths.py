@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...compiler import ir
+from ...langs.frozen import dataclass
 from ...langs.source import Span
 from .geometry import Array, Frames, frames
 from .shapes import heights

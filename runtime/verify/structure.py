@@ -4,12 +4,13 @@ relies on it, so a plan that fails here is not measured further."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import chain
 
 import numpy as np
 
 from ...compiler.ir import JointKind, ShapeKind
+from ...langs.frozen import dataclass
 from ..plan import (
     COUPLINGS,
     FORMAT,

@@ -4,11 +4,10 @@ Nothing here looks at shapes two by two in earnest; it says which pairs need no 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...compiler.ir import ShapeKind
+from ...langs.frozen import dataclass
 from .geometry import Array, Frames, Indices
 from .solids import Solid
 

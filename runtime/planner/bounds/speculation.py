@@ -14,10 +14,10 @@ import pickle
 from collections.abc import Hashable, Iterator
 from concurrent.futures import Future, wait
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any
 
 from ....compiler.ir import Fact, Problem
+from ....langs.frozen import dataclass
 from ...budget import Budget
 from ...parallel import ClusterUnavailable, Side, WorkerLost, WorkFailed, open_executor
 from ...parallel.processes import Processes

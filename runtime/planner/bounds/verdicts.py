@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from ....compiler.ir import World
+from ....langs.frozen import dataclass
 from ...skeleton import Bound, BoundResult, Configuration, PhasePath, Violation
 from ..motion.end_conditions import eased
 from .settings import BOUNDS

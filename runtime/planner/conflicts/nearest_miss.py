@@ -4,13 +4,13 @@ reached."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from ....compiler.ir import Action, Fact, Forall, Formula, Problem, Rule, conjuncts, span_of
 from ....compiler.printing_terms import format_formula
 from ....compiler.symbolic.guards import Environment
 from ....compiler.symbolic.renaming import renaming
 from ....compiler.symbolic.successors import Successors
+from ....langs.frozen import dataclass
 from ....langs.source import Span
 from ...native import MissingLibrary
 from ..search.stepper import Stepper

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ....compiler.ir import Fact, JointKind, Problem, Shape
 from ....compiler.module_parts import module_parts, own_pairs
 from ....compiler.motion.collision import PhaseContacts, pair
+from ....langs.frozen import dataclass
 from ...geometry.exact_distances import Forms, Posed, distances
 from ...geometry.resampling import Resampled, effector_poses, kept_pairs, resample
 from ...geometry.transforms import compose, inverse, joint_frames, rotate

@@ -9,11 +9,12 @@ of the scene such as `distance` then measure the present poses.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ....compiler import ir
+from ....langs.frozen import dataclass
 from ...geometry.resampling import resample
 from ...geometry.start_contacts import touching
 from ...skeleton import Configuration, PhasePath, Skeleton, start_configuration

@@ -13,10 +13,11 @@ planned yet: first it gets another motion, then its actions are forbidden there,
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from ....compiler import ir
 from ....langs.diagnostics import Diagnostic
+from ....langs.frozen import dataclass
 from ...budget import ASIDE, Budget, Status, ending, unless_spent
 from ...plan import Plan, StatisticsRecord, TimingRecord, WindowRecord
 from ...seeds import Seed

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from enum import StrEnum
 from functools import partial
 
 from ....compiler import ir
 from ....compiler.symbolic.successors import Successors
+from ....langs.frozen import dataclass
 from ...budget import Budget, OutOfTime, Status
 from ...plan import SearchNode
 from ...seeds import Seed

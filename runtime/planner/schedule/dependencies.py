@@ -8,11 +8,11 @@ them later begins behind it. Other things move through it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ....compiler.ir import Fact, Problem
+from ....langs.frozen import dataclass
 from ...geometry.attachments import carrier, next_mode
 from ...skeleton import PhasePath, Skeleton
 from .profiles import STILL

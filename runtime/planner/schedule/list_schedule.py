@@ -4,10 +4,10 @@ in its way allow."""
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from ....langs.frozen import dataclass
 from .clearance import NEVER, START, SegmentClearances
 from .dependencies import Precedence
 from .settings import SCHEDULE

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ....compiler.ir import World
+from ....langs.frozen import dataclass
 from ...geometry.resampling import between
 from ...geometry.splines import ClampedSpline
 from ...skeleton import Array, PhasePath

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ....compiler.ir import Problem, Shape
 from ....compiler.module_parts import module_parts
 from ....compiler.physics.frames import rotation
+from ....langs.frozen import dataclass
 from ...geometry.exact_distances import Forms, Indices, Posed
 from ...geometry.resampling import resample
 from ...geometry.transforms import compose, joint_frames

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ....compiler.ir import Action, Problem
+from ....langs.frozen import dataclass
 from ...budget import Budget
 from ...geometry.resampling import resample
 from ...plan import Plan, StatisticsRecord

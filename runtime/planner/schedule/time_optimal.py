@@ -8,10 +8,9 @@ as these allow.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from ....langs.frozen import dataclass
 from ...skeleton import Array
 
 EPSILON = 1e-9

@@ -9,7 +9,6 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +17,7 @@ from ....compiler.symbolic.costs import CostToGo
 from ....compiler.symbolic.estimate import Estimate
 from ....compiler.symbolic.renaming import renamed_action, renaming
 from ....compiler.symbolic.successors import Successors
+from ....langs.frozen import dataclass
 from ...budget import Budget, Status
 from ...plan import SearchNode
 from ..conflicts.forbidden_sequences import EMPTY, LEAF, OFF, NoGoods

@@ -7,10 +7,11 @@ layer.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ....compiler.symbolic.strain import Strain
+from ....langs.frozen import dataclass
 from ..conflicts.forbidden_sequences import EMPTY, LEAF
 from .settings import SEARCH
 

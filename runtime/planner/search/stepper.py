@@ -8,7 +8,7 @@ them, which are told all facts, so that nothing is left to ask of a packed state
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from ....compiler import ir
 from ....compiler.symbolic.domains import Domains
@@ -16,6 +16,7 @@ from ....compiler.symbolic.geometry import SceneLengths
 from ....compiler.symbolic.guards import Environment, Guards, Undefined
 from ....compiler.symbolic.layout import Layout
 from ....compiler.symbolic.normal_form import TRUE, NormalForm
+from ....langs.frozen import dataclass
 from ....langs.source import Span
 
 Facts = frozenset[ir.Fact]

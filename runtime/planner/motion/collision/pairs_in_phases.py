@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from .....compiler.ir import Problem
 from .....compiler.module_parts import are_close, own_pairs
 from .....compiler.motion.collision import Pair
+from .....langs.frozen import dataclass
 from ....skeleton import Array, Breach
 from ..nlp.row_groups import RowGroup, RowLabel
 from ..nlp.unknowns import Indices, UnknownsLayout

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from .....langs.frozen import dataclass
 from ....budget import Budget
 from ....seeds import Seed
 from ....skeleton import BoundResult, Configuration, Skeleton

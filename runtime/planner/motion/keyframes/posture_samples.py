@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from .....compiler import poses
 from .....compiler.ir import JointKind, Module, ModuleType, Pose
+from .....langs.frozen import dataclass
 from ....geometry.transforms import compose, cross, inverse, joint_frames, multiply, rotate
 from ....skeleton import Array
 from .settings import KEYFRAMES

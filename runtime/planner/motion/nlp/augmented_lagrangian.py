@@ -3,11 +3,11 @@ augmented Lagrangian approach for inequalities and convergent any-time non-centr
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 
+from .....langs.frozen import dataclass
 from ....budget import Budget
 from ....skeleton import Array
 from .banded_cholesky import factored, solved

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from .....compiler.ir import Fact, JointKind, Problem, ShapeKind
 from .....compiler.motion.constraints import BodyKind, EffectorKind, Kind, RestKind, arguments, stage, units
 from .....compiler.motion.loaded_rows import speaks_of_loads
 from .....compiler.motion.stages import Stage
+from .....langs.frozen import dataclass
 from ....skeleton import Array, Breach
 from .row_groups import LinearGroup, NormGroup, RowGroup, RowLabel, StageGroup
 from .unknowns import Indices, UnknownsLayout

@@ -6,12 +6,12 @@ A group has N instances of m rows over n places of z. Costs are ½‖r‖², equ
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from .....compiler.motion.stages import Stage, StageBatch
+from .....langs.frozen import dataclass
 from .....langs.source import Span
 from ....skeleton import Array, Breach
 from .unknowns import Indices

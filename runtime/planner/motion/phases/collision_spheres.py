@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from itertools import groupby
 
@@ -22,6 +22,7 @@ from .....compiler.motion.collision import (
     pose_matrix,
     shape_distance,
 )
+from .....langs.frozen import dataclass
 from ....skeleton import Array
 from .joint_forest import Mount, Obstacle, PhaseTree
 from .settings import PHASES

@@ -7,7 +7,6 @@ apart there, less how far both go until another slice is nearer, needs no look b
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +15,7 @@ from .....compiler.extents import box_sides
 from .....compiler.ir import Shape, ShapeKind, World
 from .....compiler.module_parts import module_parts, own_pairs
 from .....compiler.motion.collision import PhaseContacts, pose_matrix
+from .....langs.frozen import dataclass
 from ....geometry.exact_distances import HULL, ROUND, Distances, Forms, Posed, distances
 from ....skeleton import Array
 from .batch_kinematics import BatchKinematics, Indices

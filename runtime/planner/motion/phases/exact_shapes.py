@@ -4,13 +4,13 @@ boxes and cylinders of modules."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .....compiler.ir import Shape, ShapeKind, World
 from .....compiler.motion.collision import bounding_radius, pose_matrix
+from .....langs.frozen import dataclass
 from ....geometry.signed_distances import half_sizes, rounded_box_distance
 from ....skeleton import Array
 from .batch_kinematics import Indices

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import Enum
 from functools import lru_cache
 from types import MappingProxyType
@@ -19,6 +19,7 @@ import numpy as np
 
 from .....compiler.ir import Function, JointKind, ModuleType, Problem, Shape, Var, Vec3
 from .....compiler.motion.collision import keeps_pose, pose_matrix
+from .....langs.frozen import dataclass
 from ....geometry.drives import braked
 from ....geometry.transforms import quaternions
 from ....skeleton import Array, Configuration, Phase

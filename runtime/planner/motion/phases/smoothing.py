@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from .....langs.frozen import dataclass
 from ....budget import Budget
 from ....skeleton import Array
 from ..nlp.banded_cholesky import factored, solved
