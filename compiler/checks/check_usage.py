@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 
 from ...langs import syntax
 from ...langs.source import Span
@@ -25,16 +25,21 @@ def check_usage(
     stated = list(_stated(context))
     added = [e.literal for r in rules.values() for e in ir.effects_of(r.effects) if not e.negated]
     added += [literal for p in placements for literal in p.literals]
-    sources = [
+    patterns = [
         _pattern(context, e.literal, _types(r.variables))
         for r in rules.values()
         for e in ir.effects_of(r.effects)
         if not e.negated
     ]
-    sources += [_pattern(context, x, _types((p.subject, p.support))) for p in placements for x in p.literals]
+    patterns += [_pattern(context, x, _types((p.subject, p.support))) for p in placements for x in p.literals]
+    sources: dict[tuple[bool, str], set[Places]] = {}
+    for motion, name, places in patterns:
+        sources.setdefault((motion, name), set()).add(places)
+    named = {(s.motion, s.predicate) for s in stated}
+    given = {x.predicate for x in added if not x.motion} | {name for motion, name in named if not motion}
     for rule in rules.values():
-        _check_deletions(context, rule, sources, stated)
-        _check_fires(context, rule, added, stated)
+        _check_deletions(context, rule, sources, named)
+        _check_fires(context, rule, given)
     _check_read(context, rules, derived, added)
     _check_parameters(context)
     _check_empty(context)
@@ -52,7 +57,8 @@ def _check_empty(context: Context) -> None:
             context.findings.report("W0015", where, f"rule `{rule.name}` changes nothing", help="add `post (…)`")
 
 
-Pattern = tuple[bool, str, tuple[str | None, ...]]
+Places = tuple[str | None, ...]
+Pattern = tuple[bool, str, Places]
 
 
 def _stated(context: Context) -> Iterator[syntax.Literal]:
@@ -87,14 +93,18 @@ def _pattern(context: Context, literal: ir.Literal, types: Mapping[str, str]) ->
 
 
 def _check_deletions(
-    context: Context, rule: ir.Rule, sources: Sequence[Pattern], stated: Sequence[syntax.Literal]
+    context: Context,
+    rule: ir.Rule,
+    sources: Mapping[tuple[bool, str], set[Places]],
+    stated: Container[tuple[bool, str]],
 ) -> None:
     for effect in ir.effects_of(rule.effects):
         literal = effect.literal
-        if not effect.negated or any(s.predicate == literal.predicate and s.motion == literal.motion for s in stated):
+        kind = literal.motion, literal.predicate
+        if not effect.negated or kind in stated:
             continue
         pattern = _pattern(context, literal, _types(rule.variables))
-        if not any(_overlap(context, pattern, source) for source in sources):
+        if not any(_overlap(context, pattern, places) for places in sources.get(kind, ())):
             left, right = "[]" if literal.motion else "()"
             context.findings.report(
                 "W0001",
@@ -103,12 +113,11 @@ def _check_deletions(
             )
 
 
-def _overlap(context: Context, one: Pattern, other: Pattern) -> bool:
-    if one[:2] != other[:2]:
-        return False
-    if _places_overlap(context, one[2], other[2]):
+def _overlap(context: Context, one: Pattern, other: Places) -> bool:
+    """Whether a literal can be one of the same predicate whose places have the types `other`."""
+    if _places_overlap(context, one[2], other):
         return True
-    return _symmetric(context, one) and _places_overlap(context, one[2], other[2][::-1])
+    return _symmetric(context, one) and _places_overlap(context, one[2], other[::-1])
 
 
 def _places_overlap(context: Context, one: Sequence[str | None], other: Sequence[str | None]) -> bool:
@@ -122,11 +131,8 @@ def _symmetric(context: Context, pattern: Pattern) -> bool:
     return name in context.library.predicates and context.library.predicates[name].symmetric
 
 
-def _check_fires(
-    context: Context, rule: ir.Rule, added: Sequence[ir.Literal], stated: Sequence[syntax.Literal]
-) -> None:
+def _check_fires(context: Context, rule: ir.Rule, given: Container[str]) -> None:
     own = rule.span is not None and rule.span.file == context.library.path
-    given = {x.predicate for x in added if not x.motion} | {s.predicate for s in stated if not s.motion}
     positive = needed_literals(rule.condition)[0]
     negative = set(_negated(rule.condition))
     for literal in positive:

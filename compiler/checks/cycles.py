@@ -25,34 +25,61 @@ def check_cycles(
     if declared.span.file != context.library.path:
         return
     values = {name: constant(heuristic.cases[name].value) if name in heuristic.cases else 0.0 for name in rules}
+    ways_back = WaysBack(rules, values)
     for case in declared.cases:
         value = values.get(case.rule)
         if value is None or value >= 0:
             continue
-        for name, rule in rules.items():
-            back = values[name]
-            if back is not None and value + back < 0 and undoes(rule, rules[case.rule]):
-                way = "itself" if name == case.rule else f"`{name}`"
-                context.findings.report(
-                    "W0004",
-                    case.value.span,
-                    f"`{case.rule}` and then {way} lead back and lower the cost-to-go by {-(value + back):g}",
-                    help="let the two values sum up to 0 or more",
-                )
-                break
+        name = ways_back.cheapest(rules[case.rule])
+        back = None if name is None else values[name]
+        if back is not None and value + back < 0:
+            way = "itself" if name == case.rule else f"`{name}`"
+            context.findings.report(
+                "W0004",
+                case.value.span,
+                f"`{case.rule}` and then {way} lead back and lower the cost-to-go by {-(value + back):g}",
+                help="let the two values sum up to 0 or more",
+            )
 
 
-def undoes(rule: ir.Rule, other: ir.Rule) -> bool:
-    """Whether `rule` can take back all that `other` changes, as far as the predicates tell."""
-    added, deleted = _changes(other)
-    adds, deletes = _changes(rule)
-    return bool(added | deleted) and added <= deletes and deleted <= adds
+Changes = tuple[frozenset[str], frozenset[str]]
+"""The predicates that a rule adds and those that it deletes."""
 
 
-def _changes(rule: ir.Rule) -> tuple[set[str], set[str]]:
-    """The predicates that a rule adds and deletes."""
+class WaysBack:
+    """The cheapest rule that takes back what another changes, found by what rules change, which many have in common."""
+
+    def __init__(self, rules: Mapping[str, ir.Rule], values: Mapping[str, float | None]) -> None:
+        self._values = {name: value for name, value in values.items() if value is not None}
+        self._cheapest: dict[Changes, str] = {}
+        for name in self._values:
+            changes = changes_of(rules[name])
+            if self._values[name] < self._values.get(self._cheapest.get(changes, ""), math.inf):
+                self._cheapest[changes] = name
+        self._answers: dict[Changes, str | None] = {}
+
+    def cheapest(self, rule: ir.Rule) -> str | None:
+        """The rule of the least value that can take back all that `rule` changes, as far as the predicates tell."""
+        changed = changes_of(rule)
+        if changed not in self._answers:
+            ways = (name for changes, name in self._cheapest.items() if undoes(changes, changed))
+            self._answers[changed] = min(ways, key=self._values.__getitem__, default=None)
+        return self._answers[changed]
+
+
+def undoes(changes: Changes, others: Changes) -> bool:
+    """Whether what a rule changes takes back all that another changed."""
+    (adds, deletes), (added, deleted) = changes, others
+    return bool(added or deleted) and added <= deletes and deleted <= adds
+
+
+def changes_of(rule: ir.Rule) -> Changes:
+    """What a rule changes of the symbolic state; motion literals belong to the motion."""
     effects = [e for e in ir.effects_of(rule.effects) if not e.literal.motion]
-    return {e.literal.predicate for e in effects if not e.negated}, {e.literal.predicate for e in effects if e.negated}
+    return (
+        frozenset(e.literal.predicate for e in effects if not e.negated),
+        frozenset(e.literal.predicate for e in effects if e.negated),
+    )
 
 
 def constant(term: ir.Term) -> float | None:
