@@ -30,10 +30,14 @@ motion [held X Y: object] { keep pose(Y, X) }
 
 @dataclass(frozen=True, slots=True)
 class Family:
-    """`sizes` are those of the upper range, the largest last: what a size counts differs from family to family."""
+    """`sizes` are those of the upper range, the largest last: what a size counts differs from family to family.
+
+    `parts` says for how many things of the scene a program of a size stands, where that is not the size itself.
+    """
 
     make: Callable[[int], Texts]
     sizes: tuple[int, ...]
+    parts: Callable[[int], int] = lambda size: size
 
 
 def _task(items: str, goal: str = "(at b)", rule: str = "") -> str:
@@ -385,7 +389,7 @@ FAMILIES: dict[str, Family] = {
     "doubled derived": Family(_doubled_derived, (10, 20, 40)),
     "doubled quantifiers": Family(_doubled_quantifiers, (10, 20, 40)),
     "doubled rows": Family(_doubled_rows, (10, 20, 40)),
-    "doubled scenes": Family(_doubled_scenes, (5, 10, 20)),
+    "doubled scenes": Family(_doubled_scenes, (5, 10, 20), lambda size: 2**size),
     "doubled parameters": Family(_doubled_parameters, (10, 20, 40)),
     "chained functions": Family(_chained_functions, (500, 1000, 2000)),
     "chained derived": Family(_chained_derived, (500, 1000, 2000)),
@@ -403,7 +407,7 @@ FAMILIES: dict[str, Family] = {
     "nested quantifiers": Family(_nested_quantifiers, (50, 1000, 10000)),
     "nested conditionals": Family(_nested_conditionals, (50, 1000, 10000)),
     "nested calls": Family(_nested_calls, (50, 1000, 10000)),
-    "nested loops": Family(_nested_loops, (5, 10, 20)),
+    "nested loops": Family(_nested_loops, (5, 10, 20), lambda size: 2**size),
     "nested branches": Family(_nested_branches, (50, 1000, 10000)),
     "wide conjunction": Family(_wide_conjunction, (5000, 10000, 20000)),
     "wide disjunction": Family(_wide_disjunction, (5000, 10000, 20000)),
@@ -414,10 +418,10 @@ FAMILIES: dict[str, Family] = {
     "wide facts": Family(_wide_facts, (5000, 10000, 20000)),
     "wide bodies": Family(_wide_bodies, (1000, 2000, 4000)),
     "wide loop": Family(_wide_loop, (1000, 2000, 4000)),
-    "square loop": Family(_square_loop, (250, 500, 1000)),
-    "square bodies": Family(_square_bodies, (50, 100, 1000)),
+    "square loop": Family(_square_loop, (250, 500, 1000), lambda size: size**2),
+    "square bodies": Family(_square_bodies, (50, 100, 1000), lambda size: size**2),
     "empty loop": Family(_empty_loop, (250, 500, 1000)),
-    "square goal": Family(_square_goal, (50, 100, 1000)),
+    "square goal": Family(_square_goal, (50, 100, 1000), lambda size: size**2),
     "wide motion loop": Family(_wide_motion_loop, (2500, 5000, 10000)),
     "wide sum": Family(_wide_sum, (1000, 10000, 100000)),
     "wide declarations": Family(_wide_declarations, (1000, 2000, 4000)),

@@ -2,7 +2,8 @@
 
 A family is measured at its three largest sizes through `check` and every stage of `compile` that grows with it. The
 exponent is the slope of log time against log size between the smallest and the largest of those that gave a result;
-a size that ends with a coded limit (exit status 1 and one of the codes in LIMITS) counts as kept.
+a size that ends with a coded limit (exit status 1 and one of the codes in LIMITS) counts as kept. Other work on the
+machine only adds to a time: what seems to grow too fast is measured again, and the least time counts.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import resource
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from benchmarks.trust.families import FAMILIES, MAIN
@@ -28,6 +29,8 @@ SECONDS = 60
 """CPU seconds after which a command is ended: nothing in the families may come near."""
 LEAST = 0.25
 """CPU seconds above an empty program below which a time says nothing about growth."""
+AGAIN = 3
+"""How often a family that seems to grow too fast is measured again."""
 _CODE = re.compile(r"\b([EWS]\d{4})\b")
 
 
@@ -69,6 +72,14 @@ def exponent(found: Sequence[tuple[int, float]]) -> float:
     return math.log(late / max(early, LEAST / 4)) / math.log(large / small)
 
 
+def _seconds(record: Record) -> float:
+    return float(record["cpu"])
+
+
+def _slope(name: str, kept: Mapping[int, Record], empty: float) -> float:
+    return exponent([(FAMILIES[name].parts(size), _seconds(record) - empty) for size, record in kept.items()])
+
+
 def run(settings: Settings) -> list[Line]:
     """One line for the families: the worst exponent, and what broke the promise."""
     names = list(FAMILIES)[: settings.count]
@@ -77,18 +88,24 @@ def run(settings: Settings) -> list[Line]:
     empty = min(measure("nested groups", 1, "check")["cpu"] for _ in range(3))
 
     def measured(key: str) -> Record:
-        name, size, stage = key.split("|")
+        name, size, stage, *_ = key.split("|")
         return measure(name, int(size), stage)
 
-    records = dict(zip(keys, journal.fill(keys, measured), strict=True))
+    list(journal.fill(keys, measured))
     worst, broken, ended = 0.0, [], 0
     for name in names:
         for stage in STAGES:
-            rows = [(size, records[f"{name}|{size}|{stage}"]) for size in FAMILIES[name].sizes]
-            ended += sum(limited(record) for _, record in rows)
-            slope = exponent([(size, r["cpu"] - empty) for size, r in rows if not limited(r)])
+            rows = {size: journal.records[f"{name}|{size}|{stage}"] for size in FAMILIES[name].sizes}
+            ended += sum(limited(record) for record in rows.values())
+            kept = {size: record for size, record in rows.items() if not limited(record)}
+            slope = _slope(name, kept, empty)
+            for number in range(AGAIN):
+                if slope > EXPONENT:
+                    again = journal.fill([f"{name}|{size}|{stage}|{number}" for size in kept], measured)
+                    kept = {s: min(kept[s], r, key=_seconds) for s, r in zip(list(kept), again, strict=True)}
+                    slope = _slope(name, kept, empty)
             worst = max(worst, slope)
-            if slope > EXPONENT or any(r["traceback"] for _, r in rows):
+            if slope > EXPONENT or any(r["traceback"] for r in rows.values()):
                 broken.append(f"{name} ({stage}): {slope:.2f}")
     result = f"exponent at most {worst:.2f}; {ended} of {len(keys)} ended by a coded limit"
     what = f"growth of CPU time with size, {len(names)} families, at most {EXPONENT}"
