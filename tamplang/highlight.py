@@ -14,10 +14,6 @@ from .langs.grammar_loader import grammar_text
 from .langs.words import JOINTS, RESERVED, SHAPES, TYPES, WORDS
 
 NAME = r"[A-Za-z_]\w*"
-CLASSES = (
-    "doc", "comment", "string", "number", "declaration", "keyword", "modifier", "control", "type", "function",
-    "predicate", "motion", "property", "namespace", "operator", "name",
-)  # fmt: skip
 
 
 def alternatives(words: Iterable[str]) -> str:

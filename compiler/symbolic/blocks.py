@@ -64,7 +64,7 @@ class Block:
 ActionId = Callable[[FlatRule, Environment], int]
 
 
-class Blocks:
+class BlockMaker:
     """Makes the blocks of a rule for a flag word; equal blocks of different words are one."""
 
     def __init__(self, guards: Guards, action_id: ActionId) -> None:
@@ -147,7 +147,7 @@ class Blocks:
         if block.simple and block.excluded:
             block.tests = f"not s & {block.excluded}" + (f" and {tests}" if tests != "True" else "")
         if block.keys or not block.simple:
-            block.rows = Rows(self, block)
+            block.rows = BlockRows(self, block)
         else:
             block.rows = {(): self.row(block, ())}
             if not block.rows[()]:
@@ -352,10 +352,10 @@ class Blocks:
         return (mask, value, value) if self.layout.kinds[fact[0]] == FIELD else (self.layout.others(fact), 0, value)
 
 
-class Rows(dict[Any, Any]):
+class BlockRows(dict[Any, Any]):
     """The rows of one block by the numbers in its key fields; built at first use."""
 
-    def __init__(self, blocks: Blocks, block: Block) -> None:
+    def __init__(self, blocks: BlockMaker, block: Block) -> None:
         super().__init__()
         self.blocks = blocks
         self.block = block

@@ -44,7 +44,7 @@ LENGTHS = ("distance", "stride")
 
 
 @dataclass(frozen=True, slots=True)
-class Edge:
+class LocationEdge:
     """A rule that gives a key of a family a value: `matrix[x, y]` says whether it may go from place x to place y. With
     no `matrix` the places in `targets` are reached from anywhere. `env` holds the numbers of places of the variables
     that name one, to broadcast."""
@@ -76,8 +76,8 @@ class EdgeFamily:
         self.costs = costs
         self._bounds: dict[int, LengthBounds] = {}
         self._reads_chains = {id(flat): reads_chains(flat) for flat in layout.domains.rules}
-        self._edges_of_rules: dict[tuple[int, int], list[Edge]] = {}
-        self._edges_by_modules: dict[int, list[Edge]] = {}
+        self._edges_of_rules: dict[tuple[int, int], list[LocationEdge]] = {}
+        self._edges_by_modules: dict[int, list[LocationEdge]] = {}
         self._distances: dict[tuple[bytes, int], tuple[float, ...]] = {}
         self._sources: dict[tuple[object, ...], tuple[str | None, NDArray[np.bool_]]] = {}
         self.rules = {e.rule for e in self.edges(len(guards.problem.world.modules))}
@@ -89,10 +89,10 @@ class EdgeFamily:
             self._bounds[modules] = LengthBounds(self.guards, modules)
         return self._bounds[modules]
 
-    def edges(self, modules: int) -> list[Edge]:
+    def edges(self, modules: int) -> list[LocationEdge]:
         """All edges between places while no chain has more than so many modules."""
         if modules not in self._edges_by_modules:
-            found: list[Edge] = []
+            found: list[LocationEdge] = []
             for flat in self.guards.layout.domains.rules:
                 key = (id(flat), modules if self._reads_chains[id(flat)] else 0)
                 if key not in self._edges_of_rules:
@@ -101,7 +101,7 @@ class EdgeFamily:
             self._edges_by_modules[modules] = found
         return self._edges_by_modules[modules]
 
-    def _edges(self, flat: FlatRule, cost: float, bounds: LengthBounds) -> list[Edge]:
+    def _edges(self, flat: FlatRule, cost: float, bounds: LengthBounds) -> list[LocationEdge]:
         domains = self.guards.layout.domains.variable_domains(flat)
         found = []
         for effect, types in flat.additions():
@@ -119,7 +119,7 @@ class EdgeFamily:
                 env = self._between(source, literal.args[1 - self.key_at])
                 matrix = self._relation(flat, source, literal.args[1 - self.key_at], env, domains, bounds)
                 matrix = matrix & targets[None, :]
-            found.append(Edge(flat, env, matrix, targets, cost))
+            found.append(LocationEdge(flat, env, matrix, targets, cost))
         return found
 
     def place_variable(

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from .achievers import Achiever
-from .locations import Edge, EdgeFamily
+from .locations import EdgeFamily, LocationEdge
 
 Price = Callable[[str, Any], Any]
 """What an action costs beyond its own cost, by its rule and by how much it is strained at least; arrays broadcast."""
@@ -65,7 +65,7 @@ class Prices:
                 np.minimum(cheapest, np.where(edge.matrix, cost, math.inf), out=cheapest)
         return cheapest
 
-    def _strain(self, edge: Edge, modules: int) -> Any:
+    def _strain(self, edge: LocationEdge, modules: int) -> Any:
         key = (id(edge), modules)
         if key not in self._strains:
             self._strains[key] = self.family.bounds(modules).strain(edge.flat, edge.env)

@@ -12,7 +12,7 @@ from typing import Any
 
 from ...langs.trees import parts
 from ..ir import Action, ChainType, Fact, Formula, Problem, Value
-from .blocks import Block, Blocks
+from .blocks import Block, BlockMaker
 from .chains import KnownFacts
 from .domains import Domains, FlatRule
 from .expressions import source
@@ -40,7 +40,7 @@ class Successors:
         self._actions: list[Action] = []
         self._costs: list[float] = []
         self._ids: dict[Action, int] = {}
-        self._blocks = Blocks(self.guards, self._action_id)
+        self._blocks = BlockMaker(self.guards, self._action_id)
         self._expanders: dict[int, Expander] = {}
         self._sources: dict[int, str] = {}
         self._blocks_of: dict[int, list[Block]] = {}
@@ -70,7 +70,7 @@ class Successors:
         return self._blocks_of[word]
 
     def witnesses(self, block: Block, numbers: tuple[int, ...]) -> Iterator[tuple[Environment, Step | None, int]]:
-        """As `Blocks.witnesses`: the values of variables by which a block gives its actions."""
+        """As `BlockMaker.witnesses`: the values of variables by which a block gives its actions."""
         return self._blocks.witnesses(block, numbers)
 
     def action(self, number: int) -> Action:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...compiler import ir
 from ...compiler.motion.collision import Pair, bounding_radius, pair
-from ...compiler.motion.pairs import reach
+from ...compiler.motion.module_reach import reach
 from ...compiler.poses import joint_frames
 from ..geometry.attachments import carrier, followers
 from ..geometry.resampling import kept_pairs

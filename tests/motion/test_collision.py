@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import numpy as np
@@ -20,7 +19,7 @@ from tamplang.compiler.motion.collision import (
     pair,
     taper,
 )
-from tamplang.compiler.motion.pairs import reach, self_pairs
+from tamplang.compiler.motion.module_reach import reach
 from tamplang.runtime.planner.motion.phases.joint_forest import link_frames
 
 from .fixtures import CRAWLER, climb_alone, climb_together, pick_and_place
@@ -82,13 +81,6 @@ def test_reach_bounds_every_sphere(values: list[float]) -> None:
     placed = [(frames[s.joint] @ np.array([*s.centre, 1.0]))[:3] for s in module_spheres(CRAWLER)]
     tip = frames[6][:3, 3]
     assert max(math.dist(tip, p) for p in placed) <= reach(CRAWLER, "B")
-
-
-def test_self_pairs_leave_out_neighbours_but_not_the_two_ends() -> None:
-    spheres, found = module_spheres(CRAWLER), set(self_pairs(CRAWLER))
-    assert (0, 1) in found
-    pairs = itertools.combinations(range(len(spheres)), 2)
-    assert not found & {(i, k) for i, k in pairs if spheres[i].joint == spheres[k].joint}
 
 
 def test_a_foot_that_is_left_touches_only_at_the_start() -> None:

@@ -41,7 +41,7 @@ def solve_span(
     """P_seq of phases `first` … `last`, with restarts. `configurations` begins with the state before `first`: `start`,
     or with `free` an unknown one, and `start` is then the scene at time 0. With `end` it leads there."""
     began = time.monotonic()
-    span = Span(skeleton, first, last, settings, random, budget, start, free, end)
+    span = SpanSolver(skeleton, first, last, settings, random, budget, start, free, end)
     best = span.search(warm, tries or min(KEYFRAMES.tries, 4 + last - first))
     best.iterations, best.seconds = span.iterations, time.monotonic() - began
     return best
@@ -70,7 +70,7 @@ def _hopeless(amounts: list[float]) -> bool:
     return least > KEYFRAMES.far and _alike(amounts, KEYFRAMES.far_alike) >= 2
 
 
-class Span:
+class SpanSolver:
     """Attempts at P_seq of some phases."""
 
     def __init__(

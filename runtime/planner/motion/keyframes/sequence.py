@@ -9,7 +9,7 @@ from ....budget import Budget
 from ....seeds import Seed
 from ....skeleton import Bound, BoundResult, Configuration, Skeleton, start_configuration
 from ..settings import MotionSettings
-from .multi_start import Span, solve_span
+from .multi_start import SpanSolver, solve_span
 from .placement_samples import places
 from .settings import KEYFRAMES
 from .sliding_windows import led_around, solve_windows
@@ -33,7 +33,7 @@ def solve_sequence(
     if last < 0:
         return BoundResult(Bound.SEQ, True, 0.0, 0.0, 0, [origin], [], [])
     random = seed.child("sequence").random()
-    span = Span(skeleton, 0, last, settings, random, budget, origin, False)
+    span = SpanSolver(skeleton, 0, last, settings, random, budget, origin, False)
     if len(skeleton) > KEYFRAMES.longest_whole and warm is None:
         result = solve_windows(skeleton, settings, seed, budget, origin, tries, patient=True)
     else:

@@ -1,0 +1,47 @@
+"""How far a module reaches."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+from ..ir import Joint, JointKind, ModuleType, Vec3
+from .collision import PATH_MARGIN, module_spheres
+
+
+def _lineage(type_: ModuleType, joint: int) -> list[int]:
+    """The joints from `joint` up to the module frame."""
+    found = []
+    while joint >= 0:
+        found.append(joint)
+        joint = type_.joints[joint].parent
+    return found
+
+
+def _slide(joint: Joint) -> float:
+    """How far a joint can carry its frame from where it is placed."""
+    return max(abs(joint.lower), abs(joint.upper)) if joint.kind == JointKind.PRISMATIC else 0.0
+
+
+def _length_between(type_: ModuleType, a: tuple[int, Vec3], b: tuple[int, Vec3]) -> float:
+    """An upper bound of the distance of two points fixed to joint frames, along the joints between them."""
+    ends: list[Vec3] = []
+    length = 0.0
+    for (joint, point), (other, _) in ((a, b), (b, a)):
+        shared = _lineage(type_, other)
+        while joint != -1 and joint not in shared:
+            placement = type_.joints[joint].placement
+            length += math.hypot(*point) + _slide(type_.joints[joint])
+            point, joint = (placement[0], placement[1], placement[2]), type_.joints[joint].parent
+        ends.append(point)
+    return length + math.dist(ends[0], ends[1])
+
+
+@lru_cache(maxsize=256)
+def reach(type_: ModuleType, effector: str) -> float:
+    """An upper bound of how far any point of the module can be from the origin of one effector's frame."""
+    e = type_.effector(effector)
+    start = (e.joint, (e.placement[0], e.placement[1], e.placement[2]))
+    spheres = module_spheres(type_)
+    lengths = (_length_between(type_, start, (s.joint, s.centre)) + s.radius for s in spheres)
+    return max(lengths, default=0.0) + PATH_MARGIN
