@@ -8,6 +8,7 @@ import copy
 import hashlib
 import io
 import json
+import math
 import os
 import shutil
 from collections.abc import Callable
@@ -16,12 +17,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 
 import tamplang
 from tamplang import cli
 from tamplang.runtime.plan import Plan
-from tamplang.runtime.plan_files import read_plan, write_plan
+from tamplang.runtime.plan_files import PlanFileError, read_plan, write_plan
+from tamplang.runtime.verify import verify
 
 HERE = Path(__file__).parent
 OLD = HERE / "format_1.plan.json"
@@ -314,3 +317,23 @@ def test_what_is_no_file_is_refused_at_once(kind: str, tmp_path: Path) -> None:
         os.truncate(path, 2_000_000_000)
     told = run("verify", path)
     assert told.exit_code == 1 and told.output.startswith("Error: cannot read")
+
+
+def test_plan_file_survives_writing(hop: Plan, tmp_path: Path) -> None:
+    write_plan(hop, tmp_path / "plan.json")
+    again = read_plan(tmp_path / "plan.json")
+    assert again == hop
+    assert verify(again).verified
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[]", "null", '{"format": "other"}', "\x00\x01"])
+def test_other_files_are_no_plans(text: str, tmp_path: Path) -> None:
+    (tmp_path / "plan.json").write_text(text)
+    with pytest.raises(PlanFileError):
+        read_plan(tmp_path / "plan.json")
+
+
+def test_nan_in_a_file_is_refused(hop: Plan, tmp_path: Path) -> None:
+    write_plan(msgspec.structs.replace(hop, times=[math.nan, *hop.times[1:]]), tmp_path / "plan.json")
+    with pytest.raises(PlanFileError):
+        read_plan(tmp_path / "plan.json")

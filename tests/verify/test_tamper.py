@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -14,7 +13,6 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from tamplang.runtime.plan import Plan
-from tamplang.runtime.plan_files import PlanFileError, read_plan, write_plan
 from tamplang.runtime.verify import verify
 
 Data = dict[str, Any]
@@ -383,26 +381,3 @@ def lists_in(data: object) -> list[list[Any]]:
     children = data.values() if isinstance(data, dict) else data if isinstance(data, list) else []
     own = [data] if isinstance(data, list) and data else []
     return own + [found for child in children for found in lists_in(child)]
-
-
-# --- files -------------------------------------------------------------------------------------------------------
-
-
-def test_plan_file_survives_writing(hop: Plan, tmp_path: Path) -> None:
-    write_plan(hop, tmp_path / "plan.json")
-    again = read_plan(tmp_path / "plan.json")
-    assert again == hop
-    assert verify(again).verified
-
-
-@pytest.mark.parametrize("text", ["", "{}", "[]", "null", '{"format": "other"}', "\x00\x01"])
-def test_other_files_are_no_plans(text: str, tmp_path: Path) -> None:
-    (tmp_path / "plan.json").write_text(text)
-    with pytest.raises(PlanFileError):
-        read_plan(tmp_path / "plan.json")
-
-
-def test_nan_in_a_file_is_refused(hop: Plan, tmp_path: Path) -> None:
-    write_plan(changed(hop, put_nan), tmp_path / "plan.json")
-    with pytest.raises(PlanFileError):
-        read_plan(tmp_path / "plan.json")
