@@ -196,7 +196,8 @@ class _SolveRun:
         critical: float | None = None
         if objective.timed:
             with self.bounds.clock("schedule"):
-                plan, critical = self.at_once.shorter(skeleton, candidate.actions, paths, plan)
+                known = None if self.search is None else self.search.successors
+                plan, critical = self.at_once.shorter(skeleton, candidate.actions, paths, plan, known)
         value = valued(self.problem, objective, plan, candidate.cost, self.first_bound or 0.0, critical)
         statistics = msgspec.structs.replace(plan.statistics, objective=value)
         return msgspec.structs.replace(plan, statistics=statistics)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 import msgspec
 
 from ....compiler.ir import Action, Problem
+from ....compiler.symbolic.successors import Successors
 from ...budget import Budget, OutOfTime
 from ...plan import Plan
 from ...seeds import Seed
@@ -27,14 +28,15 @@ class AtOnce:
         self._budget, self._tell = budget, tell
 
     def shorter(
-        self, skeleton: Skeleton, actions: Sequence[Action], paths: Sequence[PhasePath], plan: Plan
-    ) -> tuple[Plan, float | None]:
+        self, skeleton: Skeleton, actions: Sequence[Action], paths: Sequence[PhasePath], plan: Plan,
+        successors: Successors | None = None,
+    ) -> tuple[Plan, float | None]:  # fmt: skip
         """The first shorter plan with these motions that is verified, else the one that stands, and the seconds below
         which none of them ends. A plan is never lost: where time runs out the one that stands is given back."""
         bound: float | None = None
         try:
             self._tell("schedule", f"letting robots work at once in {len(actions)} actions")
-            for timed in self._scheduler.plans(skeleton, actions, paths, plan.statistics):
+            for timed in self._scheduler.plans(skeleton, actions, paths, plan.statistics, successors):
                 bound = timed.bound
                 if timed.makespan >= plan.times[-1]:
                     break

@@ -67,3 +67,14 @@ def greatest_rates(values: Array) -> tuple[Array, Array, Array]:
         turn = np.clip(np.nan_to_num(-left / change), 0.0, 1.0)
     speeds = [np.abs(first + u * left + 0.5 * u * u * change).max(axis=0) for u in (0.0, 1.0, turn)]
     return np.max(speeds, axis=0), np.abs(bent).max(axis=0), np.abs(change).max(axis=0)
+
+
+def between_knots(values: Array, looks: int) -> Array:
+    """The spline through values `(n + 1, k)` at `looks` even instants per knot, `(looks n + 1, k)`."""
+    bent = bends(values)
+    slopes = slopes_at_knots(values, bent)[:-1]
+    since = (np.arange(looks) / looks)[None, :, None]
+    rows = values[:-1, None] + since * (
+        slopes[:, None] + since * (bent[:-1, None] / 2.0 + since * np.diff(bent, axis=0)[:, None] / 6.0)
+    )
+    return np.concatenate([rows.reshape(-1, values.shape[1]), values[-1:]])

@@ -32,7 +32,7 @@ class ScheduleSettings:
         5, "ticks", "By so much a start is put off while something is in the way, before it is brought nearer again."
     )
     rounds: int = setting(4, "rounds", "How often limits are lowered where the stored curve passes them.")
-    fine: int = setting(8, "looks", "Looks per tick where two things that move come near each other.")
+    fine: int = setting(4, "looks", "Looks per tick where two things that move come near each other.")
     near: float = setting(
         2e-3, "m", "What a moving thing keeps from one that rests elsewhere than when the motion was planned."
     )

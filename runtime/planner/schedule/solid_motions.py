@@ -11,9 +11,10 @@ from ....compiler.module_parts import module_parts
 from ....compiler.physics.frames import rotation
 from ....langs.frozen import dataclass
 from ...geometry.exact_distances import Forms, Indices, Posed
-from ...geometry.resampling import resample
+from ...geometry.resampling import Linker, between, kept_pairs
 from ...geometry.transforms import compose, joint_frames
 from ...skeleton import Array, Configuration, PhasePath, Skeleton
+from .even_splines import between_knots
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,10 +89,23 @@ class Solids:
     def along(
         self, skeleton: Skeleton, phase: int, path: PhasePath, before: Configuration, moved: Sequence[str], looks: int
     ) -> SolidFrames:  # fmt: skip
-        """The solids that a phase moves, at `looks` instants per knot of its path."""
-        motion = resample(self._problem, skeleton.phases[phase].mode, path, before, 0.0, looks)
-        modules = {m: (motion.poses[m], motion.joints[m]) for m in moved if m in motion.poses}
-        return self.placed(modules, {b: motion.bodies[b] for b in moved if b in motion.bodies})
+        """The solids that a phase moves, at `looks` instants per knot of its path. Poses follow the joints through what
+        the mode holds, from what rests; only what nothing holds is interpolated."""
+        joints = {m: before.modules[m][None, 7:] for m in before.modules}
+        joints |= {m: between_knots(path.modules[m][:, 7:], looks) for m in moved if m in path.modules}
+        resting = {m: row[None, :7] for m, row in before.modules.items() if m not in moved}
+        resting |= {b: row[None] for b, row in before.bodies.items() if b not in moved}
+        even = np.linspace(0.0, 1.0, path.samples)
+        count = looks * (path.samples - 1) + 1
+        linker = Linker(self._problem, joints, before, resting, count)
+        linker.follow(kept_pairs(self._problem, skeleton.phases[phase].mode))
+
+        def poses(name: str, rows: Array) -> Array:
+            found = linker.poses.get(name)
+            return between(even, rows, np.linspace(0.0, 1.0, count)) if found is None else found
+
+        modules = {m: (poses(m, path.modules[m][:, :7]), joints[m]) for m in moved if m in path.modules}
+        return self.placed(modules, {b: poses(b, path.bodies[b]) for b in moved if b in path.bodies})
 
     def posed(self, placed: SolidFrames, instant: Indices, column: Indices) -> Posed:
         """Solids `(m,)` at instants `(m,)`, as distances want them."""

@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from ....compiler.ir import Action, Problem
+from ....compiler.symbolic.successors import Successors
 from ....langs.frozen import dataclass
 from ...budget import Budget
-from ...geometry.resampling import resample
 from ...plan import Plan, StatisticsRecord
 from ...seeds import Seed
 from ...skeleton import Configuration, PhasePath, Skeleton, start_configuration
@@ -42,10 +42,12 @@ class Scheduler:
 
     def __init__(self, problem: Problem, margin: float, seed: Seed, budget: Budget) -> None:
         self._problem, self._margin, self._seed, self._budget = problem, margin, seed, budget
+        self._told: dict[tuple[int, ...], set[tuple[int, int]]] = {}
 
     def plans(
-        self, skeleton: Skeleton, actions: Sequence[Action], paths: Sequence[PhasePath], statistics: StatisticsRecord
-    ) -> Iterator[Timed]:
+        self, skeleton: Skeleton, actions: Sequence[Action], paths: Sequence[PhasePath], statistics: StatisticsRecord,
+        successors: Successors | None = None,
+    ) -> Iterator[Timed]:  # fmt: skip
         """Plans with these motions, for the verifier to choose the first that it believes: the shortest that was found,
         and that with one phase after the other. Raises OutOfTime."""
         if not paths:
@@ -57,8 +59,14 @@ class Scheduler:
         bound = _bound(order) * tick
         found = self._best(skeleton, actions, order, faster)
         if found is not None and found[0].end < sequence.end:
-            yield self._written(actions, *found, tick, bound, statistics, True)
-        yield self._written(actions, sequence, order, tick, bound, statistics, False)
+            line = plan_order(found[0])
+            done = [actions[k] for k in line]
+            same = line == sorted(line)
+            other = skeleton if same else build_skeleton(self._problem, done, successors)
+            plan = scheduled_plan(self._problem, done, other, found[1], found[0], tick, statistics)
+            yield Timed(plan, found[0].end * tick, bound, True)
+        plan = scheduled_plan(self._problem, actions, skeleton, order, sequence, tick, statistics)
+        yield Timed(plan, sequence.end * tick, bound, False)
 
     def _tick(self, paths: Sequence[PhasePath]) -> float:
         total = sum(path.duration for path in paths)
@@ -80,6 +88,7 @@ class Scheduler:
         self, skeleton: Skeleton, actions: Sequence[Action], order: Precedence, paths: Sequence[PhasePath]
     ) -> tuple[Timetable, Precedence] | None:
         """The shortest of some schedules, whose actions can be done in its order, with what comes before what."""
+        self._told.clear()
         configurations = _configurations(skeleton, paths)
         clearances = SegmentClearances(skeleton, order, configurations, self._margin)
         random = self._seed.child("schedule").random()
@@ -112,6 +121,11 @@ class Scheduler:
 
     def _wrong(self, actions: Sequence[Action], line: Sequence[int]) -> set[tuple[int, int]]:
         """Pairs of actions that must not be exchanged, as an order of them shows; none where it works."""
+        if tuple(line) not in self._told:
+            self._told[tuple(line)] = self._exchanged_wrongly(actions, line)
+        return self._told[tuple(line)]
+
+    def _exchanged_wrongly(self, actions: Sequence[Action], line: Sequence[int]) -> set[tuple[int, int]]:
         exchanged = {(b, a) for i, a in enumerate(line) for b in line[i + 1 :] if b < a}
         if not exchanged:
             return set()
@@ -123,16 +137,6 @@ class Scheduler:
             failed = line[done]
             return {pair for pair in exchanged if failed in pair} or exchanged
         return set() if Stepper(self._problem).holds(facts, self._problem.goal) else exchanged
-
-    def _written(
-        self, actions: Sequence[Action], schedule: Timetable, order: Precedence, tick: float, bound: float,
-        statistics: StatisticsRecord, at_once: bool,
-    ) -> Timed:  # fmt: skip
-        line = plan_order(schedule)
-        done = [actions[k] for k in line]
-        skeleton = build_skeleton(self._problem, done)
-        plan = scheduled_plan(self._problem, done, skeleton, order, schedule, tick, statistics)
-        return Timed(plan, schedule.end * tick, bound, at_once)
 
 
 def _bound(order: Precedence) -> int:
@@ -156,6 +160,7 @@ def _in_sequence(order: Precedence) -> Timetable:
 def _configurations(skeleton: Skeleton, paths: Sequence[PhasePath]) -> list[Configuration]:
     """Where everything is at the switches of a plan in sequence, the start first."""
     found = [start_configuration(skeleton.problem)]
-    for phase, path in zip(skeleton.phases, paths, strict=True):
-        found.append(resample(skeleton.problem, phase.mode, path, found[-1], 0.0, 1).end(found[-1]))
+    for path in paths:
+        modules = {**found[-1].modules, **{m: rows[-1] for m, rows in path.modules.items()}}
+        found.append(Configuration(modules, {**found[-1].bodies, **{b: rows[-1] for b, rows in path.bodies.items()}}))
     return found
