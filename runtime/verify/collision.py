@@ -38,7 +38,8 @@ def check_collisions(plan: Plan, motion: Motion, sampler: Sampler, findings: Fin
     own = {b for b in happenings.courses if all(b in free for free in happenings.free)}
     looked_at = np.array(pairs(plan, found, own, findings.check_time), dtype=np.intp).reshape(-1, 2)
     findings.measure("penetration_m", 0.0, "")
-    at_rest = _AtRest({}, set())
+    fixed = {b.name for b in plan.bodies if not b.movable} - set(happenings.courses)
+    at_rest = _AtRest(frozenset(k for k, solid in enumerate(found) if solid.thing in fixed), {}, set())
     for phase in range(len(plan.phases)):
         begin = float(motion.times[motion.ranges[phase][0]])
         here = looked_at[~np.isin(looked_at, _away(found, happenings, begin)).any(axis=1)]
@@ -68,8 +69,10 @@ def _check_part(part: _Part, looked_at: np.typing.NDArray[np.intp], findings: Fi
 
 @dataclass(frozen=True, slots=True)
 class _AtRest:
-    """What is known of resting solids, by their places: of each the last sweep, and which pairs were measured."""
+    """What is known of resting solids, by their places: which never move, of each the last sweep, and which pairs were
+    measured."""
 
+    fixed: frozenset[int]
     last: dict[int, tuple[bytes, Sweep]]
     measured: set[tuple[int, bytes, int, bytes]]
 
@@ -108,6 +111,9 @@ class _Part:
         self._at_rest = at_rest
         self.sweeps = []
         for index, solid in enumerate(found):
+            if index in at_rest.fixed and index in at_rest.last:
+                self.sweeps.append(at_rest.last[index][1])
+                continue
             frames = solid.frames(placement)
             rests = len(frames) == 1
             made = at_rest.sweep(index, solid, frames) if rests else self._moving(solid, frames)

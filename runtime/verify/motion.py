@@ -40,11 +40,13 @@ def check_motion(
 
 def _check_start(plan: Plan, motion: Motion, findings: Findings) -> None:
     poses = {m.name: m.pose for m in plan.modules} | {b.name: b.pose for b in plan.bodies}
-    for name, pose in poses.items():
-        shift, turn = pose_differences(motion.poses[name][:1], np.array([pose]))
-        message = f"{name} does not start where the scene puts it"
-        findings.measure("start_m", float(shift[0]), message, time=0.0, between=[name])
-        findings.measure("start_rad", float(turn[0]), message, time=0.0, between=[name])
+    if poses:
+        first = np.array([motion.poses[name][0] for name in poses])
+        shifts, turns = pose_differences(first, np.array(list(poses.values())))
+        for name, shift, turn in zip(poses, shifts, turns, strict=True):
+            message = f"{name} does not start where the scene puts it"
+            findings.measure("start_m", float(shift), message, time=0.0, between=[name])
+            findings.measure("start_rad", float(turn), message, time=0.0, between=[name])
     for module in plan.modules:
         if module.start:
             off = np.abs(motion.joints[module.name][0] - module.start)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from ...compiler import ir
 from ..plan import NO_LIMIT, BodyRecord, CouplingRecord, ModuleRecord, Plan, ShapeRecord
 from ..plan_upgrade import EarlyPlan
@@ -34,7 +32,9 @@ def check_scene(plan: Plan, problem: ir.Problem, findings: Findings) -> bool:
 
 
 def _near(first: Sequence[float], second: Sequence[float]) -> bool:
-    return len(first) == len(second) and bool(np.allclose(first, second, rtol=0, atol=TOLERANCE))
+    return len(first) == len(second) and all(
+        a == b or abs(a - b) <= TOLERANCE for a, b in zip(first, second, strict=True)
+    )
 
 
 def _same_shape(record: ShapeRecord | None, shape: ir.Shape | None) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from bisect import bisect_right
 from collections.abc import Callable, Sequence, Set
 from typing import Any
 
@@ -103,13 +104,14 @@ def pairs(
     moving = {m.name for m in plan.modules} | {t.name for t in plan.body_tracks} - own
     modules = {m.name: m for m in plan.modules}
     neighbours = {name: _Neighbours(module, found) for name, module in modules.items()}
+    moved = [k for k, solid in enumerate(found) if solid.thing in moving]
     result = []
     for i, a in enumerate(found):
         if check_time is not None:
             check_time()
-        for k, b in enumerate(found[i + 1 :], start=i + 1):
-            if not (a.thing in moving or b.thing in moving):
-                continue
+        partners = range(i + 1, len(found)) if a.thing in moving else moved[bisect_right(moved, i) :]
+        for k in partners:
+            b = found[k]
             if a.thing == b.thing and neighbours[a.thing].include(a, b):
                 continue
             result.append((i, k))
