@@ -43,6 +43,8 @@ def test_no_strain_that_motion_accepted_is_a_limit_in_later_windows() -> None:
     search.charge(surcharge)
     tame = search.next()
     assert tame is not None
+    own = sum(search.successors.cost(n) for n in tame.numbers)
+    assert tame.cost == pytest.approx(own) and tame.lower_bound <= own, "what is charged is no part of the cost"
     hardest = max(surcharge.strain.along(bold.numbers)[1:-1])
     assert max(surcharge.strain.along(tame.numbers)[1:-1]) < 0.8 * hardest
     surcharge.refused(tame.numbers, 1, len(tame.numbers) - 2)
