@@ -125,10 +125,10 @@ class _Loader:
         what = f'"{declaration.target}"' if declaration.is_path else declaration.target
         near = neighbours(location)
         names = get_close_matches(location.stem, near, n=3, cutoff=0.5)
-        help = None
-        if names:
+        help = _read_otherwise(declaration)
+        if help is None and names:
             help = "did you mean " + " or ".join(f"`{_import_of(n, declaration)}`" for n in names) + "?"
-        elif not declaration.is_path and near:
+        elif help is None and not declaration.is_path and near:
             help = "the standard library has " + ", ".join(f"{STANDARD}.{n}" for n in near)
         return Diagnostic("E0111", f"nothing to import under {what}", declaration.span, (), help)
 
@@ -139,6 +139,16 @@ def _real(path: str) -> str:
         return os.path.realpath(path)
     except ValueError:
         return path
+
+
+def _read_otherwise(declaration: syntax.Import) -> str | None:
+    """The hint for what is no path of a program: a file of the standard library, or of a robot."""
+    head, _, tail = declaration.target.removesuffix(EXTENSION).replace("/", ".").partition(".")
+    if head == STANDARD and tail in neighbours(STANDARD_FOLDER / "any"):
+        return f"write `import {STANDARD}.{tail}`"
+    if declaration.target.endswith((".urdf", ".xacro", ".xml")):
+        return f'a robot is read by `module NAME from urdf "{declaration.target}" {{ … }}`'
+    return None
 
 
 def _foreign(declaration: syntax.Import) -> Diagnostic:

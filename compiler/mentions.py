@@ -13,8 +13,7 @@ from lark import Token, Tree
 from ..langs.build_terms import Branch, Child
 from ..langs.frozen import dataclass
 from ..langs.parser import parse_tokens
-from ..langs.recovery import PLACEHOLDER
-from ..langs.source import Source
+from ..langs.source import PLACEHOLDER, Source
 
 
 @dataclass(frozen=True, slots=True)

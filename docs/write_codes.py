@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tamplang.langs.codes import CODES
-from tamplang.langs.explanation import CodeInfo
+from tamplang.langs.explanation import CodeInfo, examples
 
 
 def text() -> str:
@@ -16,9 +16,10 @@ def text() -> str:
 
 def _section(code: str, info: CodeInfo) -> str:
     parts = [f"## {code}: {info.title}", info.explanation]
-    for heading, example in (("Wrong", info.wrong), ("Right", info.right)):
-        if example:
-            parts.append(f"{heading}:\n\n```text\n{example}\n```")
+    for kind, example in zip(("Wrong", "Right"), examples(code), strict=True):
+        for index, block in enumerate(example.shown):
+            heading = " ".join([f"{kind}:"] * (index == 0) + [f"`{block.heading}`"] * bool(block.heading))
+            parts += [heading] * bool(heading) + [f"```{block.language}\n{block.text}\n```"]
     return "\n\n".join(parts)
 
 

@@ -39,6 +39,7 @@ class Automaton:
         self._table = state.parse_conf.states
         self._end = state.parse_conf.end_state
         self._start = LexerThread.from_text(lexer, text).state
+        self._parser = parser
         self._line_starts = [0, *(i + 1 for i, c in enumerate(text) if c == "\n")]
         self.bottom = Stack(state.position, None)
         self.keywords = {
@@ -46,6 +47,10 @@ class Automaton:
             for t in parser.terminals
             if t.priority and "|" not in t.pattern.value
         } | {"_NOT": "not"}
+
+    def other(self, text: str) -> Automaton:
+        """The same automaton over another text."""
+        return Automaton(self._parser, text)
 
     def accepts(self, stack: Stack) -> list[str]:
         """The terminals that may follow, in a fixed order."""

@@ -15,8 +15,15 @@ from .source import Source, Span
 
 UNITS = ("m", "cm", "mm", "rad", "deg", "s", "min", "m/s", "rad/s", "deg/s", "m/s^2", "rad/s^2", "deg/s^2",
          "kg", "g", "N", "kN", "N m", "kN m", "kg/m^3", "kg m^2")  # fmt: skip
-FOREIGN_UNITS = {"inch", "inches", "ft", "foot", "feet", "yd", "km", "h", "hour", "degree", "degrees", "px", "lb",
-                 "lbs", "t", "Nm"}  # fmt: skip
+SAME_UNITS = {name: unit for unit, names in {
+    "m": "meter meters metre metres", "cm": "centimeter centimeters centimetre centimetres",
+    "mm": "millimeter millimeters millimetre millimetres mms", "rad": "radian radians rads",
+    "deg": "degree degrees degs", "s": "second seconds sec secs", "min": "minute minutes mins",
+    "kg": "kilogram kilograms kgs", "g": "gram grams", "N": "newton newtons", "N m": "Nm",
+}.items() for name in names.split()}  # fmt: skip
+"""Units by other names."""
+FOREIGN_UNITS = {*SAME_UNITS, "inch", "inches", "ft", "foot", "feet", "yd", "km", "h", "hour", "px", "lb",
+                 "lbs", "t"}  # fmt: skip
 _WORDS = {
     "NAME": "a name",
     "NUMBER": "a number",
@@ -212,8 +219,9 @@ def unreadable(source: Source, position: int, automaton: Automaton) -> Strange:
     if quoted is not None:
         span = Span(source.path, position, position + len(quoted), line, column, line, column + len(quoted))
         told = "this text has no closing quote" if character == '"' else 'texts stand between `"` and `"`'
-        found = Diagnostic("E0006", told, span, help='put `"` at its start and its end, on the same line')
         inner = quoted[1:] if character == '"' else quoted[1:-1]
+        hint = 'put `"` at its start and its end, on the same line' if character == '"' else f'write `"{inner}"`'
+        found = Diagnostic("E0006", told, span, help=hint)
         return Strange(found, len(quoted), ("STRING", f'"{inner}"'))
     width = 2 if source.text.startswith(("&&", "||"), position) else 1
     span = Span(source.path, position, position + width, line, column, line, column + width)
@@ -235,7 +243,8 @@ def unknown_unit(source: Source, number: Token, found: Token) -> Diagnostic | No
     """The diagnostic for a word right behind a number that can only be meant as its unit."""
     if number.line != found.line or not str(number)[-1].isdigit():
         return None
-    near = did_you_mean(str(found), UNITS)
+    same = SAME_UNITS.get(str(found))
+    near = did_you_mean(str(found), UNITS) if same is None else f"did you mean `{same}`?"
     if near is None and str(found) not in FOREIGN_UNITS:
         return None
     return Diagnostic(

@@ -29,7 +29,6 @@ _IMPORT = re.compile(r"^import\b.*$", re.MULTILINE)
 _PART = re.compile(r"^[ \t]*(pre|where|post|cost)\b", re.MULTILINE)
 _NUMBER_BEFORE = re.compile(r"([0-9]+(?:\.[0-9]+)?)[ \t]*$")
 _METRES = {"inch": 0.0254, "inches": 0.0254, "ft": 0.3048, "foot": 0.3048, "feet": 0.3048, "yd": 0.9144, "km": 1000.0}
-_SAME = {"degree": "deg", "degrees": "deg"}
 _COMPARED = re.compile(r"[<>!=]+")
 _MISSING = re.compile(r"missing `([^`]+)` (?:after|before) ")
 
@@ -48,11 +47,13 @@ def _fixes(diagnostic: Diagnostic, text: str, start: int, end: int) -> Iterator[
     missing = _MISSING.match(diagnostic.message)
     if missing is not None and diagnostic.code in ("E0003", "E0005"):
         yield _insertion(text, start, missing[1])
-    elif hint.startswith("the standard library declares it: "):
+    elif hint.startswith(("the standard library declares it: ", "the standard library declares some: ")):
         yield from (Fix(f"Add `{q}`", (_import_edit(text, q),)) for q in quoted)
     elif hint.startswith("did you mean `("):
         inner = text[start:end].strip("[]()")
         yield Fix("Put it in parentheses", ((start, end, f"({inner})"),))
+    elif hint.startswith("name one of its ends: "):
+        yield from (Fix(f"Write `{q}`", ((start, end, q),)) for q in quoted)
     elif hint.startswith(("did you mean ", "give it a unit, such as ", "write ")) and quoted:
         yield from (Fix(f"Write `{q}`", ((start, end, q),)) for q in quoted if not hint.startswith("write both"))
     elif hint.startswith("a literal is written `(") and " X Y)" not in hint:
@@ -118,20 +119,18 @@ def _import_edit(text: str, line: str) -> Edit:
 def _addition(text: str, start: int, item: str) -> Iterator[Fix]:
     """An item that a block lacks, before the brace that ends the declaration at `start`."""
     end = re.compile(r"^\}", re.MULTILINE).search(text, start)
-    if end is not None and item.startswith(("goal", "effector", "post")):
-        yield Fix(f"Add `{item}`", ((end.start(), end.start(), f"    {item.replace(' (…)', ' ()')}\n"),))
-    elif item.startswith(("at", "normal")):
+    if end is not None and item.startswith(("effector", "fact")):
+        yield Fix(f"Add `{item}`", ((end.start(), end.start(), f"    {item}\n"),))
+    elif item.startswith("normal"):
         line = text.find("\n", start)
         place = line if line >= 0 else len(text)
-        yield Fix(f"Add `{item}`", ((place, place, f" {item.replace('(x, y, z)', '(0, 0, 0)')}"),))
+        yield Fix(f"Add `{item}`", ((place, place, f" {item}"),))
 
 
 def _unit(text: str, start: int, end: int) -> Iterator[Fix]:
     word = text[start:end]
     number = _NUMBER_BEFORE.search(text, 0, start)
-    if word in _SAME:
-        yield Fix(f"Write `{_SAME[word]}`", ((start, end, _SAME[word]),))
-    elif word in _METRES and number is not None:
+    if word in _METRES and number is not None:
         written = f"{float(number[1]) * _METRES[word]:.6g} m"
         yield Fix(f"Write `{written}`", ((number.start(), end, written),))
 

@@ -18,10 +18,9 @@ from .automaton import Automaton, Stack, Unreadable
 from .diagnostics import Diagnostic
 from .frozen import dataclass
 from .habits import habit
-from .source import Source
+from .repairs import Read, Repair, exchanged, idiomatic
+from .source import PLACEHOLDER, Source
 
-PLACEHOLDER = "?"
-"""The name that stands where one lacks in a repaired text; no sound text has it as a name."""
 MAX_ERRORS = 50
 LOOKAHEAD = 40
 RECENT = 12
@@ -44,27 +43,6 @@ _LINKS = {"_ON", "_IN", "_AT", "_THEN", "_ELSE", "_OF", "_BY", "_IS", "_SWITCH"}
 _DECLARATION = re.compile(
     r"^(import|type|predicate|derived|function|module|motion|rule|placement|heuristic|scene|task)(?!\w)", re.MULTILINE
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Read:
-    """A token that fits, and the stack before it."""
-
-    token: Token
-    before: Stack
-
-
-@dataclass(frozen=True, slots=True)
-class Repair:
-    """Keep the first `keep` tokens, then feed `feed`, then read on from `position`. Kind 0 corrects a word, 1 puts in
-    or leaves out a sign, 2 leaves out lines. At least `needs` tokens must be readable after it."""
-
-    kind: int
-    keep: int
-    feed: tuple[Token, ...]
-    position: int
-    diagnostic: Diagnostic
-    needs: int = 2
 
 
 class Recovery:
@@ -129,7 +107,9 @@ class Recovery:
         self._skip_declaration(found)
 
     def _apply(self, repair: Repair) -> None:
-        if not self.diagnostics or self.diagnostics[-1].span != repair.diagnostic.span:
+        opened = {d.span for d in self.diagnostics if d.code == "E0003"}
+        follows = any(label.span in opened for label in repair.diagnostic.labels)
+        if not follows and (not self.diagnostics or self.diagnostics[-1].span != repair.diagnostic.span):
             self.diagnostics.append(repair.diagnostic)
         self._forget(repair.keep)
         for token in repair.feed:
@@ -149,9 +129,13 @@ class Recovery:
         return min(reached - again, LOOKAHEAD)
 
     def _repairs(self, found: Token | Unreadable | None) -> Iterator[Repair]:
+        if found is not None:
+            yield from idiomatic(self.source, self.automaton, self.reads, self.stack, _start(found))
         if isinstance(found, Unreadable):
             yield from self._unreadable(found)
         else:
+            if found is not None:
+                yield from exchanged(self.source, self.automaton, self.reads, self.stack, found)
             yield from self._habits(found)
             yield from self._keywords(found)
             yield from self._bare_literal(found)

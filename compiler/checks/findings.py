@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from itertools import islice
 
 from ...langs.diagnostics import Diagnostic, Label, did_you_mean
-from ...langs.source import Source, Span
+from ...langs.source import PLACEHOLDER, Source, Span
 from ..standard import import_hint
 
 MOST_HINTS = 100
@@ -56,6 +56,8 @@ class Findings:
     def unknown(self, code: str, what: str, name: str, span: Span, candidates: Iterable[str]) -> None:
         """A name that nothing declares. The hint is the import that would declare it, else the nearest of
         `candidates`, else a few of them."""
+        if name == PLACEHOLDER:
+            return
         self.hints += 1
         help = self._hint(code, name, candidates) if self.hints <= MOST_HINTS else None
         self.report(code, span, f"unknown {what} `{name}`", help=help)

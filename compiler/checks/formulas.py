@@ -107,7 +107,7 @@ def _report_arity(context: Context, literal: syntax.Literal, signature: Signatur
         "E0201",
         literal.span,
         f"`{literal.predicate}` takes {wanted} argument{'s' * (wanted != 1)}, not {given}",
-        help=f"write `{left}{form}{right}`",
+        help=f"it has the form `{left}{form}{right}`",
         labels=[(signature.span, "declared here")],
     )
 
@@ -152,7 +152,9 @@ def check_argument(
     if context.library.is_a(typed.kind.type, wanted):
         return True
     help = swapped
-    if help is None and context.library.is_a(wanted, typed.kind.type):
+    if help is None:
+        help = _end_of(context, typed, wanted)
+    if help is None and isinstance(typed.term, ir.Var) and context.library.is_a(wanted, typed.kind.type):
         help = f"declare it as `{wanted}`, which is below `{typed.kind.type}`"
     context.findings.report(
         "E0202",
@@ -162,6 +164,18 @@ def check_argument(
         labels=[(signature.span, "declared here")],
     )
     return False
+
+
+def _end_of(context: Context, typed: Typed, wanted: str) -> str | None:
+    """Which ends of a module would fit where the module itself does not."""
+    module = context.library.modules.get(typed.kind.type)
+    if module is None or not isinstance(typed.term, ir.Object):
+        return None
+    items = [i for i in module.items if isinstance(i, syntax.EffectorItem)]
+    ends = [i.name for i in items if context.library.is_a(i.type or "effector", wanted)]
+    if not ends:
+        return None
+    return "name one of its ends: " + " or ".join(f"`{typed.term.name}.{end}`" for end in ends)
 
 
 def _written(term: syntax.Term) -> str:

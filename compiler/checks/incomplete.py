@@ -25,10 +25,19 @@ def keep_certain(library: Library, found: Findings, certain: Findings) -> None:
     broken = {
         (d.span.file, line) for d in certain if d.span is not None for line in range(d.span.line, d.span.end_line + 1)
     }
+    texts = {s.path: s.text.split("\n") for s in library.sources}
+    words = {file: set(re.findall(r"\w+", " ".join(texts[file][line - 1] for f, line in broken if f == file and
+                                                    line <= len(texts[file])))) for file, _ in broken if file in texts}
     for diagnostic in found:
         at_gap = diagnostic.span is not None and (diagnostic.span.file, diagnostic.span.line) in broken
         misspelt = diagnostic.code in (*UNKNOWN_NAMES, "E0301") and diagnostic.help is not None
         if at_gap and not misspelt:
+            continue
+        told = "" if diagnostic.span is None else diagnostic.span.file
+        name = re.search(r"`(\w+)", diagnostic.message)
+        if diagnostic.code in ("E0101", "E0301") and name is not None and name[1] in words.get(told, ()):
+            continue
+        if diagnostic.code == "E0506" and "goal" in words.get(told, ()):
             continue
         follows = diagnostic.code in UNKNOWN_NAMES and (imports or any(f"`{n}`" in diagnostic.message for n in lost))
         incomplete = diagnostic.code in WHOLE_FILE and (lost or imports)

@@ -53,11 +53,13 @@ class Family:
 @dataclass(slots=True)
 class Objects:
     """The things that a scene or module declares. `ground` maps their full names to types once the scene is built;
-    before that it is None and any index is believed. `ends` maps a module type to its effectors and their types."""
+    before that it is None and any index is believed. `ends` maps a module type to its effectors and their types.
+    `incomplete` where a scene is used that nothing declares, so that anything could be its name."""
 
     families: dict[str, Family] = field(default_factory=dict)
     ground: dict[str, str] | None = None
     ends: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    incomplete: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from ...langs import syntax
 from ...langs.diagnostics import did_you_mean
-from ...langs.recovery import PLACEHOLDER
+from ...langs.source import PLACEHOLDER
 from .. import ir
 from .context import Context
 from .kinds import UNKNOWN, Kind
@@ -32,6 +32,10 @@ def check_name(context: Context, scope: Scope, term: syntax.Name) -> Typed:
     code, what = ("E0301", "variable") if scope.place in ("rule", "motion", "heuristic") else ("E0101", "name")
     names = list(scope.names())
     help = did_you_mean(term.name, names)
+    if help is None and term.name in ("pi", "PI"):
+        help = "write `180 deg`"
+    if help is None and scope.objects.incomplete:
+        return BROKEN
     if help is None and code == "E0301":
         help = "bind it as a parameter or with `exists`" if scope.place == "rule" else "bind it as a parameter"
     context.findings.report(code, term.span, f"unknown {what} `{term.name}`", help=help)

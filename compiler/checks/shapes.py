@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 
 from ...langs import syntax
 from ...langs.diagnostics import did_you_mean
@@ -20,6 +21,13 @@ SHAPES: Mapping[str, tuple[str, ...]] = {
     ir.ShapeKind.CAPSULE: ("radius", "length"),
     ir.ShapeKind.CYLINDER: ("radius", "length"),
 }
+SAME_SHAPES = {
+    "box": ("cube", "cuboid", "block", "rect", "plate"),
+    "sphere": ("ball", "circle", "round"),
+    "cylinder": ("tube", "disc", "disk", "rod", "pipe"),
+    "capsule": ("pill", "stadium"),
+}
+"""What other tools call a shape."""
 SMALLEST = 1e-6
 """Metres: no shape is smaller."""
 HULLS: Mapping[str, str] = {"hull": "hull((x, y, z), …)", "mesh": 'mesh("file.stl")'}
@@ -44,12 +52,14 @@ def shape(
         forms = [f"{name}({', '.join(sizes)})" for name, sizes in shapes.items()]
         forms += HULLS.values() if shapes is SHAPES else ()
         names = [*shapes, *(HULLS if shapes is SHAPES else ())]
-        help = did_you_mean(call.function, names) or f"shapes are {', '.join(forms)}"
+        same = next((s for s, others in SAME_SHAPES.items() if call.function in others), None)
+        help = f"did you mean `{same}`?" if same else did_you_mean(call.function, names)
+        help = help or f"shapes are {', '.join(forms)}"
         findings.report("E0509", where, f"unknown shape `{call.function}`", help=help)
         return None
     if len(call.args) != len(form):
         wanted = f"{len(form)} size{'s' * (len(form) != 1)}"
-        help = f"write `{call.function}({', '.join(form)})`"
+        help = _sizes_help(context, call, form)
         findings.report("E0509", call.span, f"`{call.function}` has {wanted}, not {len(call.args)}", help=help)
         return None
     sizes = []
@@ -64,6 +74,15 @@ def shape(
             value = None
         sizes.append(value)
     return None if None in sizes else ir.Shape(ir.ShapeKind(call.function), tuple(s for s in sizes if s is not None))
+
+
+def _sizes_help(context: Context, call: syntax.Call, form: Sequence[str]) -> str:
+    """A comma for a decimal point, else the sizes that the shape has."""
+    written = context.findings.text(call.span)
+    point = re.sub(r"(\d),(\d)", r"\1.\2", written)
+    if point != written and point.count(",") == len(form) - 1:
+        return f"write `{point}`"
+    return f"it has the form `{call.function}({', '.join(form)})`"
 
 
 def _convex(context: Context, scope: Scope, call: syntax.Call) -> ir.Shape | None:

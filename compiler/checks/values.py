@@ -43,9 +43,8 @@ def vector(
         return None
     if len(term.items) != count:
         form = ", ".join("xyz"[:count])
-        context.findings.report(
-            "E0208", term.span, f"{what} has {count} components, not {len(term.items)}", help=f"write `({form})`"
-        )
+        message = f"{what} has {count} components, not {len(term.items)}"
+        context.findings.report("E0208", term.span, message, help=f"it has the form `({form})`")
         return None
     values = [number(context, scope, item, kind, f"a component of {what}", lenient=True) for item in term.items]
     return None if None in values else tuple(v for v in values if v is not None)

@@ -66,9 +66,10 @@ def _warn(findings: Findings, problem: ir.Problem) -> None:
     things = [b for b in world.bodies.values() if b.movable and b.mass is None]
     for name, module in kinds.items():
         if module.span is not None:
-            message = f"parts of `{name}` state no mass: they count with {DENSITY:g} kg/m^3"
+            message = f"parts of `{name}` state no mass and count with {DENSITY:g} kg/m^3"
             findings.report("W0018", module.span, message, help="add `mass` or `density` to its links and effectors")
     if things and things[0].span is not None:
         named = ", ".join(f"`{b.name}`" for b in things[:3]) + (", …" if len(things) > 3 else "")
-        message = f"{named} state no mass: they count with {DENSITY:g} kg/m^3"
+        count = "states no mass and counts" if len(things) == 1 else "state no mass and count"
+        message = f"{named} {count} with {DENSITY:g} kg/m^3"
         findings.report("W0018", things[0].span, message, help="add `mass` or `density`")

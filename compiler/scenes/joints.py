@@ -22,6 +22,11 @@ from ..physics.statements import StatedPart, stated
 from ..poses import make
 
 AXES: Mapping[str, ir.Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+SAME_KINDS = {name: kind for kind, names in {
+    "revolute": "continuous rotary rotational hinge rotate", "prismatic": "linear slider sliding translational",
+    "planar": "plane",
+}.items() for name in names.split()}  # fmt: skip
+"""What other tools call a kind of joint."""
 DEFAULT_SPEED: Mapping[str, float] = {"revolute": 2.0, "prismatic": 0.5, "planar": 0.5}
 DEFAULT_ACCELERATION: Mapping[str, float] = {"revolute": 5.0, "prismatic": 1.0, "planar": 1.0}
 DEFAULTS = {"speed": DEFAULT_SPEED, "acceleration": DEFAULT_ACCELERATION}
@@ -48,7 +53,9 @@ def lower_joint(
         return None
     if item.kind not in DEFAULT_SPEED:
         where = context.findings.word(item.span, item.kind)
+        same = SAME_KINDS.get(item.kind)
         help = did_you_mean(item.kind, DEFAULT_SPEED) or "joints are revolute, prismatic or planar"
+        help = f"did you mean `{same}`?" if same else help
         context.findings.report("E0508", where, f"unknown kind of joint `{item.kind}`", help=help)
         return None
     if follows and not _may_follow(context, item):
@@ -126,7 +133,7 @@ def _axes(context: Context, item: syntax.JointItem) -> list[ir.Vec3] | None:
         )
     else:
         context.findings.report(
-            "E0508", where, "a joint has one axis: x, y or z", help=f"write `{item.kind}(z)`"
+            "E0508", where, "a joint has one axis: x, y or z", help=f"it has the form `{item.kind}(z)`"
         )
     return None
 

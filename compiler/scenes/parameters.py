@@ -41,7 +41,7 @@ def choose_task(library: Library, name: str | None) -> syntax.TaskDecl:
         if name in tasks:
             return tasks[name]
         help = did_you_mean(name, tasks) or _listed(tasks)
-        raise UsageError(f"there is no task `{name}`", "E0504", help=help)
+        raise UsageError(f"there is no task `{name}`", "E0113", help=help)
     own = {n: t for n, t in tasks.items() if t.span.file == library.path} or dict(tasks)
     if len(own) == 1:
         return next(iter(own.values()))
@@ -54,7 +54,9 @@ def choose_task(library: Library, name: str | None) -> syntax.TaskDecl:
 
 
 def _listed(names: Mapping[str, object]) -> str:
-    return f"there are {', '.join(names)}" if names else "the file declares none"
+    if not names:
+        return "the file declares none"
+    return f"there {'is only' if len(names) == 1 else 'are'} {', '.join(f'`{name}`' for name in names)}"
 
 
 def parameter_values(task: syntax.TaskDecl, given: Mapping[str, str]) -> dict[str, float | int]:

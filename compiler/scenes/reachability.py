@@ -12,6 +12,7 @@ from ..checks.findings import Findings
 from ..checks.relaxation import Relaxation, needed_literals
 
 Binding = Mapping[str, str]
+NO_RULES = "the program declares and imports no rules"
 
 
 def check_goal(findings: Findings, relaxation: Relaxation, goal: ir.Formula) -> None:
@@ -47,6 +48,8 @@ def _check_values(findings: Findings, relaxation: Relaxation, goal: ir.Formula) 
 
 
 def _repair(reasons: list[tuple[str, str | None]]) -> str | None:
+    if any(reason == NO_RULES for reason, _ in reasons):
+        return "the standard library declares some: `import std.rules`"
     facts = list(dict.fromkeys(fact for _, fact in reasons if fact is not None))
     return f"add `fact {facts[0]}`, if it is so" if facts else None
 
@@ -170,7 +173,7 @@ def _reasons(relaxation: Relaxation, literal: ir.Literal, binding: Binding) -> I
         return
     adders = [r for r in world.rules.values() if _adds(r, literal.predicate)]
     if not relaxation.world.rules:
-        yield "the program declares and imports no rules", None
+        yield NO_RULES, None
     elif not adders:
         yield f"no rule adds `{literal.predicate}`", None
     obstacles = [o for rule in adders for o in _obstacle(relaxation, rule, literal.predicate, wanted)]

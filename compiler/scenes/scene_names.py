@@ -37,6 +37,7 @@ def collect_objects(context: Context, items: Sequence[syntax.SceneItem]) -> Obje
                 waiting += reversed(item.items)
             case syntax.SceneUse():
                 scene = context.library.scenes.get(item.name)
+                objects.incomplete |= scene is None
                 if scene is not None and item.name not in seen:
                     seen.add(item.name)
                     waiting += reversed(scene.items)

@@ -18,7 +18,7 @@ ENDINGS = {"csv": ".csv", "npz": ".npz", "ros2": ".yaml", "urdf": ".urdf", "mjcf
 @click.command()
 @click.argument("file", metavar="PLAN.json", type=click.Path(path_type=Path))
 @click.option("--to", "form", type=click.Choice(FORMS), required=True, help="The form to write.")
-@click.option("--out", type=click.Path(path_type=Path), help="The file to write; beside the plan unless given.")
+@click.option("-o", "--out", type=click.Path(path_type=Path), help="The file to write; beside the plan unless given.")
 @click.option("--rate", type=float, help="Samples a second, of csv, npz and ros2; those of the plan unless given.")
 @click.option("--module", help="Of urdf: a module of the robot to write; the first one of the plan unless given.")
 @click.option("--phase", type=int, default=0, show_default=True, help="Of urdf: the phase to write it in.")

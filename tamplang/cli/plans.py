@@ -50,6 +50,7 @@ def verify(file: Path, seconds: float, memory: int | None, against: Path | None,
     else:
         click.echo("\n".join([*verdict_lines(verdict), *_basis_lines(told, against)]))
     if not verdict.verified:
+        click.echo("`tamplang explain S0004` tells what a refusal means", err=True)
         return ExitStatus.REFUSED
     return ExitStatus.DONE if verdict.goal_reached else ExitStatus.UNFINISHED
 

@@ -7,7 +7,7 @@ from functools import cache
 
 from .. import __version__
 from ..langs.codes import CODES
-from ..langs.explanation import CodeInfo
+from ..langs.explanation import CodeInfo, examples
 from ..langs.grammar_loader import cache_folder
 from ..langs.writer import write_atomically
 
@@ -42,7 +42,8 @@ def page_text() -> str:
 
 def _section(code: str, info: CodeInfo) -> str:
     text = f'<h2 id="{code}">{code}: {html.escape(info.title)}</h2><p>{html.escape(info.explanation)}</p>'
-    for heading, example in (("Wrong", info.wrong), ("Right", info.right)):
-        if example:
-            text += f"<p>{heading}:</p><pre>{html.escape(example)}</pre>"
+    for kind, example in zip(("Wrong", "Right"), examples(code), strict=True):
+        for index, block in enumerate(example.shown):
+            heading = " ".join([f"{kind}:"] * (index == 0) + [block.heading] * bool(block.heading))
+            text += f"<p>{heading}</p>" * bool(heading) + f"<pre>{html.escape(block.text)}</pre>"
     return text
