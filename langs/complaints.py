@@ -220,8 +220,8 @@ def unreadable(source: Source, position: int, automaton: Automaton) -> Strange:
         span = Span(source.path, position, position + len(quoted), line, column, line, column + len(quoted))
         told = "this text has no closing quote" if character == '"' else 'texts stand between `"` and `"`'
         inner = quoted[1:] if character == '"' else quoted[1:-1]
-        hint = 'put `"` at its start and its end, on the same line' if character == '"' else f'write `"{inner}"`'
-        found = Diagnostic("E0006", told, span, help=hint)
+        repair = 'put `"` at its start and its end, on the same line' if character == '"' else f'write `"{inner}"`'
+        found = Diagnostic("E0006", told, span, help=repair)
         return Strange(found, len(quoted), ("STRING", f'"{inner}"'))
     width = 2 if source.text.startswith(("&&", "||"), position) else 1
     span = Span(source.path, position, position + width, line, column, line, column + width)

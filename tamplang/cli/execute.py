@@ -61,7 +61,8 @@ def _noise(context: click.Context, option: click.Parameter, texts: tuple[str, ..
               help="Simulated seconds that planning a window takes.  [default: 0.25]")
 @planner_option("time", "seconds")
 @memory_option
-@click.option("-o", "--out", type=click.Path(path_type=Path), help="The plan file.  [default: TASK.run.json in this folder]")
+@click.option("-o", "--out", type=click.Path(path_type=Path),
+              help="The plan file.  [default: TASK.run.json in this folder]")
 @click.option("--report", type=click.Path(path_type=Path), help="Write the report too: one HTML file.")
 @click.option("--keep-refused", "refused", type=click.Path(path_type=Path), metavar="FILE",
               help="Where to write a plan that the verifier refuses.  [default: nowhere]")

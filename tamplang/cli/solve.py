@@ -38,7 +38,8 @@ from .watch import watch_option, watching
 @planner_option("nodes")
 @side_options
 @planner_option("solver")
-@click.option("-o", "--out", type=click.Path(path_type=Path), help="The plan file.  [default: TASK.plan.json in this folder]")
+@click.option("-o", "--out", type=click.Path(path_type=Path),
+              help="The plan file.  [default: TASK.plan.json in this folder]")
 @click.option("--report", type=click.Path(path_type=Path), help="Write the report too: one HTML file.")
 @click.option("--keep-refused", "refused", type=click.Path(path_type=Path), metavar="FILE",
               help="Where to write a plan that the verifier refuses.  [default: nowhere]")

@@ -47,7 +47,8 @@ FEW = 8
 @memory_option
 @planner_option("nodes", help="How large each search tree may grow.")
 @planner_option("solver")
-@click.option("-o", "--out", type=click.Path(path_type=Path), help="The results.  [default: TASK.sweep.jsonl in this folder]")
+@click.option("-o", "--out", type=click.Path(path_type=Path),
+              help="The results.  [default: TASK.sweep.jsonl in this folder]")
 @click.option("--plans", type=click.Path(path_type=Path), help="A folder for the plan files.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object on standard output.")
 def sweep(

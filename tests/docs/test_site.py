@@ -7,13 +7,14 @@ import math
 import re
 import shlex
 from pathlib import Path
+from types import ModuleType
 
 import click
 import pytest
 
 import tamplang
 from tamplang.cli.app import application
-from tamplang.compiler.pipeline import check_sources
+from tamplang.compiler.pipeline import check, check_sources
 from tamplang.langs.source import Source
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -21,6 +22,41 @@ DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.glob("*.md"))
 TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")
 PROGRAMS = re.findall(r"```tamp\n(.*?)```", TUTORIAL, re.DOTALL)
+
+
+HOW_TO = [
+    (page.stem, program)
+    for page in sorted(DOCS.glob("how-to-*.md"))
+    for program in re.findall(r"```tamp\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+]
+ARM = """<robot name="arm">
+  <link name="base_link"/>
+  <link name="arm"/>
+  <link name="tool0"/>
+  <joint name="turn" type="revolute"><parent link="base_link"/><child link="arm"/><origin xyz="0 0 0.05"/>
+    <axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="20" velocity="2"/></joint>
+  <joint name="wrist" type="revolute"><parent link="arm"/><child link="tool0"/><origin xyz="0 0 0.4"/>
+    <axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="20" velocity="2"/></joint>
+</robot>
+"""
+
+
+@pytest.mark.parametrize(("page", "program"), HOW_TO, ids=lambda x: x[:12])
+def test_programs_of_the_how_tos_are_sound(page: str, program: str, tmp_path: Path) -> None:
+    (tmp_path / "arm.urdf").write_text(ARM)
+    (tmp_path / f"{page}.tamp").write_text(program)
+    found = check(tmp_path / f"{page}.tamp")
+    assert [f"{d.code} {d.message}" for d in found if d.code not in ("W0001", "W0002")] == []
+
+
+def test_every_page_is_part_of_the_site() -> None:
+    nav = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").split("nav:")[1]
+    assert sorted(p.name for p in PAGES if f": {p.name}\n" not in nav) == []
+
+
+def test_the_page_of_the_standard_library_is_that_of_its_texts() -> None:
+    written = (DOCS / "stdlib.md").read_text(encoding="utf-8")
+    assert written == _script("write_stdlib").text(), "python docs/write_stdlib.py writes it anew"
 
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=[re.findall(r"^task (\w+)", p, re.MULTILINE)[0] for p in PROGRAMS])
@@ -55,11 +91,17 @@ def test_commands_of_a_page_exist(page: Path) -> None:
 
 
 def test_the_page_of_codes_is_that_of_the_table() -> None:
-    spec = importlib.util.spec_from_file_location("write_codes", DOCS / "write_codes.py")
+    written = (DOCS / "codes.md").read_text(encoding="utf-8")
+    assert written == _script("write_codes").text(), "python docs/write_codes.py writes it anew"
+
+
+def _script(name: str) -> ModuleType:
+    """A script of the folder of pages, which is no package."""
+    spec = importlib.util.spec_from_file_location(name, DOCS / f"{name}.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    assert (DOCS / "codes.md").read_text(encoding="utf-8") == module.text(), "python docs/write_codes.py writes it anew"
+    return module
 
 
 def test_the_pages_of_the_site_exist() -> None:
