@@ -106,7 +106,8 @@ CODES: dict[str, CodeInfo] = {
     "E0211": CodeInfo("division by zero", "type", "The divisor is zero for the parameters given."),
     "E0212": CodeInfo("unknown objective", "type",
         "What can be minimised is actions (their cost), duration (seconds of motion, of all robots together), makespan "
-        "(seconds until the last action is done), travel (how far joints move) and energy (joules, with `physics` on)."),
+        "(seconds until the last action is done), travel (how far joints move) and energy (joules, with `physics` "
+        "on)."),
     "E0214": CodeInfo("weight that is not positive", "type",
         "What is minimised is a cost: a negative weight would make plans better the longer they are, and with all "
         "weights zero all plans are alike."),

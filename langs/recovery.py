@@ -16,7 +16,6 @@ from lark import Lark, Token
 from . import complaints
 from .automaton import Automaton, Stack, Unreadable
 from .diagnostics import Diagnostic
-from .frozen import dataclass
 from .habits import habit
 from .repairs import Read, Repair, exchanged, idiomatic
 from .source import PLACEHOLDER, Source

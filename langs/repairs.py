@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-
 from lark import Token
 
 from .automaton import Automaton, Stack
 from .build_terms import span_of
 from .diagnostics import Diagnostic
+from .frozen import dataclass
 from .idioms import WORDS, Idiom, idioms
 from .source import Source, Span
 

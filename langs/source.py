@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 from .frozen import dataclass
+
 PLACEHOLDER = "?"
 """The name that stands where one lacks in a repaired text; no sound text has it as a name."""
 
