@@ -14,7 +14,7 @@ _BLOCK = re.compile(r"^```(\w+) (wrong|right|both)( hidden)?(?: (\S+))?\n(.*?)\n
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
+class Passage:
     """A file by the name `file`, or commands of a shell where it is empty. What is `hidden` only sets the stage."""
 
     file: str
@@ -32,7 +32,7 @@ class Block:
 class Example:
     """Files of a folder, and the commands that are tried there; without any it is `tamplang check example.tamp`."""
 
-    blocks: tuple[Block, ...]
+    blocks: tuple[Passage, ...]
 
     @property
     def files(self) -> dict[str, str]:
@@ -43,7 +43,7 @@ class Example:
         return "\n".join(block.text for block in self.blocks if not block.file)
 
     @property
-    def shown(self) -> tuple[Block, ...]:
+    def shown(self) -> tuple[Passage, ...]:
         return tuple(block for block in self.blocks if not block.hidden)
 
 
@@ -71,10 +71,10 @@ class CodeInfo:
 def examples(code: str) -> tuple[Example, Example]:
     """What gives the code, and how it is right. Raises OSError where the file of the code is missing."""
     text = (FOLDER / f"{code}.md").read_text(encoding="utf-8")
-    both: tuple[list[Block], list[Block]] = [], []
+    both: tuple[list[Passage], list[Passage]] = [], []
     for language, kind, hidden, name, content in _BLOCK.findall(text):
         file = name or (MAIN if language == "tamp" else "")
         for index, side in enumerate(("wrong", "right")):
             if kind in (side, "both"):
-                both[index].append(Block(file, language, content, bool(hidden) or (kind == "both" and index == 1)))
+                both[index].append(Passage(file, language, content, bool(hidden) or (kind == "both" and index == 1)))
     return Example(tuple(both[0])), Example(tuple(both[1]))
