@@ -18,8 +18,10 @@ if TYPE_CHECKING:
     from ..compiler.ir import MotionPredicate, Problem, Row
     from ..compiler.symbolic.successors import Successors
 
-STATES_TO_VISIT = 1000
-"""How many states `ground` and `successors` visit: the back end grounds and generates as the search goes."""
+STATES_TO_VISIT, BLOCKS_TO_TRY = 1000, 50_000
+"""How many states `ground` and `successors` visit, and how many groups of actions they try in all of these: the back
+end grounds and generates as the search goes. States of the examples have some 10 groups each; the second
+bound keeps the walk from growing with the square of the number of rules."""
 
 
 def _ast(file: Path) -> str:
@@ -64,8 +66,11 @@ def _walked(problem: Problem) -> tuple[Successors, int]:
     successors = Successors(problem)
     seen = {successors.initial}
     queue = deque(seen)
-    while queue and len(seen) < STATES_TO_VISIT:
-        for state, _ in successors.expand(queue.popleft()):
+    tried = 0
+    while queue and len(seen) < STATES_TO_VISIT and tried < BLOCKS_TO_TRY:
+        visited = queue.popleft()
+        tried += len(successors.blocks(visited))
+        for state, _ in successors.expand(visited):
             if state not in seen:
                 seen.add(state)
                 queue.append(state)
