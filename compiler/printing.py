@@ -121,6 +121,7 @@ def _module_type(m: ir.ModuleType) -> str:
     lines = [
         f"joint {i} {j.name}: {j.kind} about {_numbers(j.axis)} on {j.parent} at {_numbers(j.placement)} in "
         f"{j.lower:g} .. {j.upper:g} home {j.home:g} speed {j.speed:g} acceleration {j.acceleration:g}"
+        f"{f' jerk {j.jerk:g}' if math.isfinite(j.jerk) else ''}"
         f"{' passive' * j.passive}{_coupling(j.follows)}{_drive(j)}"
         for i, j in enumerate(m.joints)
     ]

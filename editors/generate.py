@@ -54,7 +54,7 @@ def vim() -> str:
         r"syn match tampPredicate /(\@1<=\h\w*\%(\%(\s\+[A-Za-z0-9_.\[\]]\+\)*)\)\@=/",
         r"syn match tampMotion /\[\@1<=\h\w*\%(\%(\s\+[A-Za-z0-9_.\[\]]\+\)\+\]\)\@=/",
         r"syn match tampNumber /\<\d\+\%(\.\d\+\)\?\%([eE][+-]\?\d\+\)\?"
-        rf"\%(\s*\%({units}\)\%(\/s\%(^2\)\?\)\?\>\)\?/",
+        rf"\%(\s*\%({units}\)\%(\/s\%(^[23]\)\?\)\?\>\)\?/",
         r'syn region tampString start=/"/ end=/"/ oneline',
         r"syn match tampComment /#.*$/ contains=tampTodo",
         r"syn match tampDoc /##.*$/",

@@ -221,7 +221,7 @@ class TreeBuilder(TermBuilder):
                 )
             case "joint_item":
                 physics = branches(tree, *PHYSICAL)
-                name, call, limits, home, speed, acceleration, passive = _without(children, physics)
+                name, call, limits, home, speed, acceleration, jerk, passive = _without(children, physics)
                 motion = None if call is None else self.call(_tree(call))
                 named = isinstance(name, Token) and name.type == "STRING"
                 lower, upper = (None, None) if limits is None else self.terms(_tree(limits).children)
@@ -234,6 +234,7 @@ class TreeBuilder(TermBuilder):
                     self.maybe_term(home),
                     self.maybe_term(speed),
                     self.maybe_term(acceleration),
+                    self.maybe_term(jerk),
                     passive is not None,
                     physics=self.physics(physics),
                     span=span,

@@ -18,7 +18,7 @@ Child: TypeAlias = Branch | Token | None
 
 MAX_DEPTH = 100
 _NUMBER = re.compile(
-    r"([0-9.]+(?:[eE][+-]?[0-9]+)?)[ \t]*(k?N m|k?N|kg/m\^3|kg m\^2|[a-z]*)(/s(?:\^2)?)?", re.ASCII
+    r"([0-9.]+(?:[eE][+-]?[0-9]+)?)[ \t]*(k?N m|k?N|kg/m\^3|kg m\^2|[a-z]*)(/s(?:\^[23])?)?", re.ASCII
 )
 _UNITS = {
     "": (1.0, ""),
@@ -43,6 +43,8 @@ _RATES = {
     ("angle", "/s"): "angular speed",
     ("length", "/s^2"): "acceleration",
     ("angle", "/s^2"): "angular acceleration",
+    ("length", "/s^3"): "jerk",
+    ("angle", "/s^3"): "angular jerk",
 }
 
 WRENCH = 6

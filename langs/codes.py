@@ -24,7 +24,7 @@ CODES: dict[str, CodeInfo] = {
         "A quoted text ends on the line where it starts."),
     "E0007": CodeInfo("unknown unit", "syntax",
         "Units are m, cm, mm for lengths, rad, deg for angles, s, min for times, and a length or angle per "
-        "second, such as rad/s, for speeds, or per second squared, such as rad/s^2, for accelerations."),
+        "second, such as rad/s, for speeds, per second squared for accelerations, and per s^3 for jerks."),
     "E0008": CodeInfo("nested too deeply", "syntax",
         "Brackets, operators or imports are nested more than 100 deep, or what a function, derived predicate or scene "
         "stands for is, once what it uses is put in."),

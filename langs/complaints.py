@@ -14,7 +14,7 @@ from .frozen import dataclass
 from .source import Source, Span
 
 UNITS = ("m", "cm", "mm", "rad", "deg", "s", "min", "m/s", "rad/s", "deg/s", "m/s^2", "rad/s^2", "deg/s^2",
-         "kg", "g", "N", "kN", "N m", "kN m", "kg/m^3", "kg m^2")  # fmt: skip
+         "m/s^3", "rad/s^3", "deg/s^3", "kg", "g", "N", "kN", "N m", "kN m", "kg/m^3", "kg m^2")  # fmt: skip
 SAME_UNITS = {name: unit for unit, names in {
     "m": "meter meters metre metres", "cm": "centimeter centimeters centimetre centimetres",
     "mm": "millimeter millimeters millimetre millimetres mms", "rad": "radian radians rads",

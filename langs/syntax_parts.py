@@ -59,6 +59,7 @@ class JointItem(PhysicalNode):
     home: Term | None
     speed: Term | None
     acceleration: Term | None
+    jerk: Term | None
     passive: bool
 
 

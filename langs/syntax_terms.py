@@ -23,8 +23,8 @@ class Node:
 @dataclass(frozen=True, slots=True)
 class Number(Node):
     """`3`, `0.05 m`, `120 deg`: the value in SI, the kind ("" plain, "length", "angle", "time", "speed",
-    "angular speed", "acceleration", "angular acceleration", "mass", "density", "force", "torque",
-    "inertia") and text."""
+    "angular speed", "acceleration", "angular acceleration", "jerk", "angular jerk", "mass", "density", "force",
+    "torque", "inertia") and text."""
 
     value: float
     kind: str

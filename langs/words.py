@@ -58,6 +58,7 @@ WORDS: Mapping[str, Word] = {
     "home": Word("clause", "the value of a joint at the start"),
     "speed": Word("clause", "the greatest speed of a joint; also a type of values"),
     "acceleration": Word("clause", "the greatest acceleration of a joint"),
+    "jerk": Word("clause", "the greatest jerk of a joint: how fast its acceleration may change; no limit unless given"),
     "from": Word("clause", "the file of a module from a URDF, or the time at which a body starts"),
     "urdf": Word("clause", "the description of a module as other tools write it"),
     "by": Word("clause", "the predicate that links the modules of a chain, or how far a body jumps"),

@@ -10,7 +10,8 @@ import msgspec
 FORMAT = "tamplang-plan/2"
 COUPLINGS = "couplings"
 PASSIVE = "passive"
-KNOWN_NEEDS = frozenset({COUPLINGS, PASSIVE})
+JERK = "jerk"
+KNOWN_NEEDS = frozenset({COUPLINGS, PASSIVE, JERK})
 """The optional parts of the format that this version understands."""
 NO_LIMIT = 1e9
 """Stands for an infinite limit: JSON has no infinity."""
@@ -46,6 +47,7 @@ class JointRecord(Record, frozen=True, omit_defaults=True):
     acceleration: float = NO_LIMIT
     follows: CouplingRecord | None = None
     passive: bool = False
+    jerk: float = NO_LIMIT
 
 
 class EffectorRecord(Record, frozen=True):

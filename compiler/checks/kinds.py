@@ -30,7 +30,7 @@ class Kind:
 
 
 SCALARS = ("number", "length", "angle", "time", "speed", "angular speed", "acceleration", "angular acceleration",
-           "mass", "density", "force", "torque", "inertia")  # fmt: skip
+           "jerk", "angular jerk", "mass", "density", "force", "torque", "inertia")  # fmt: skip
 PHRASES = {
     "number": "a plain number",
     "length": "a length",
@@ -40,6 +40,8 @@ PHRASES = {
     "angular speed": "an angular speed",
     "acceleration": "an acceleration",
     "angular acceleration": "an angular acceleration",
+    "jerk": "a jerk",
+    "angular jerk": "an angular jerk",
     "mass": "a mass",
     "density": "a density",
     "force": "a force",
@@ -67,6 +69,8 @@ SPEED = Kind("speed")
 ANGULAR_SPEED = Kind("angular speed")
 ACCELERATION = Kind("acceleration")
 ANGULAR_ACCELERATION = Kind("angular acceleration")
+JERK = Kind("jerk")
+ANGULAR_JERK = Kind("angular jerk")
 MASS = Kind("mass")
 DENSITY = Kind("density")
 FORCE = Kind("force")
@@ -76,9 +80,11 @@ PHYSICAL = ("mass", "density", "force", "torque", "inertia")
 VALUE_TYPES = {"int": NUMBER, "real": NUMBER, "length": LENGTH, "angle": ANGLE, "time": TIME, "speed": SPEED,
                "mass": MASS, "density": DENSITY, "force": FORCE, "torque": TORQUE, "inertia": INERTIA}  # fmt: skip
 EXAMPLES = {"length": "m", "angle": "rad", "time": "s", "speed": "m/s", "angular speed": "rad/s",
-            "acceleration": "m/s^2", "angular acceleration": "rad/s^2", "mass": "kg", "density": "kg/m^3", "force": "N",
+            "acceleration": "m/s^2", "angular acceleration": "rad/s^2", "jerk": "m/s^3",
+            "angular jerk": "rad/s^3", "mass": "kg", "density": "kg/m^3", "force": "N",
             "torque": "N m", "inertia": "kg m^2"}  # fmt: skip
-RATES = {LENGTH: SPEED, ANGLE: ANGULAR_SPEED, SPEED: ACCELERATION, ANGULAR_SPEED: ANGULAR_ACCELERATION}
+RATES = {LENGTH: SPEED, ANGLE: ANGULAR_SPEED, SPEED: ACCELERATION, ANGULAR_SPEED: ANGULAR_ACCELERATION,
+         ACCELERATION: JERK, ANGULAR_ACCELERATION: ANGULAR_JERK}  # fmt: skip
 """What a kind becomes when it is divided by a time."""
 
 

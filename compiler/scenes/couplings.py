@@ -87,7 +87,8 @@ def _narrowed(leader: ir.Joint, follower: ir.Joint, coupling: StatedCoupling) ->
     speed, acceleration = min(leader.speed, follower.speed / size), leader.acceleration
     if math.isfinite(follower.acceleration):
         acceleration = min(acceleration, follower.acceleration / size)
-    return replace(leader, lower=lower, upper=upper, speed=speed, acceleration=acceleration)
+    jerk = min(leader.jerk, follower.jerk / size)
+    return replace(leader, lower=lower, upper=upper, speed=speed, acceleration=acceleration, jerk=jerk)
 
 
 def text_couplings(

@@ -29,7 +29,8 @@ SAME_KINDS = {name: kind for kind, names in {
 """What other tools call a kind of joint."""
 DEFAULT_SPEED: Mapping[str, float] = {"revolute": 2.0, "prismatic": 0.5, "planar": 0.5}
 DEFAULT_ACCELERATION: Mapping[str, float] = {"revolute": 5.0, "prismatic": 1.0, "planar": 1.0}
-DEFAULTS = {"speed": DEFAULT_SPEED, "acceleration": DEFAULT_ACCELERATION}
+NO_JERK: Mapping[str, float] = dict.fromkeys(DEFAULT_SPEED, math.inf)
+DEFAULTS = {"speed": DEFAULT_SPEED, "acceleration": DEFAULT_ACCELERATION, "jerk": NO_JERK}
 AXIS_COUNT: Mapping[str, int] = {"revolute": 1, "prismatic": 1, "planar": 2}
 BEARS = {
     "revolute": ("mass", "torque", "bearing", "rotor"),
@@ -66,11 +67,12 @@ def lower_joint(
     limits = _planar_limits(context, scope, item) if planar else _limits(context, scope, item, kind, follows)
     speed = joint_rate(context, scope, item, "speed", RATES[kind])
     acceleration = joint_rate(context, scope, item, "acceleration", RATES[RATES[kind]])
-    if axes is None or limits is None or speed is None or acceleration is None:
+    jerk = joint_rate(context, scope, item, "jerk", RATES[RATES[RATES[kind]]])
+    if axes is None or limits is None or speed is None or acceleration is None or jerk is None:
         return None
     greatest = (speed, acceleration)
     said = stated(context, scope, item, BEARS[item.kind or ""], f"a {item.kind} joint")
-    drive = drive_of(said)
+    drive = drive_of(said) | {"jerk": jerk}
     if not planar:
         how = (ir.JointKind(item.kind), parent, make(offset, STRAIGHT), axes[0])
         return [ir.Joint(item.name, *how, *limits[0], *greatest, item.passive, **drive)]
@@ -212,8 +214,9 @@ def _planar_limits(context: Context, scope: Scope, item: syntax.JointItem) -> li
 
 
 def joint_rate(context: Context, scope: Scope, item: syntax.JointItem, what: str, wanted: Kind) -> float | None:
-    """The greatest `what` of the joint, "speed" or "acceleration", in SI; None where it is wrong or not known yet."""
-    term = item.speed if what == "speed" else item.acceleration
+    """The greatest `what` of the joint, "speed", "acceleration" or "jerk", in SI; None where it is wrong or not known
+    yet."""
+    term = {"speed": item.speed, "acceleration": item.acceleration, "jerk": item.jerk}[what]
     if term is None:
         return DEFAULTS[what][item.kind or ""]
     typed = check_term(context, scope, term)

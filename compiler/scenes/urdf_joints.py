@@ -88,6 +88,12 @@ class JointBuilder:
             own_drive = drive_of(stated(self.context, self.scope, item, BEARS[kind], f"a {kind} joint"))
             drive = own_drive | (drive if math.isinf(own_drive["torque"]) else {})
         drive["passive"] = item is not None and item.passive
+        if item is not None and item.jerk is not None:
+            wanted = RATES[RATES[RATES[ANGLE if kind == ir.JointKind.REVOLUTE else LENGTH]]]
+            jerk = joint_rate(self.context, self.scope, replace(item, kind=kind), "jerk", wanted)
+            if jerk is None:
+                return None
+            drive["jerk"] = jerk
         place = (parent, placement, joint.axis)
         made = ir.Joint(joint.name, kind, *place, lower, upper, home, rates[0], rates[1], **drive)
         return Moved((made,), HERE)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import platform
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -97,7 +98,8 @@ def _needs(world: ir.World) -> list[str]:
     """The optional parts of the format that the plan makes use of."""
     joints = [j for m in world.modules.values() for j in m.type.joints]
     follows, passive = any(j.follows is not None for j in joints), any(j.passive for j in joints)
-    return [record.COUPLINGS] * follows + [record.PASSIVE] * passive
+    jerk = any(math.isfinite(j.jerk) for j in joints)
+    return [record.COUPLINGS] * follows + [record.PASSIVE] * passive + [record.JERK] * jerk
 
 
 def _versions() -> dict[str, str]:
@@ -200,7 +202,7 @@ def module_record(module: ir.Module) -> record.ModuleRecord:
             j.name, j.kind, j.parent, list(j.placement), list(j.axis),
             _bounded(j.lower), _bounded(j.upper), _bounded(j.speed), _bounded(j.acceleration),
             None if j.follows is None else record.CouplingRecord(j.follows.leader, j.follows.factor, j.follows.offset),
-            j.passive,
+            j.passive, _bounded(j.jerk),
         )
         for j in module.type.joints
     ]  # fmt: skip

@@ -98,11 +98,14 @@ def share_of(world: ir.World) -> float:
     return reach if 0.0 < reach < SMALL else 1.0
 
 
-RATES = ("joint_speed_rad_s", "joint_speed_m_s", "joint_acceleration_rad_s2", "joint_acceleration_m_s2")
+RATES = ("joint_speed_rad_s", "joint_speed_m_s", "joint_acceleration_rad_s2", "joint_acceleration_m_s2",
+         "joint_jerk_rad_s3", "joint_jerk_m_s3")  # fmt: skip
 """Figures whose limit is that of the joint; the worst is the one that comes closest to it, or is farthest above."""
 RATE_SLACK = 1.001
 """By what factor a rate may be above its limit: stored figures are rounded."""
-UNITS = {"_rad_s2": "rad/s²", "_m_s2": "m/s²", "_rad_s": "rad/s", "_m_s": "m/s", "_m": "m", "_rad": "rad", "_s": "s"}
+UNITS = {"_rad_s3": "rad/s³", "_m_s3": "m/s³",
+         "_rad_s2": "rad/s²", "_m_s2": "m/s²", "_rad_s": "rad/s", "_m_s": "m/s", "_m": "m", "_rad": "rad",
+         "_s": "s"}  # fmt: skip
 
 
 def unit_of(kind: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,11 +14,14 @@ from .geometry import Array
 from .kinematics import Motion
 from .splines import Spline
 
-WORDS = {"speed": "is faster than its limit", "acceleration": "speeds up or slows down harder than its limit"}
+WORDS = {"speed": "is faster than its limit", "acceleration": "speeds up or slows down harder than its limit",
+         "jerk": "changes its acceleration faster than its limit"}  # fmt: skip
 ENDS = {("speed", ir.JointKind.REVOLUTE): "rad_s",
         ("speed", ir.JointKind.PRISMATIC): "m_s",
         ("acceleration", ir.JointKind.REVOLUTE): "rad_s2",
-        ("acceleration", ir.JointKind.PRISMATIC): "m_s2"}  # fmt: skip
+        ("acceleration", ir.JointKind.PRISMATIC): "m_s2",
+        ("jerk", ir.JointKind.REVOLUTE): "rad_s3",
+        ("jerk", ir.JointKind.PRISMATIC): "m_s3"}  # fmt: skip
 
 
 def check_rates(problem: ir.Problem, plan: Plan, motion: Motion, findings: Findings) -> None:
@@ -27,6 +31,22 @@ def check_rates(problem: ir.Problem, plan: Plan, motion: Motion, findings: Findi
         if spline.module in modules:
             knots, values = np.asarray(spline.knots), np.asarray(spline.values)
             _check_spline(problem, modules[spline.module], knots, values, findings)
+            if all(plan.phases[k].completed for k in range(spline.first, spline.until + 1)):
+                _check_jerk(problem, modules[spline.module], knots, values, findings)
+
+
+def _check_jerk(
+    problem: ir.Problem, module: ModuleRecord, knots: Array, values: Array, findings: Findings
+) -> None:
+    """Where a joint states a limit: between knots the jerk is constant; what acceleration there is at an end counts as
+    having come about in the piece beside it. A motion that is broken off need not keep it."""
+    if all(math.isinf(j.jerk) for j in problem.world.modules[module.name].type.joints):
+        return
+    curve = Spline(knots, values)
+    steps = np.diff(knots)
+    ends = curve(knots[[0, -1]], 2) / steps[[0, -1], None]
+    rates = np.concatenate([6.0 * curve.cubic, np.abs(ends)])
+    _record(problem, module, "jerk", rates, np.concatenate([knots[:-1], knots[[0, -1]]]), findings)
 
 
 def _check_spline(
@@ -53,7 +73,7 @@ def _record(
 ) -> None:
     """Enter the greatest rate of each kind of joint, by its share of the limit; rates are `(times, joints)`."""
     joints = problem.world.modules[module.name].type.joints
-    limits = np.array([min(NO_LIMIT, j.speed if what == "speed" else j.acceleration) for j in joints])
+    limits = np.array([min(NO_LIMIT, getattr(j, what)) for j in joints])
     for kind in (ir.JointKind.REVOLUTE, ir.JointKind.PRISMATIC):
         columns = [i for i, j in enumerate(joints) if j.kind == kind]
         if columns:

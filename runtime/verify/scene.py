@@ -62,6 +62,7 @@ def _module_differences(record: ModuleRecord, module: ir.Module, early: bool) ->
             numbers = _near([a.lower, a.upper, a.speed], _bounded(b.lower, b.upper, b.speed))
             unstated = early and a.acceleration == NO_LIMIT
             numbers = numbers and (unstated or _near([a.acceleration], _bounded(b.acceleration)))
+            numbers = numbers and _near([a.jerk], _bounded(b.jerk))
             frame = _near(a.placement, b.placement) and _near(a.axis, b.axis)
             driven = _same_coupling(a.follows, b.follows) and a.passive == b.passive
             if not (numbers and frame and driven and (a.kind, a.parent) == (b.kind, b.parent)):

@@ -188,9 +188,9 @@ def _check_module(module: ModuleRecord, findings: Findings) -> None:
         findings.fail("structure", f"{name} does not have {count} finite start values", between=[name])
     for index, joint in enumerate(module.joints):
         _check_poses([joint.placement], 1, f"placement of {name} {joint.name}", name, findings)
-        numbers = [*joint.axis, joint.lower, joint.upper, joint.speed, joint.acceleration]
-        good = _numbers([numbers], 7) and any(joint.axis) and joint.kind in (JointKind.REVOLUTE, JointKind.PRISMATIC)
-        good = good and min(joint.speed, joint.acceleration) > 0
+        numbers = [*joint.axis, joint.lower, joint.upper, joint.speed, joint.acceleration, joint.jerk]
+        good = _numbers([numbers], 8) and any(joint.axis) and joint.kind in (JointKind.REVOLUTE, JointKind.PRISMATIC)
+        good = good and min(joint.speed, joint.acceleration, joint.jerk) > 0
         if not good or not -1 <= joint.parent < index or joint.lower > joint.upper:
             findings.fail("structure", f"{name} has a joint {joint.name} that makes no sense", between=[name])
         if joint.follows is not None and not _couples(module, index, joint.follows):

@@ -25,7 +25,7 @@ SCHEMA: Record = {
             "name": "text", "kind": "text", "parent": "number", "placement": POSE, "axis": ["number"],
             "lower": "number", "upper": "number", "speed": "number", "acceleration?": "number",
             "follows?": [None, {"leader": "number", "factor": "number", "offset": "number"}],
-            "passive?": "flag",
+            "passive?": "flag", "jerk?": "number",
         }],
         "effectors": [{"name": "text", "joint": "number", "placement": POSE, "shape": [None, SHAPE]}],
         "links": [{"joint": "number", "placement": POSE, "shape": SHAPE}],
@@ -94,7 +94,7 @@ def upgraded(plan: Record) -> Record:
     wrong = next(_unfit(SCHEMA, plan, "plan"), None)
     if wrong is not None:
         raise ValueError(wrong)
-    if set(plan.get("needs") or ()) - {"couplings", "passive"}:
+    if set(plan.get("needs") or ()) - {"couplings", "passive", "jerk"}:
         raise ValueError(f"it needs {plan['needs']!r:.40}")
     for field, known in KNOWN.items():
         if isinstance(plan.get(field), dict) and not set(plan[field]) <= known:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -102,6 +103,7 @@ def _module(module: ir.Module) -> dict[str, Any]:
             "lower": max(j.lower, -1e9), "upper": min(j.upper, 1e9), "speed": min(j.speed, 1e9),
             "acceleration": min(j.acceleration, 1e9),
             **({"passive": True} if j.passive else {}),
+            **({"jerk": j.jerk} if math.isfinite(j.jerk) else {}),
             **({} if j.follows is None else {"follows": _coupling(j.follows)}),
         }
         for j in kind.joints

@@ -5,7 +5,7 @@ endif
 syn match tampFree /\<\h\w*\>/
 syn match tampDeclaration /[.(\[]\@1<!\<\(heuristic\|placement\|predicate\|function\|derived\|import\|module\|motion\|scene\|rule\|task\|type\)\>(\@!/
 syn match tampPart /[.(\[]\@1<!\<\(effector\|minimise\|disturb\|options\|branch\|during\|guide\|joint\|moves\|start\|where\|cost\|fact\|fail\|goal\|keep\|link\|post\|pre\)\>(\@!/
-syn match tampClause /[.(\[]\@1<!\<\(acceleration\|bearing\|density\|heading\|normal\|switch\|torque\|along\|chain\|force\|holds\|rotor\|speed\|back\|from\|home\|mass\|urdf\|at\|by\|in\|of\|on\)\>(\@!/
+syn match tampClause /[.(\[]\@1<!\<\(acceleration\|bearing\|density\|heading\|normal\|switch\|torque\|along\|chain\|force\|holds\|rotor\|speed\|back\|from\|home\|jerk\|mass\|urdf\|at\|by\|in\|of\|on\)\>(\@!/
 syn match tampModifier /[.(\[]\@1<!\<\(functional\|symmetric\|passive\|static\|borne\)\>(\@!/
 syn match tampControl /[.(\[]\@1<!\<\(previous\|exists\|forall\|else\|then\|ANY\|and\|for\|max\|min\|not\|sum\|if\|is\|or\)\>(\@!/
 syn match tampControl /\<\(previous\|exists\|forall\|else\|then\|ANY\|and\|for\|not\|if\|is\|or\)\>/
@@ -13,7 +13,7 @@ syn match tampType /[.(\[]\@1<!\<\(inertia\|length\|object\|angle\|real\|time\|i
 syn match tampFunction /\<\(prismatic\|cylinder\|revolute\|capsule\|planar\|sphere\|hull\|mesh\|box\)\>(\@=/
 syn match tampPredicate /(\@1<=\h\w*\%(\%(\s\+[A-Za-z0-9_.\[\]]\+\)*)\)\@=/
 syn match tampMotion /\[\@1<=\h\w*\%(\%(\s\+[A-Za-z0-9_.\[\]]\+\)\+\]\)\@=/
-syn match tampNumber /\<\d\+\%(\.\d\+\)\?\%([eE][+-]\?\d\+\)\?\%(\s*\%(kg m^2\|kg\/m^3\|kN m\|N m\|deg\|min\|rad\|cm\|kN\|kg\|mm\|N\|g\|m\|s\)\%(\/s\%(^2\)\?\)\?\>\)\?/
+syn match tampNumber /\<\d\+\%(\.\d\+\)\?\%([eE][+-]\?\d\+\)\?\%(\s*\%(kg m^2\|kg\/m^3\|kN m\|N m\|deg\|min\|rad\|cm\|kN\|kg\|mm\|N\|g\|m\|s\)\%(\/s\%(^[23]\)\?\)\?\>\)\?/
 syn region tampString start=/"/ end=/"/ oneline
 syn match tampComment /#.*$/ contains=tampTodo
 syn match tampDoc /##.*$/

@@ -31,7 +31,11 @@ def shortest_duration(world: World, modules: Mapping[str, Array]) -> float:
     rates, changes = peaks(values)
     by_speed = float((rates / speed).max()) / ACCEPTANCE.limit_share
     by_acceleration = math.sqrt(float((changes / acceleration).max()) / ACCEPTANCE.limit_share)
-    return max(ACCEPTANCE.shortest_phase, math.ceil(max(by_speed, by_acceleration) * 100.0) / 100.0)
+    jerk = np.array([joint.jerk for joint in joints])
+    by_jerk = 0.0
+    if np.isfinite(jerk).any():
+        by_jerk = float((jerks(values) / jerk).max() / ACCEPTANCE.limit_share) ** (1.0 / 3.0)
+    return max(ACCEPTANCE.shortest_phase, math.ceil(max(by_speed, by_acceleration, by_jerk) * 100.0) / 100.0)
 
 
 def peaks(values: Array) -> tuple[Array, Array]:
@@ -46,6 +50,12 @@ def peaks(values: Array) -> tuple[Array, Array]:
         turn = np.clip(np.nan_to_num(-left / change), 0.0, 1.0)
     speeds = [np.abs(first + u * left + 0.5 * u * u * change) for u in (0.0, 1.0, turn)]
     return np.max(speeds, axis=(0, 1)) * count, np.abs(second).max(axis=0) * count**2
+
+
+def jerks(values: Array) -> Array:
+    """Greatest absolute third derivatives `(n,)` of the same, which are constant between knots."""
+    count = len(values) - 1
+    return np.asarray(np.abs(np.diff(second_derivatives(count) @ values, axis=0)).max(axis=0) * count**3)
 
 
 @lru_cache(maxsize=16)
