@@ -83,6 +83,7 @@ ROBOTS = [
     Robot("snake 16", "16 joints; its own: from stone to stone", "snake", "16"),
     Robot("quadruped", "8 joints and 4 without drives; its own: four feet one tile on", "quadruped"),
     Robot("gantry", "coupled hoists and fingers; its own: a button", "gantry"),
+    Robot("cubes", "drive, turn, tilt, flat faces; its own: three dock to a row", "cubes"),
     Robot("UR5", "meshes", urdf="ur_description/urdf/ur5_robot.urdf", base="base_link", tool="tool0",
           away="-50 cm"),
     Robot("Panda", "meshes, coupled fingers", urdf="panda_description/urdf/panda.urdf", base="panda_link0",

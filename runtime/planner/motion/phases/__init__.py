@@ -1,7 +1,7 @@
 """The bound P_seqPath: motions between given switch configurations, phase by phase in joint values.
 
-`joint_forest` reads a phase as a forest of joints, `batch_kinematics` moves it, `collision_spheres` and
-`exact_shapes` say what can meet, `contact_margins` how much clearance is asked next to contacts, `phase_geometry`
+`joint_forest` reads a phase as a forest of joints, `batch_kinematics` moves it, `collision_spheres` say
+what can meet, `contact_margins` how much clearance is asked next to contacts, `phase_geometry`
 holds it all and `proximity` measures what is close; `phase_batch` stacks phases of one structure, `penalty` and
 `smoothing` optimise them, `exact_check` measures the true shapes, by which `swept_check` accepts or refuses;
 `attempts` goes from straight starts over repair and bent or bumped ones to those of `rrt_connect`, and

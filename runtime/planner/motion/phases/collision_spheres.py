@@ -18,6 +18,7 @@ from .....compiler.motion.collision import (
     Sphere,
     body_spheres,
     bounding_radius,
+    cover,
     module_spheres,
     pose_matrix,
     shape_distance,
@@ -120,21 +121,30 @@ def hoist(tree: PhaseTree, node: int, centre: Array) -> tuple[int, Array]:
     return node, centre
 
 
+@lru_cache(maxsize=512)
+def seen_whole(shape: Shape) -> bool:
+    """Whether the optimiser sees a shape that moves as it is: convex bodies, and boxes and cylinders that would take
+    many spheres."""
+    if shape.kind in (ShapeKind.BOX, ShapeKind.CYLINDER):
+        return len(cover(shape, PATH_MARGIN)) >= PHASES.many_spheres
+    return shape.kind == ShapeKind.CONVEX
+
+
 @lru_cache(maxsize=64)
 def _plain(type_: ModuleType) -> tuple[ModuleType, frozenset[int]]:
-    """A module with points in place of its convex bodies, and which of its parts, effectors first, these are."""
+    """A module with points in place of what is seen whole, and which of its parts, effectors first, these are."""
     shapes = [*(e.shape for e in type_.effectors), *(link.shape for link in type_.links)]
-    hulls = frozenset(k for k, s in enumerate(shapes) if s is not None and s.kind == ShapeKind.CONVEX)
-    if not hulls:
-        return type_, hulls
+    whole = frozenset(k for k, s in enumerate(shapes) if s is not None and seen_whole(s))
+    if not whole:
+        return type_, whole
     point, ends = Shape(ShapeKind.SPHERE, (0.0,)), len(type_.effectors)
-    effectors = tuple(replace(e, shape=point) if k in hulls else e for k, e in enumerate(type_.effectors))
-    links = tuple(replace(k, shape=point) if n + ends in hulls else k for n, k in enumerate(type_.links))
-    return replace(type_, effectors=effectors, links=links), hulls
+    effectors = tuple(replace(e, shape=point) if k in whole else e for k, e in enumerate(type_.effectors))
+    links = tuple(replace(k, shape=point) if n + ends in whole else k for n, k in enumerate(type_.links))
+    return replace(type_, effectors=effectors, links=links), whole
 
 
-def hull_balls(tree: PhaseTree, world: World) -> tuple[Ball, ...]:
-    """Spheres around the convex bodies that move in a phase."""
+def balls_around(tree: PhaseTree, world: World) -> tuple[Ball, ...]:
+    """Spheres around what moves in a phase and is seen whole."""
     found = []
     for module, links in tree.links.items():
         type_ = world.modules[module].type
@@ -144,15 +154,14 @@ def hull_balls(tree: PhaseTree, world: World) -> tuple[Ball, ...]:
     found += [(*mount, IDENTITY, world.bodies[name].shape, name) for name, mount in tree.bodies.items()]
     balls = []
     for node, local, placement, shape, owner in found:
-        if shape.kind == ShapeKind.CONVEX:
+        if seen_whole(shape):
             x, y, z = (local @ pose_matrix(placement))[:3, 3].tolist()
             balls.append(Ball(node, (x, y, z), bounding_radius(shape), owner, None, False))
     return tuple(balls)
 
 
 def moving_balls(tree: PhaseTree, world: World, margin: float) -> tuple[Ball, ...]:
-    """Spheres that cover, within `margin`, the modules and bodies that move in a phase, but for convex bodies, which
-    are measured as they are."""
+    """Spheres that cover, within `margin`, the modules and bodies that move in a phase, but for what is seen whole."""
 
     def balls(mount: Mount, spheres: Sequence[Sphere], owner: str) -> Iterator[Ball]:
         node, local = mount
@@ -166,12 +175,12 @@ def moving_balls(tree: PhaseTree, world: World, margin: float) -> tuple[Ball, ..
 
     found: list[Ball] = []
     for module, links in tree.links.items():
-        type_, hulls = _plain(world.modules[module].type)
-        covering = [s for s in module_spheres(type_, margin) if s.part not in hulls]
+        type_, whole = _plain(world.modules[module].type)
+        covering = [s for s in module_spheres(type_, margin) if s.part not in whole]
         for joint, spheres in groupby(covering, lambda s: s.joint):
             found += balls(links[joint], list(spheres), module)
     for name, mount in tree.bodies.items():
-        if world.bodies[name].shape.kind != ShapeKind.CONVEX:
+        if not seen_whole(world.bodies[name].shape):
             found += balls(mount, body_spheres(world.bodies[name], margin), name)
     return tuple(found)
 
@@ -205,31 +214,14 @@ class Meetings:
         result[near] = self._lineage.lengths_between(self._balls, first, second) >= 2 * touch
         return result
 
-    def pairs(self, groups: Sequence[Indices] = ()) -> tuple[Indices, list[tuple[int, ...]]]:
-        """The pairs `(pairs, 2)` that can meet, and for each group the spheres that can meet all of it, which is then
-        one thing. Spheres of one group do not meet."""
-        alone = np.ones(len(self._balls), bool)
-        for group in groups:
-            alone[group] = False
-        plain = np.flatnonzero(alone)
-        meets, found = [], [np.zeros((0, 2), np.intp)]
-        for rows in _blocks(len(plain), len(plain)):
-            first, second = np.nonzero(rows[:, None] < np.arange(len(plain)))
-            first, second = plain[rows[first]], plain[second]
+    def pairs(self) -> Indices:
+        """The pairs `(pairs, 2)` that can meet."""
+        count, found = len(self._balls), [np.zeros((0, 2), np.intp)]
+        for rows in _blocks(count, count):
+            first, second = np.nonzero(rows[:, None] < np.arange(count))
+            first = rows[first]
             found.append(np.column_stack([first, second])[self.meet(first, second)])
-        others = np.ones(len(self._balls), bool)
-        for group in groups:
-            others[group] = False
-            rest, whole = np.flatnonzero(others), list[int]()
-            for rows in _blocks(len(rest), len(group)):
-                first, second = (side.reshape(-1) for side in np.meshgrid(rest[rows], group, indexing="ij"))
-                possible = self.meet(first, second).reshape(-1, len(group))
-                every = np.asarray(possible.all(axis=1))
-                whole += rest[rows][every].tolist()
-                left = (possible & ~every[:, None]).reshape(-1)
-                found.append(np.column_stack([first, second])[left])
-            meets.append(tuple(whole))
-        return np.concatenate(found), meets
+        return np.concatenate(found)
 
 
 def _blocks(rows: int, width: int) -> Iterator[Indices]:

@@ -19,7 +19,7 @@ from .....langs.frozen import dataclass
 from ....geometry.exact_distances import HULL, ROUND, Distances, Forms, Posed, distances
 from ....skeleton import Array
 from .batch_kinematics import BatchKinematics, Indices
-from .collision_spheres import Lineage
+from .collision_spheres import Lineage, seen_whole
 from .contact_margins import NEVER, REQUIRED, Kinds, cross_kinds
 from .joint_forest import Obstacle, PhaseTree
 from .settings import PHASES
@@ -110,9 +110,11 @@ class ExactGeometry:
         ]).reshape(len(phases), -1, 4, 4)  # fmt: skip
         self.half = np.array([box_sides(s) for s in shapes]) / 2
         self.extent = np.einsum("koij,koj->koi", np.abs(self.at[..., :3, :3]), self.half[self.rest])
-        self._is_hull = np.array([s.kind == ShapeKind.CONVEX for s in shapes])
-        self.hulls = bool(self._is_hull.any())
-        """Whether there are bodies that the optimiser sees as they are, for want of spheres."""
+        moving = [[seen_whole(p.shape) for p in phase.parts] for phase in phases]
+        self._whole = np.array(moving, dtype=bool).reshape(len(phases), -1)
+        self._rests_whole = np.array([s.kind == ShapeKind.CONVEX for s in shapes])[self.rest]
+        self.wholes = bool(self._whole.any() or self._rests_whole.any())
+        """Whether there are shapes that the optimiser sees as they are, for want of spheres."""
         self._set_kinds(contacts, count)
 
     def _set_kinds(self, contacts: Sequence[PhaseContacts], count: int) -> None:
@@ -137,7 +139,7 @@ class ExactGeometry:
         result.phases = [self.phases[i] for i in index]
         result.kinematics, result.nodes, result.pairs = self.kinematics.take(index), self.nodes, self.pairs
         result.moved_by, result.forms, result.half = self.moved_by, self.forms, self.half
-        result.hulls, result._is_hull = self.hulls, self._is_hull
+        result._whole, result._rests_whole, result.wholes = self._whole[index], self._rests_whole[index], self.wholes
         result.form, result.rest, result.local = self.form[index], self.rest[index], self.local[index]
         result.at, result.extent = self.at[index], self.extent[index]
         result.obstacle_kinds, result.pair_kinds = self.obstacle_kinds[..., index], self.pair_kinds[..., index]
@@ -166,11 +168,10 @@ class ExactGeometry:
         at = self.at[phase, obstacle]
         return Posed(self.forms, self.rest[phase, obstacle], at[:, :3, 3], at[:, :3, :3])
 
-    def is_hull(self, entries: Entries) -> NDArray[np.bool_]:
-        """Of which `(m,)` one side is a convex body."""
-        second = self.form if entries.among else self.rest
-        forms = self.form[entries.phase, entries.first], second[entries.phase, entries.second]
-        return np.asarray(self._is_hull[forms[0]] | self._is_hull[forms[1]])
+    def is_whole(self, entries: Entries) -> NDArray[np.bool_]:
+        """Of which `(m,)` one side is seen as it is."""
+        second = self._whole if entries.among else self._rests_whole
+        return np.asarray(self._whole[entries.phase, entries.first] | second[entries.phase, entries.second])
 
     def name_pair(self, phase: int, among: bool, first: int, second: int) -> tuple[str, str]:
         """The objects behind a part and an obstacle of one of the phases, or `among` the parts."""
@@ -215,9 +216,9 @@ class Entries:
         found.value[slow[far]] = bound[far]
         return found
 
-    def hulls(self, geometry: ExactGeometry) -> Entries:
-        """Those of them of which one side is a convex body."""
-        return self[np.flatnonzero(geometry.is_hull(self))]
+    def wholes(self, geometry: ExactGeometry) -> Entries:
+        """Those of them of which one side is seen as it is."""
+        return self[np.flatnonzero(geometry.is_whole(self))]
 
 
 def _boxes_apart(one: Posed, other: Posed, half: Array) -> Array:
@@ -328,13 +329,13 @@ def worst_clash(geometry: ExactGeometry, phase: int, values: Array) -> Clash:
     return worst
 
 
-def hulls_blocked(geometry: ExactGeometry, poses: Array) -> NDArray[np.bool_]:
-    """`(times,)` whether a convex body misses the clearance that is required, in the one phase of `geometry`, for joint
-    values `(times, joints)`."""
+def wholes_blocked(geometry: ExactGeometry, poses: Array) -> NDArray[np.bool_]:
+    """`(times,)` whether what is seen as it is misses the clearance that is required, in the one phase of `geometry`,
+    for joint values `(times, joints)`."""
     frames = geometry.kinematics.frames(poses[None])
     result = np.zeros(len(poses), bool)
     for near in near_entries(geometry, frames, np.zeros((len(geometry.nodes), 1, len(poses)))):
-        entries = near.hulls(geometry)
+        entries = near.wholes(geometry)
         distance = entries.measured(geometry, frames, np.zeros(len(entries.first))).value
         result[entries.time[distance < REQUIRED[entries.kind]]] = True
     return result

@@ -12,7 +12,7 @@ from .batch_kinematics import Indices
 from .exact_check import near_entries
 from .phase_batch import Batch, Looks
 from .phase_geometry import Geometry
-from .proximity import near_obstacles, near_pairs, near_whole
+from .proximity import near_obstacles, near_pairs
 from .settings import PHASES
 
 
@@ -109,8 +109,7 @@ def _missed(batch: Batch, inner: Array, margin: float) -> _Rows:
     frames = geometry.kinematics.frames(values)
     points = geometry.points.placed(frames)
     rows = [make(margin, shares, geometry, points, frames) for make in (_obstacle_rows, _pair_rows)]
-    rows += [_whole_rows(margin, shares, geometry, k, points, frames) for k in range(len(geometry.wholes))]
-    if batch.closely or batch.exact.hulls:
+    if batch.closely or batch.exact.wholes:
         rows += _exact_rows(batch, frames, margin)
     slope = geometry.kinematics.by_variables(np.concatenate([r.slope for r in rows]))
     return _Rows(
@@ -147,32 +146,15 @@ def _pair_rows(margin: float, shares: Array, geometry: Geometry, points: Array, 
     return _Rows(missed, -slope, k * times + t)
 
 
-def _whole_rows(
-    margin: float, shares: Array, geometry: Geometry, number: int, points: Array, frames: Array
-) -> _Rows:
-    """Of one whole shape."""
-    whole, kinds, times = geometry.wholes[number], geometry.whole_kinds[number], points.shape[-1]
-    n, k, t = near_whole(geometry, frames, points, margin, number)
-    a = whole.meets[n]
-    own = frames[whole.node][:, :, k, t].transpose(2, 0, 1)
-    distance, normals = whole.distance_and_normal(own, points[a, :, k, t], k)
-    missed = geometry.radius[a, 0, 0] + shares[kinds[n, k], t] - distance
-    hit = np.flatnonzero(missed > 0.0)
-    k, t, a, missed = k[hit], t[hit], a[hit], missed[hit]
-    moved_by = geometry.moved_by[a].astype(float) - geometry.wholes_moved_by[number]
-    slope = geometry.kinematics.slopes(frames, points[a, :, k, t], normals[hit], k, t) * moved_by
-    return _Rows(missed, -slope, k * times + t)
-
-
 def _exact_rows(batch: Batch, frames: Array, margin: float) -> list[_Rows]:
-    """Of the true shapes: of convex bodies by the margin, as there are no spheres for them, of others `closely`."""
+    """Of the true shapes: of those for which there are no spheres by the margin, of others `closely`."""
     geometry, times = batch.exact, frames.shape[-1]
     found = []
-    room = max(margin, PHASES.closely) if geometry.hulls else PHASES.closely
+    room = max(margin, PHASES.closely) if geometry.wholes else PHASES.closely
     for entries in near_entries(geometry, frames, np.full((len(geometry.nodes), len(batch), times), room)):
         if not batch.closely:
-            entries = entries.hulls(geometry)
-        wide = np.where(geometry.is_hull(entries), max(margin, PHASES.closely), PHASES.closely)
+            entries = entries.wholes(geometry)
+        wide = np.where(geometry.is_whole(entries), max(margin, PHASES.closely), PHASES.closely)
         wanted = wide * batch.looks.shares[entries.kind, entries.time]
         measured = entries.measured(geometry, frames, wanted)
         hit = np.flatnonzero(measured.exact & (measured.value < wanted))

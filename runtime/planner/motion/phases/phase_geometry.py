@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,10 +11,9 @@ from .....compiler.ir import ShapeKind, World
 from .....compiler.motion.collision import PATH_MARGIN, PhaseContacts
 from ....geometry.signed_distances import Shapes
 from .batch_kinematics import BatchKinematics, Indices, Points
-from .collision_spheres import Ball, Lineage, Meetings, hull_balls, moving_balls, obstacles_near
+from .collision_spheres import Ball, Lineage, Meetings, balls_around, moving_balls, obstacles_near
 from .contact_margins import NEVER, Kinds, cross_kinds
 from .exact_check import PhaseParts, phase_parts
-from .exact_shapes import MovingShape, Whole, module_shapes
 from .joint_forest import Obstacle, PhaseTree
 
 
@@ -27,7 +26,6 @@ class Part:
     balls: tuple[Ball, ...]
     pairs: Indices
     obstacles: list[Obstacle]
-    wholes: tuple[MovingShape, ...]
 
     @property
     def structure(self) -> tuple[object, ...]:
@@ -35,8 +33,7 @@ class Part:
         tree = self.tree
         joints = tuple(zip(tree.parents, tree.kinds, tree.signs, tree.columns, strict=True))
         balls = tuple((b.node, round(b.radius, 9), b.exact) for b in self.balls), tuple(_owners(self.balls))
-        wholes = tuple((s.node, s.meets) for s in self.wholes)
-        return joints, balls, self.pairs.tobytes(), wholes
+        return joints, balls, self.pairs.tobytes()
 
 
 def _owners(balls: Sequence[Ball]) -> list[int]:
@@ -46,16 +43,14 @@ def _owners(balls: Sequence[Ball]) -> list[int]:
 
 
 def make_parts(tree: PhaseTree, world: World) -> tuple[Part, PhaseParts]:
-    """What the optimiser sees of a phase: spheres, which meet large shapes of modules as they are; and the true shapes,
-    which accept its path, and of which it sees convex bodies, too."""
+    """What the optimiser sees of a phase: spheres; and the true shapes, which accept its path, and of which it sees
+    those, too, that would take many spheres."""
     lineage = Lineage(tree)
     balls = moving_balls(tree, world, PATH_MARGIN)
-    near = obstacles_near(tree, lineage, (*balls, *hull_balls(tree, world)), 2 * PATH_MARGIN)
+    near = obstacles_near(tree, lineage, (*balls, *balls_around(tree, world)), 2 * PATH_MARGIN)
     seen = [o for o in near if o.shape.kind != ShapeKind.CONVEX]
-    found = module_shapes(tree, world, balls)
-    pairs, meets = Meetings(lineage, balls).pairs([np.array(s.members) for s in found])
-    shapes = [replace(s, meets=m) for s, m in zip(found, meets, strict=True)]
-    return Part(tree, balls, pairs, seen, tuple(shapes)), phase_parts(lineage, world, near)
+    pairs = Meetings(lineage, balls).pairs()
+    return Part(tree, balls, pairs, seen), phase_parts(lineage, world, near)
 
 
 class Geometry:
@@ -71,7 +66,6 @@ class Geometry:
         self.radius = np.array([b.radius for b in balls])[:, None, None]
         above = Lineage(parts[0].tree).above
         self.moved_by = above[[b.node + 1 for b in balls]]
-        self.wholes_moved_by = above[[s.node + 1 for s in parts[0].wholes]]
         self.pairs = parts[0].pairs
         self.touching = (self.radius[self.pairs[:, 0]] + self.radius[self.pairs[:, 1]]) if balls else self.radius
         count = max(len(p.obstacles) for p in parts)
@@ -79,7 +73,6 @@ class Geometry:
             [(o.shape, o.pose) for o in p.obstacles] + [None] * (count - len(p.obstacles)) for p in parts
         ])
         self._set_kinds(contacts, count)
-        self._set_wholes(contacts)
 
     def _set_kinds(self, contacts: Sequence[PhaseContacts], count: int) -> None:
         spheres, phases = len(self.radius), len(self.parts)
@@ -95,21 +88,10 @@ class Geometry:
             self.obstacle_kinds[[i for i, b in enumerate(part.balls) if b.node < 0], :, k] = NEVER
             self.pair_kinds[:, k] = cross_kinds(contact, tags, tags)[first, second]
 
-    def _set_wholes(self, contacts: Sequence[PhaseContacts]) -> None:
-        self.wholes: list[Whole] = []
-        self.whole_kinds: list[Kinds] = []
-        for shapes in zip(*(part.wholes for part in self.parts), strict=True):
-            self.wholes.append(Whole.stacked(shapes))
-            kinds = np.empty((len(shapes[0].meets), len(self.parts)), np.int8)
-            for k, (part, shape) in enumerate(zip(self.parts, shapes, strict=True)):
-                tags = [part.balls[m].tag for m in shape.meets]
-                kinds[:, k] = cross_kinds(contacts[part.tree.phase], tags, [shape.tag])[:, 0]
-            self.whole_kinds.append(kinds)
-
     def ignore_collisions(self) -> None:
         """Let everything pass through everything."""
-        for kinds in (self.obstacle_kinds, self.pair_kinds, *self.whole_kinds):
-            kinds[...] = NEVER
+        self.obstacle_kinds[...] = NEVER
+        self.pair_kinds[...] = NEVER
 
     def take(self, index: Indices) -> Geometry:
         """The geometry of some of the phases, possibly repeated."""
@@ -117,10 +99,7 @@ class Geometry:
         result.parts = [self.parts[i] for i in index]
         result.kinematics, result.points = self.kinematics.take(index), self.points.take(index)
         result.radius, result.moved_by, result.pairs = self.radius, self.moved_by, self.pairs
-        result.wholes_moved_by = self.wholes_moved_by
         result.touching, result.shapes = self.touching, self.shapes.take(index)
         result.obstacle_kinds = self.obstacle_kinds[:, :, index]
         result.pair_kinds = self.pair_kinds[:, index]
-        result.wholes = [w.take(index) for w in self.wholes]
-        result.whole_kinds = [kinds[:, index] for kinds in self.whole_kinds]
         return result

@@ -1,5 +1,5 @@
-"""What comes near in phases of one structure: moving spheres and obstacles, pairs of moving spheres, and spheres and
-whole shapes. Boxes and spheres around things are looked at first, so that what is far costs next to nothing."""
+"""What comes near in phases of one structure: moving spheres and obstacles, and pairs of moving spheres.
+Boxes and spheres around things are looked at first, so that what is far costs next to nothing."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .phase_geometry import Geometry
 
 @dataclass(slots=True)
 class Close:
-    """Entries `(m,)` of one block (obstacles, pairs, whole shapes) that are nearer than asked for: the row and, for
+    """Entries `(m,)` of one block (obstacles, pairs) that are nearer than asked for: the row and, for
     obstacles, the column there (else 0), phase, time, clearance in metres, and the kind of pair."""
 
     block: int
@@ -67,27 +67,12 @@ def near_pairs(geometry: Geometry, points: Array, margin: float) -> tuple[Indice
     return p, k, t, apart[p, :, k, t]
 
 
-def near_whole(
-    geometry: Geometry, frames: Array, points: Array, margin: float, number: int
-) -> tuple[Indices, Indices, Indices]:
-    """Entries of `meets` of one whole shape, phases and times `(m,)` at which those spheres may be nearer to it than
-    the margin."""
-    whole = geometry.wholes[number]
-    reach = geometry.radius[whole.meets] + whole.extent[:, None] + margin
-    away = points[whole.meets] - whole.origin(frames[whole.node])
-    near = np.einsum("nikt,nikt->nkt", away, away) < reach**2
-    n, k, t = np.nonzero(near & (geometry.whole_kinds[number] != NEVER)[..., None])
-    return n, k, t
-
-
 def close(geometry: Geometry, values: Array, margin: float) -> Iterator[Close]:
     """All that is nearer than `margin`, metres, for joint values `(phases, times, joints)`, block by block."""
     frames = geometry.kinematics.frames(values)
     points = geometry.points.placed(frames)
     yield _to_obstacles(geometry, points, margin)
     yield _among_themselves(geometry, points, margin)
-    for number in range(len(geometry.wholes)):
-        yield _to_whole(geometry, frames, points, margin, number)
 
 
 def _to_obstacles(geometry: Geometry, points: Array, margin: float) -> Close:
@@ -103,15 +88,3 @@ def _among_themselves(geometry: Geometry, points: Array, margin: float) -> Close
     p, k, t, apart = near_pairs(geometry, points, margin)
     clearance = np.linalg.norm(apart, axis=1) - geometry.touching[p, 0, 0]
     return Close(1, p, np.zeros_like(p), k, t, clearance, geometry.pair_kinds[p, k])
-
-
-def _to_whole(geometry: Geometry, frames: Array, points: Array, margin: float, number: int) -> Close:
-    whole, kinds = geometry.wholes[number], geometry.whole_kinds[number]
-    n, k, t = near_whole(geometry, frames, points, margin, number)
-    a = whole.meets[n]
-    at = frames[whole.node][:, :, k, t].transpose(2, 0, 1)[:, None]
-    distance = whole.distance_at(at, points[a, :, k, t][..., None], k)[:, 0]
-    clearance = distance - geometry.radius[a, 0, 0]
-    hit = np.flatnonzero(clearance < margin)
-    n, k, t = n[hit], k[hit], t[hit]
-    return Close(2 + number, n, np.zeros_like(n), k, t, clearance[hit], kinds[n, k])

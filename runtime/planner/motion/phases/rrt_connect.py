@@ -13,15 +13,14 @@ from ....budget import Budget
 from ....skeleton import Array
 from .batch_kinematics import Indices
 from .contact_margins import REQUIRED
-from .exact_check import hulls_blocked
+from .exact_check import wholes_blocked
 from .phase_batch import Batch
 from .proximity import close
 from .settings import PHASES
 
 
 class _Checker:
-    """Whether poses of one phase are free, on the optimiser's spheres, and on convex bodies, with the contacts of the
-    phase exempt."""
+    """Whether poses of one phase are free, on what the optimiser sees, with the contacts of the phase exempt."""
 
     def __init__(self, batch: Batch, phase: int) -> None:
         self.geometry, self.exact = batch.coarse.take(np.array([phase])), batch.exact.take(np.array([phase]))
@@ -33,9 +32,9 @@ class _Checker:
         result = np.asarray(((poses >= self.lower) & (poses <= self.upper)).all(axis=1))
         for found in close(self.geometry, poses[None], 0.0):
             result[found.time[found.clearance < REQUIRED[found.kind]]] = False
-        if self.exact.hulls:
+        if self.exact.wholes:
             left = np.flatnonzero(result)
-            result[left] = ~hulls_blocked(self.exact, poses[left])
+            result[left] = ~wholes_blocked(self.exact, poses[left])
         return result
 
     def advance(self, starts: Array, goals: Array) -> tuple[Array, Array]:
