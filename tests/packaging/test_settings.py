@@ -31,7 +31,7 @@ UNSTEERING = {
 """Names for places in a table, poses, and how a file is written."""
 ROUNDING = {
     "STILL", "EQUAL", "SAME", "SAME_TIME", "ROUND_OFF", "ROUNDING", "SLACK", "STRAIGHT", "THIN", "CLOSE", "EPSILON",
-    "ACCURATE", "CLOSURE", "NO_STEP", "CHANGE",
+    "ACCURATE", "ACCEPTED", "CLOSURE", "NO_STEP", "CHANGE",
 }  # fmt: skip
 """How near two numbers are that count as one, and steps of differences."""
 

@@ -22,7 +22,9 @@ SEQUENCE, SINGLE = SolverOptions(inner_tolerance=3e-2), SolverOptions()
 has them lead astray more often: grasps from unknown postures are then refused in 10 % of draws instead of none."""
 ACCURATE = 1e-9
 """Metres and radians by which a row may be missed: poses are chained from phase to phase, and 1e-6 added up past the
-tolerance over some 250 of them, so that whole draws were thrown away."""
+tolerance over some 250 of them, so that whole draws were thrown away. What is aimed at …"""
+ACCEPTED = 1e-6
+"""… and what is accepted: distances of boxes and hulls are themselves known to some 1e-7 only."""
 
 
 def solve_span(
@@ -155,8 +157,8 @@ class SpanSolver:
         feasible = False
         if program.largest(x) <= self.settings.tolerance:
             program, x = switches.project(x, ACCURATE, self.budget)
-            feasible = program.largest(x) <= ACCURATE
-        violations: list[Violation] = [] if feasible else program.violations(x, ACCURATE)
+            feasible = program.largest(x) <= ACCEPTED
+        violations: list[Violation] = [] if feasible else program.violations(x, ACCEPTED)
         if feasible:
             x, violations = self._borne(switches, x)
             feasible = not violations
@@ -175,7 +177,7 @@ class SpanSolver:
             _, outcome = switches.solve(x, self.options, self.budget)
             self.iterations += outcome.iterations
             program, changed = switches.project(outcome.x, ACCURATE, self.budget)
-            good = program.largest(changed) <= ACCURATE
+            good = program.largest(changed) <= ACCEPTED
         finally:
             switches.bear(False)
         return (changed, exceeded(changed)) if good else (x, violations)
