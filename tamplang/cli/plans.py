@@ -81,23 +81,34 @@ def _verdict(plan: Plan, seconds: float, against: Problem | None = None) -> Verd
 
 @click.command()
 @click.argument("file", metavar="PLAN.json", type=click.Path(path_type=Path))
+@click.argument("other", metavar="[OTHER.json]", required=False, type=click.Path(path_type=Path))
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="The HTML file to write.")
 @limit_options
 @click.option("--unchecked", is_flag=True, help="Show the verdict that stands in the file, and say so.")
-def report(file: Path, out: Path, seconds: float, memory: int | None, unchecked: bool) -> None:
-    """Write the report of a plan: one HTML file that works offline. The plan is verified anew."""
+def report(
+    file: Path, other: Path | None, out: Path, seconds: float, memory: int | None, unchecked: bool
+) -> None:
+    """Write the report of a plan, or of two beside each other: one HTML file that works offline. Plans are verified
+    anew."""
     from msgspec.structs import replace
 
-    checked_output(out, inputs=(file,))
+    files = (file,) if other is None else (file, other)
+    checked_output(out, inputs=files)
     with limited(seconds, memory, f"drawing {file}") as guard, needing_libraries():
-        plan = read(file)
+        plans = [read(f) for f in files]
         if not unchecked:
-            plan = replace(plan, verdict=_verdict(plan, guard.remaining))
-        from ..runtime.report import write_report
+            plans = [replace(plan, verdict=_verdict(plan, guard.remaining)) for plan in plans]
+        if other is None:
+            from ..runtime.report import write_report
 
-        write_report(plan, out, checked=not unchecked)
-    if plan.verdict is not None and not unchecked:
-        click.echo(headline(plan.verdict), err=True)
+            write_report(plans[0], out, checked=not unchecked)
+        else:
+            from ..runtime.report.compare import write_comparison
+
+            write_comparison(plans[0], plans[1], (str(file), str(other)), out, checked=not unchecked)
+    for plan in plans:
+        if plan.verdict is not None and not unchecked:
+            click.echo(headline(plan.verdict), err=True)
     click.echo(f"report: {out}", err=True)
 
 

@@ -1,0 +1,35 @@
+"""Two plans on one page: what differs is told, and both reports are there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import msgspec
+from click.testing import CliRunner
+
+from tamplang.cli.app import application
+from tamplang.runtime.plan_files import write_plan
+from tamplang.runtime.report.compare import actions, figures
+
+from .sample import climb_plan
+
+
+def test_what_differs_is_told_in_figures_and_actions(tmp_path: Path) -> None:
+    first = climb_plan()
+    second = msgspec.structs.replace(first, phases=first.phases[:-1])
+    told = {row.name: (row.first, row.second) for row in figures(first, second)}
+    assert told["Actions"] == (str(len(first.phases)), str(len(first.phases) - 1))
+    assert next(row for row in figures(first, second) if row.name == "Cost").same
+    rows = actions(first, second)
+    assert [row.first for row in rows] == [phase.action for phase in first.phases]
+    assert [row.same for row in rows] == [True] * (len(rows) - 1) + [False] and rows[-1].second == ""
+
+
+def test_the_command_writes_a_page_of_both(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        write_plan(climb_plan(), tmp_path / f"{name}.json")
+    first, second, page = (str(tmp_path / name) for name in ("a.json", "b.json", "c.html"))
+    result = CliRunner().invoke(application, ["report", first, second, "--unchecked", "-o", page])
+    assert result.exit_code == 0, result.output
+    text = Path(page).read_text(encoding="utf-8")
+    assert text.count("<iframe") == 2 and "Both in step" in text and "a.json" in text
