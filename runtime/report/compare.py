@@ -19,7 +19,7 @@ _HASH = re.compile(r"'sha256-[A-Za-z0-9+/=]+'")
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class Difference:
     """A line of the comparison: a figure of both plans, or an action of both or of one of them."""
 
     name: str
@@ -44,28 +44,29 @@ def write_comparison(first: Plan, second: Plan, names: tuple[str, str], path: st
     write_atomically(path, text.encode())
 
 
-def figures(first: Plan, second: Plan) -> list[Row]:
+def figures(first: Plan, second: Plan) -> list[Difference]:
     """Cost, times and what the verifier measured, where both plans have it."""
     rows = [
-        Row("Task", first.task.name, second.task.name),
-        Row("Seed", str(first.task.seed), str(second.task.seed)),
-        Row("Verdict", _verdict(first), _verdict(second)),
-        Row("Actions", str(len(first.phases)), str(len(second.phases))),
-        Row("Cost", f"{first.statistics.cost:g}", f"{second.statistics.cost:g}"),
-        Row("Motion", f"{_seconds(first):.2f} s", f"{_seconds(second):.2f} s"),
-        Row("Search tree", f"{first.statistics.tree_nodes} nodes", f"{second.statistics.tree_nodes} nodes"),
+        Difference("Task", first.task.name, second.task.name),
+        Difference("Seed", str(first.task.seed), str(second.task.seed)),
+        Difference("Verdict", _verdict(first), _verdict(second)),
+        Difference("Actions", str(len(first.phases)), str(len(second.phases))),
+        Difference("Cost", f"{first.statistics.cost:g}", f"{second.statistics.cost:g}"),
+        Difference("Motion", f"{_seconds(first):.2f} s", f"{_seconds(second):.2f} s"),
+        Difference("Search tree", f"{first.statistics.tree_nodes} nodes", f"{second.statistics.tree_nodes} nodes"),
     ]
     left, right = (_measured(plan) for plan in (first, second))
-    return rows + [Row(kind.replace("_", " "), left[kind], right[kind]) for kind in left if kind in right]
+    return rows + [Difference(kind.replace("_", " "), left[kind], right[kind]) for kind in left if kind in right]
 
 
-def actions(first: Plan, second: Plan) -> list[Row]:
+def actions(first: Plan, second: Plan) -> list[Difference]:
     """The actions of both, in their order, those that are the same beside each other."""
     left, right = ([phase.action for phase in plan.phases] for plan in (first, second))
-    rows: list[Row] = []
+    rows: list[Difference] = []
     for _, i, j, k, m in SequenceMatcher(None, left, right, autojunk=False).get_opcodes():
         for n in range(max(j - i, m - k)):
-            rows.append(Row(str(len(rows) + 1), left[i + n] if i + n < j else "", right[k + n] if k + n < m else ""))
+            one, other = "".join(left[i + n : j][:1]), "".join(right[k + n : m][:1])
+            rows.append(Difference(str(len(rows) + 1), one, other))
     return rows
 
 
