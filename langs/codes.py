@@ -232,6 +232,8 @@ CODES: dict[str, CodeInfo] = {
     "S0013": CodeInfo("simulation that broke down", "outcome",
         "The physics engine met numbers that make no sense, or a module flew off: what it says of that time and later "
         "means nothing. It is no word on the plan."),
+    "S0014": CodeInfo("no display", "outcome",
+        "`simulate --view` opens a window, which needs a display."),
     "W0001": CodeInfo("deletes what nothing adds", "warning",
         "No rule, fact or placement ever adds a literal that fits."),
     "W0002": CodeInfo("never read", "warning", "No condition, goal or derived predicate reads this predicate."),

@@ -1,5 +1,6 @@
 """Plans carried out in a physics engine that shares nothing with planner and verifier: MuJoCo."""
 
+from .conditions import Conditions, NoDisplay
 from .playback import Simulated, carry_out
 
-__all__ = ["Simulated", "carry_out"]
+__all__ = ["Conditions", "NoDisplay", "Simulated", "carry_out"]

@@ -20,6 +20,8 @@ from ...compiler.physics.masses import body_mass
 from ...compiler.physics.moments import shape_moments
 from ...compiler.physics.structure import WORLD, Node
 from ..native import load_native
+from ..seeds import Seed
+from ..skeleton import Array
 
 STEP = 1e-3
 """Seconds of a step."""
@@ -29,6 +31,10 @@ INERTIA, SLIDE_INERTIA = 0.3, 20.0
 ROTOR = 0.02
 """kg m² of a drive that states none."""
 WELD_TIME, WELD_FIRM = 0.004, (0.99, 0.999, 0.001, 0.5, 2.0)
+LEAST_SHARE = 0.1
+"""Of what is stated, however great the noise."""
+SUPPORT = 1
+"""The bit of what bears something that stands."""
 TORQUE_SCALE = 10.0
 """Of the rotation rows of welds, which are too soft as they come."""
 LIGHTEST = 0.02
@@ -43,7 +49,8 @@ def load_mujoco() -> PythonModule:
 @dataclass(slots=True)
 class EngineWorld:
     """The engine's model and state, and how it calls things. `bodies` maps a node to its body, `joints` a joint to the
-    place of its value, of its rate and of its drive, `welds` a pair of nodes to its constraint."""
+    place of its value, of its rate and of its drive, `welds` a pair of nodes to its constraint, `pads` a node to what
+    it stands on. `rubbing` is by how many times friction is greater than stated."""
 
     engine: PythonModule
     model: Any
@@ -51,15 +58,22 @@ class EngineWorld:
     bodies: dict[Node, int]
     joints: dict[tuple[str, int], tuple[int, int, int]]
     welds: dict[tuple[Node, Node], int]
+    pads: dict[Node, int]
+    rubbing: float = 1.0
 
 
-def build(problem: ir.Problem, pairs: Iterable[tuple[Node, Node]]) -> EngineWorld:
-    """The scene at its start, with a weld for each of the pairs. Raises MissingLibrary."""
+def build(
+    problem: ir.Problem, pairs: Iterable[tuple[Node, Node]], noise: float = 0.0, seed: Seed | None = None
+) -> EngineWorld:  # fmt: skip
+    """The scene at its start, with a weld for each of the pairs. Weights, drives and friction differ from what is
+    stated by random factors of the deviation `noise`. Raises MissingLibrary."""
     mujoco = load_mujoco()
     spec = mujoco.MjSpec()
     spec.option.timestep = STEP
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
     spec.option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_DIAGEXACT)
+    # Boxes around the geoms of a body are made once, and pads are laid later.
+    spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_MIDPHASE)
     names: dict[Node, str] = {WORLD: "world"}
     for name, body in problem.world.bodies.items():
         if body.movable:
@@ -67,6 +81,9 @@ def build(problem: ir.Problem, pairs: Iterable[tuple[Node, Node]]) -> EngineWorl
             mass = body_mass(body)
             _weigh(made, Weight(mass, np.zeros(3), shape_moments(body.shape, mass)))
             names[name, -1] = f"b.{name}"
+            _shown(mujoco, made, body.shape, ir.IDENTITY, SUPPORT, f"p.{name}.-1")
+        else:
+            _shown(mujoco, spec.worldbody, body.shape, body.pose, SUPPORT)
     for name, module in problem.world.modules.items():
         names |= _module(mujoco, spec, name, module)
     listed = list(dict.fromkeys(pairs))
@@ -86,8 +103,58 @@ def build(problem: ir.Problem, pairs: Iterable[tuple[Node, Node]]) -> EngineWorl
             data.qpos[place] = value
     mujoco.mj_forward(model, data)
     bodies = {node: int(model.body(called).id) for node, called in names.items()}
+    pads = {n: int(model.geom(f"p.{n[0]}.{n[1]}").id) for n in names if n != WORLD}
     welds = {pair: int(model.equality(f"w{number}").id) for number, pair in enumerate(listed)}
-    return EngineWorld(mujoco, model, data, bodies, joints, welds)
+    world = EngineWorld(mujoco, model, data, bodies, joints, welds, pads)
+    if noise > 0.0 and seed is not None:
+        _disturbed(world, noise, seed.child("engine").random())
+    return world
+
+
+def _disturbed(world: EngineWorld, noise: float, random: np.random.Generator) -> None:
+    """Weights, drives and friction that are not as stated."""
+
+    def factors(count: int) -> Array:
+        return np.asarray(np.clip(1.0 + noise * random.standard_normal(count), LEAST_SHARE, None))
+
+    model = world.model
+    weights = factors(model.nbody)
+    model.body_mass *= weights
+    model.body_inertia *= weights[:, None]
+    gains = factors(model.nu)
+    model.actuator_gainprm[:, 0] *= gains
+    model.actuator_biasprm[:, 1:3] *= gains[:, None]
+    world.rubbing = float(factors(1)[0])
+    kept = world.data.qpos.copy()
+    world.engine.mj_setConst(model, world.data)
+    world.data.qpos[:] = kept
+    world.engine.mj_forward(model, world.data)
+
+
+def _shown(mujoco: PythonModule, body: Any, shape: ir.Shape, pose: ir.Pose, bears: int = 0, name: str = "") -> None:
+    """A shape as one sees it; what `bears` carries what stands on it. A convex one is the box around it."""
+    kinds, size = mujoco.mjtGeom, [s for s in shape.size]
+    match shape.kind:
+        case ir.ShapeKind.SPHERE:
+            kind, size = kinds.mjGEOM_SPHERE, [size[0], 0.0, 0.0]
+        case ir.ShapeKind.CAPSULE:
+            kind, size = kinds.mjGEOM_CAPSULE, [size[0], size[1] / 2.0, 0.0]
+        case ir.ShapeKind.CYLINDER:
+            kind, size = kinds.mjGEOM_CYLINDER, [size[0], size[1] / 2.0, 0.0]
+        case ir.ShapeKind.BOX:
+            kind, size = kinds.mjGEOM_BOX, [s / 2.0 for s in size]
+        case _:
+            kind, size = kinds.mjGEOM_BOX, list(np.ptp(np.reshape(size, (-1, 3)), axis=0) / 2.0)
+    geom = body.add_geom(name=name, type=kind, size=size, pos=list(pose[:3]), quat=_turn(pose))
+    geom.contype, geom.conaffinity, geom.mass = bears, 2 * bears, 0.0
+    geom.condim, geom.priority, geom.solref = 4, 1, [WELD_TIME, 1.0]
+
+
+def _pad(mujoco: PythonModule, body: Any, node: Node) -> None:
+    """What an end stands on, once it does: thin, and laid where it meets what bears it."""
+    pad = body.add_geom(name=f"p.{node[0]}.{node[1]}", type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=[1e-3, 1e-3, 0.0])
+    pad.contype, pad.conaffinity, pad.mass = 0, 0, 0.0
+    pad.condim, pad.priority, pad.solref = 4, 2, [WELD_TIME, 1.0]
 
 
 def _turn(pose: Iterable[float]) -> list[float]:
@@ -115,6 +182,7 @@ def _module(mujoco: PythonModule, spec: Any, name: str, module: ir.Module) -> di
     root = _free(spec.worldbody, f"m.{name}", module.pose)
     _weigh(root, weights.get(-1))
     made, names = {-1: root}, {(name, -1): f"m.{name}"}
+    _pad(mujoco, root, (name, -1))
     for index, joint in enumerate(module.type.joints):
         body = made[joint.parent].add_body(
             name=f"m.{name}.{index}", pos=list(joint.placement[:3]), quat=_turn(joint.placement)
@@ -134,4 +202,9 @@ def _module(mujoco: PythonModule, spec: Any, name: str, module: ir.Module) -> di
         if math.isfinite(joint.torque):
             drive.forcerange, drive.forcelimited = [-joint.torque, joint.torque], True
         made[index], names[name, index] = body, f"m.{name}.{index}"
+        _pad(mujoco, body, (name, index))
+    parts = [(k.joint, k.shape, k.placement) for k in module.type.links]
+    parts += [(e.joint, e.shape, e.placement) for e in module.type.effectors if e.shape is not None]
+    for carrier, shape, placement in parts:
+        _shown(mujoco, made[carrier], shape, placement)
     return names

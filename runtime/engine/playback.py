@@ -16,8 +16,10 @@ from ...compiler.physics.statics import drives, loads_of
 from ...compiler.physics.structure import WORLD, Edge, Node, structure
 from ..geometry.splines import ClampedSpline
 from ..plan import PhaseRecord, Plan
+from ..seeds import Seed
 from ..skeleton import Array
-from . import welds
+from . import contacts, welds
+from .conditions import Conditions, Watch
 from .model import STEP, EngineWorld, build
 
 EXPECTED = 60
@@ -51,18 +53,23 @@ class Simulated:
     reached: bool = False
 
 
-def carry_out(problem: ir.Problem, plan: Plan, tick: Callable[[], None] = lambda: None) -> Simulated:
-    """Carry a plan out. `tick` is called before every phase, and may raise. Raises MissingLibrary."""
-    return _Playback(problem, plan, tick).run()
+def carry_out(
+    problem: ir.Problem, plan: Plan, tick: Callable[[], None] = lambda: None, conditions: Conditions | None = None
+) -> Simulated:
+    """Carry a plan out. `tick` is called before every phase, and may raise. Raises MissingLibrary, NoDisplay."""
+    return _Playback(problem, plan, tick, conditions or Conditions()).run()
 
 
 class _Playback:
-    def __init__(self, problem: ir.Problem, plan: Plan, tick: Callable[[], None]) -> None:
-        self.problem, self.plan, self.tick = problem, plan, tick
+    def __init__(self, problem: ir.Problem, plan: Plan, tick: Callable[[], None], conditions: Conditions) -> None:
+        self.problem, self.plan, self.tick, self.conditions = problem, plan, tick, conditions
         held = [*(p.mode for p in plan.phases), plan.final_mode]
         self.modes = [frozenset((m.predicate, *m.args) for m in mode) for mode in held]
         self.edges = [self._fastened(mode) for mode in self.modes]
-        self.world: EngineWorld = build(problem, [pair for edges in self.edges for pair in edges])
+        pairs = [pair for edges in self.edges for pair in edges]
+        self.world: EngineWorld = build(problem, pairs, conditions.noise, Seed(conditions.seed))
+        self.standing: dict[tuple[Node, Node], contacts.Standing] = {}
+        self.watch = Watch(self.world) if conditions.view else None
         self.result = Simulated()
         self.dead: set[tuple[Node, Node]] = set()
         rows = np.array(list(self.world.joints.values()), dtype=np.intp).reshape(-1, 3)
@@ -126,8 +133,13 @@ class _Playback:
             on = welds.is_on(self.world, pair)
             if on and pair not in wanted:
                 welds.loosen(self.world, pair)
-            elif not on and pair in wanted and pair not in self.dead:
+            if pair in self.standing and pair not in wanted:
+                contacts.lift(self.world, self.standing.pop(pair))
+            elif not on and pair in wanted and pair not in self.dead and pair not in self.standing:
                 edge = wanted[pair]
+                if self.conditions.contact and edge is not None and contacts.stands(self.problem, edge):
+                    self.standing[pair] = contacts.place(self.world, self.problem, edge, here)
+                    continue
                 point = here.places[pair[1]][0] if edge is None else meeting(self.problem, edge, here)[0][0]
                 welds.fasten(self.world, pair, point)
 
@@ -140,6 +152,8 @@ class _Playback:
         tracking, peaks = 0.0, np.zeros(len(self.drives))
         for step in range(count):
             data.ctrl[self.drives] = targets[step]
+            if self.standing:
+                contacts.pull(self.world, list(self.standing.values()))
             step_on(self.world.model, data)
             at = data.qpos[self.places]
             if not np.isfinite(at).all() or data.warning[self.bad].number:
@@ -149,6 +163,8 @@ class _Playback:
             # The law of the drives at the state after the step; what the engine reports is that before it.
             torque = self.gains * (targets[step] - at) - self.damping * data.qvel[self.rates]
             np.maximum(peaks, np.abs(torque), out=peaks)
+            if self.watch is not None:
+                self.watch.show()
             if step * STEP > SETTLED and step % LOOKED == 0:
                 self._strain(number, float(times[step]))
         self._record(tracking, peaks)
@@ -240,7 +256,12 @@ class _Playback:
             self.result.peaks[name, joint.name] = max(before, min(float(peaks[number]), joint.torque)), joint.torque
 
     def _strain(self, number: int, now: float) -> None:
-        """Break the welds that bear more than they can."""
+        """Break the welds that bear more than they can, and tell what no longer stands."""
+        for pair, one in list(self.standing.items()):
+            lost = contacts.gone(self.world, one)
+            if lost is not None and pair not in self.dead:
+                self.dead.add(pair)
+                self.result.broken.append((now, f"{one.edge.names[0]} and {one.edge.names[1]} {lost[0]}", lost[1]))
         found = welds.wrenches(self.world)
         pairs = {weld: pair for pair, weld in self.world.welds.items()}
         here: Poses | None = None

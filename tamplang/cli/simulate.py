@@ -23,8 +23,15 @@ MOST_BROKEN = 5
 @click.command()
 @click.argument("file", metavar="PLAN.json", type=click.Path(path_type=Path))
 @limit_options
+@click.option("--noise", type=click.FloatRange(0.0, 1.0), default=0.0, metavar="SHARE",
+              help="Weights, drives and friction are off by random factors of this deviation, such as 0.05.")
+@click.option("--seed", type=click.IntRange(0), default=0, help="Of the noise.", show_default=True)
+@click.option("--contact", is_flag=True, help="Feet and things stand by friction and adhesion, not by welds.")
+@click.option("--view", is_flag=True, help="Show it live, where there is a display.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
-def simulate(file: Path, seconds: float, memory: int | None, as_json: bool) -> int:
+def simulate(
+    file: Path, seconds: float, memory: int | None, noise: float, seed: int, contact: bool, view: bool, as_json: bool
+) -> int:  # fmt: skip
     """Carry out a plan in MuJoCo: free modules, drives clamped at their torque, docks and feet that break.
 
     Needs the extra `sim`. Says how well the plan was followed, what broke, and whether its goal holds at the end.
@@ -42,10 +49,15 @@ def simulate(file: Path, seconds: float, memory: int | None, as_json: bool) -> i
             texts = parameter_texts(plan, sources)
             problem, _ = compile_sources(sources, plan.task.name, texts, plan.task.seed, files)
         from ..runtime.budget import Budget
-        from ..runtime.engine import carry_out
+        from ..runtime.engine import Conditions, NoDisplay, carry_out
 
         try:
-            carried = carry_out(problem, plan, Budget(guard.remaining).check)
+            carried = carry_out(
+                problem, plan, Budget(guard.remaining).check, Conditions(noise, seed, contact, view)
+            )
+        except NoDisplay as error:
+            help = "leave out --view, or set DISPLAY"
+            raise click.ClickException(f"S0014: there is no display: {error}\n  help: {help}") from error
         except MissingLibrary as error:
             help = "install the extra: pip install 'tamplang[sim]'"
             raise click.ClickException(f"S0012: the simulation needs MuJoCo: {error}\n  help: {help}") from error
@@ -91,5 +103,5 @@ def _lines(carried: Simulated) -> list[str]:
         names, ratio = max(carried.loads.items(), key=lambda item: item[1])
         lines.append(f"  most loaded pair: {names[0]} and {names[1]}, {ratio:.2f} of its strength")
     for time, what, ratio in carried.broken[:MOST_BROKEN]:
-        lines.append(f"  broke: {what} at {time:.2f} s, {ratio:.2f} times what holds")
+        lines.append(f"  gave way: {what} at {time:.2f} s, {ratio:.2f} times what holds")
     return lines

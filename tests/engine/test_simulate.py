@@ -1,6 +1,7 @@
 """Plans carried out in MuJoCo."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -87,3 +88,34 @@ def test_without_the_engine_the_extra_is_named(tmp_path: Path) -> None:
     )  # fmt: skip
     assert process.returncode == 1
     assert "S0012" in process.stderr and "tamplang[sim]" in process.stderr and "Traceback" not in process.stderr
+
+
+def test_noise_follows_its_seed_and_feet_stand_by_contact(tmp_path: Path) -> None:
+    program = TEXT.format(drive="60 N m", grip="200 N", physics="dynamics")
+    plan = solve(compile_text(program, "t.tamp")[0], SolveOptions(time=60.0)).plans[0]
+    path = tmp_path / "t.plan.json"
+    write_plan(plan, path)
+
+    def told(*arguments: str) -> dict[str, object]:
+        command = [sys.executable, "-m", "tamplang", "simulate", str(path), "--json", *arguments]
+        return json.loads(subprocess.run(command, capture_output=True, text=True, check=False).stdout)
+
+    first = told("--contact", "--noise", "0.02", "--seed", "3")
+    assert first["reached"] and first["broken"] == [] and first["base_m"] < 1e-2
+    assert told("--contact", "--noise", "0.02", "--seed", "3") == first
+    assert told("--contact", "--noise", "0.02", "--seed", "4") != first
+    weak = program.replace("force 1 kN, moment 120 N m", "force 3 N, moment 0.1 N m, friction 0.6")
+    problem, _ = compile_text(weak.replace("physics = dynamics, ", ""), "t.tamp")
+    write_plan(solve(problem, SolveOptions(time=60.0)).plans[0], path)
+    fallen = told("--contact")
+    assert not fallen["reached"] and any("tipped" in b["what"] or "slipped" in b["what"] for b in fallen["broken"])
+
+
+def test_without_a_display_nothing_is_shown(tmp_path: Path) -> None:
+    program = TEXT.format(drive="60 N m", grip="200 N", physics="none").replace("(on tray item)", "(on shelf item)")
+    path = tmp_path / "t.plan.json"
+    write_plan(solve(compile_text(program, "t.tamp")[0], SolveOptions(time=60.0)).plans[0], path)
+    bare = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    command = [sys.executable, "-m", "tamplang", "simulate", str(path), "--view"]
+    process = subprocess.run(command, capture_output=True, text=True, check=False, env=bare)
+    assert process.returncode != 0 and "S0014" in process.stderr
