@@ -26,7 +26,7 @@ FOOT = 2
 
 
 @dataclass(slots=True)
-class Standing:
+class Foothold:
     """A pair on contact: the geom of what stands, its adhesion, N, and where it stood on what bears it at first."""
 
     edge: Edge
@@ -46,7 +46,7 @@ def stands(problem: ir.Problem, edge: Edge | None) -> bool:
     return edge.manner == "rest" or math.isfinite(edge.hold.force)
 
 
-def place(world: EngineWorld, problem: ir.Problem, edge: Edge, here: Poses) -> Standing:
+def place(world: EngineWorld, problem: ir.Problem, edge: Edge, here: Poses) -> Foothold:
     """Let a pair stand from now on: the pad of an end is laid where it meets what bears it."""
     model, data, hold = world.model, world.data, edge.hold
     assert hold is not None
@@ -72,16 +72,16 @@ def place(world: EngineWorld, problem: ir.Problem, edge: Edge, here: Poses) -> S
     model.body_contype[body] |= FOOT
     model.body_conaffinity[body] |= SUPPORT
     adhesion = hold.force if edge.manner == "pad" else 0.0
-    return Standing(edge, geom, adhesion, _relative(world, edge), _up(world, edge))
+    return Foothold(edge, geom, adhesion, _relative(world, edge), _up(world, edge))
 
 
-def lift(world: EngineWorld, standing: Standing) -> None:
+def lift(world: EngineWorld, standing: Foothold) -> None:
     """Let a pair go."""
     world.model.geom_contype[standing.geom] &= ~FOOT
     world.model.geom_conaffinity[standing.geom] &= ~SUPPORT
 
 
-def pull(world: EngineWorld, standing: list[Standing]) -> None:
+def pull(world: EngineWorld, standing: list[Foothold]) -> None:
     """Apply the adhesion of all pads for the next step."""
     world.data.xfrc_applied[:] = 0.0
     for one in standing:
@@ -94,7 +94,7 @@ def pull(world: EngineWorld, standing: list[Standing]) -> None:
                 world.data.xfrc_applied[body] += np.concatenate([push, np.cross(lever, push)])
 
 
-def gone(world: EngineWorld, one: Standing) -> tuple[str, float] | None:
+def gone(world: EngineWorld, one: Foothold) -> tuple[str, float] | None:
     """What became of a pair that no longer stands as it did: slipped or tipped, and how many times the bound."""
     slip = float(np.linalg.norm(_relative(world, one.edge) - one.at)) / SLIPPED
     tip = float(np.arccos(np.clip(_up(world, one.edge) @ one.up, -1.0, 1.0))) / TIPPED

@@ -68,7 +68,7 @@ class _Playback:
         self.edges = [self._fastened(mode) for mode in self.modes]
         pairs = [pair for edges in self.edges for pair in edges]
         self.world: EngineWorld = build(problem, pairs, conditions.noise, Seed(conditions.seed))
-        self.standing: dict[tuple[Node, Node], contacts.Standing] = {}
+        self.standing: dict[tuple[Node, Node], contacts.Foothold] = {}
         self.watch = Watch(self.world) if conditions.view else None
         self.result = Simulated()
         self.dead: set[tuple[Node, Node]] = set()
