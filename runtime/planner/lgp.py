@@ -166,13 +166,18 @@ class _SolveRun:
         skeleton = loop.skeleton(candidate)
         judgement = loop.judge(candidate, skeleton)
         if judgement.accepted:
-            if judgement.paths is None or self._believed(skeleton, candidate, judgement):
+            paths = None if judgement.paths is None else self._believed(skeleton, candidate, judgement)
+            if judgement.paths is None or paths is not None:
                 self.accepted.append(candidate)
+                if paths is not None:
+                    self._hand_on(skeleton, candidate, paths)
                 self._tell("solved", f"plan {len(self.accepted)}: {len(candidate.actions)} actions")
             loop.search.forbid_plan(candidate)
 
-    def _believed(self, skeleton: Skeleton, candidate: Candidate, judgement: Judgement) -> bool:
-        """Whether the verifier believes a motion; then the plan is kept and handed on. Raises OutOfTime."""
+    def _believed(
+        self, skeleton: Skeleton, candidate: Candidate, judgement: Judgement
+    ) -> Sequence[PhasePath] | None:  # fmt: skip
+        """The motion that the verifier believes, whose plan is kept; None where it does not. Raises OutOfTime."""
         statistics = self._statistics([*self.accepted, candidate])
         plan, paths = self.bounds.believe(skeleton, candidate.actions, judgement, statistics, self._timing())
         if plan.verdict is None:
@@ -180,12 +185,17 @@ class _SolveRun:
             raise OutOfTime
         if not plan.verdict.verified:
             self.distrusted = self.distrusted or plan
-            return False
-        plan = self._valued(skeleton, candidate, paths, plan)
+            return None
         self.plans.append(plan)
-        if self.found is not None:
-            self.found(plan)
-        return True
+        return paths
+
+    def _hand_on(self, skeleton: Skeleton, candidate: Candidate, paths: Sequence[PhasePath]) -> None:
+        """Make the plan that was kept last what the objective wants, and hand it on, whatever comes in between."""
+        try:
+            self.plans[-1] = self._valued(skeleton, candidate, paths, self.plans[-1])
+        finally:
+            if self.found is not None:
+                self.found(self.plans[-1])
 
     def _valued(self, skeleton: Skeleton, candidate: Candidate, paths: Sequence[PhasePath], plan: Plan) -> Plan:
         """The plan as the objective wants it, with its value: where seconds count, one that is as short as its motions

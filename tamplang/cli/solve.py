@@ -77,6 +77,8 @@ def solve(
         return watching([file], sys.argv[1:])
     if horizon is not None and (solutions > 1 or bound == "seq"):
         raise click.UsageError("--horizon gives one plan with motion: it goes neither with --solutions nor --bound seq")
+    if horizon is not None and minimise is not None:
+        raise click.UsageError("--horizon plans window after window, each of fewest actions: leave out --minimise")
     if horizon is not None and ((jobs or 1) > 1 or cluster is not None):
         raise click.UsageError("--horizon plans window after window in one process: leave out --jobs and --cluster")
     checked_side(jobs, cluster)
