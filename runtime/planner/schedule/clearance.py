@@ -91,10 +91,6 @@ class SegmentClearances:
 
     # --- questions ---------------------------------------------------------------------------------------------------
 
-    def planned_state(self, thing: str, phase: int) -> int:
-        """The state in which a thing rested while a phase was planned."""
-        return self._planned[phase][thing]
-
     def blocked_past(self, phase: int, thing: str, state: int) -> Indices:
         """The ticks of a segment, those before the ends of stretches that are too near a thing that rests; none where
         it rested there when the segment was planned."""
