@@ -30,3 +30,12 @@ def test_without_physics_the_base_would_tip_over() -> None:
     problem, _ = payload("5 kg")
     _, careless = payload("5 kg", physics=False)
     assert "tip_m" in {f.kind for f in judge(careless, problem).failures}
+
+
+def test_what_several_hands_cannot_bear_together_is_refused_without_a_posture() -> None:
+    text = (EXAMPLES / "tow.tamp").read_text()
+    problem, _ = compile_text(text, "tow.tamp", None, {"load": "40 kg"})
+    outcome = solve(problem, SolveOptions(time=30.0))
+    assert outcome.status in ("exhausted", "infeasible")
+    told = next(d for d in outcome.explanation if "item" in d.message and d.labels)
+    assert told.span is not None and "holds grip" in text.splitlines()[told.span.line - 1]

@@ -48,6 +48,7 @@ class LengthUnit:
 
     def __init__(self, problem: ir.Problem, metres: float | None = None) -> None:
         self.metres = length_unit(problem) if metres is None else metres
+        self._given = problem
         self.seconds = math.sqrt(self.metres)
         self.plain = self.metres == 1.0
         self.problem = problem if self.plain else self._problem(problem)
@@ -86,13 +87,23 @@ class LengthUnit:
 
         def in_metres(term: Any) -> Any:
             inner = mapped(term, in_metres)
-            long = isinstance(inner, ir.Function) and inner.name in METRES
+            if not isinstance(inner, ir.Function):
+                return inner
+            if inner.name == "wrench":
+                return ir.Arith("*", (ir.Vector((ir.Number(1.0),) * 3 + (ir.Number(self.metres),) * 3), inner))
+            long = inner.name in METRES or (inner.name == "torque" and self._turns(inner.args[1]))
             return ir.Arith("*", (ir.Number(self.metres), inner)) if long else inner
 
         left, right = in_metres(row.left), in_metres(row.right or ir.Number(0.0))
         if units(row)[0] == "m":
             left, right = (ir.Arith("/", (side, ir.Number(self.metres))) for side in (left, right))
         return replace(row, left=left, right=row.right and right)
+
+    def _turns(self, joint: ir.Term) -> bool:
+        """Whether a joint of that name turns: what its drive gives is then a moment."""
+        types = {m.type for m in self._given.world.modules.values()}
+        named = [j for t in types for j in t.joints if isinstance(joint, ir.Letter) and j.name == joint.letter]
+        return any(j.kind == ir.JointKind.REVOLUTE for j in named)
 
     def _type(self, type_: ir.ModuleType) -> ir.ModuleType:
         return replace(

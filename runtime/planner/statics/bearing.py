@@ -14,10 +14,11 @@ import numpy as np
 
 from ....compiler.ir import Fact, Problem
 from ....compiler.physics.frames import GRAVITY, node_weights, poses
+from ....compiler.physics.masses import body_mass
 from ....compiler.physics.records import CONTACTS
 from ....compiler.physics.safety import safety_of
 from ....compiler.physics.statics import Load, loads
-from ....compiler.physics.structure import stated_at, structure
+from ....compiler.physics.structure import Edge, Structure, stated_at, structure
 from ...geometry.attachments import next_mode
 from ...geometry.splines import spline_weights
 from ...skeleton import Array, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
@@ -116,7 +117,7 @@ def unbearable(skeleton: Skeleton) -> dict[int, list[Violation]]:
 def _too_heavy(problem: Problem, mode: frozenset[Fact], phase: int) -> list[Violation]:
     built = structure(problem, mode)
     if built.loops:
-        return []
+        return _hangs_on_too_little(problem, built, phase)
     masses = {node: weight.mass for node, weight in node_weights(problem, [e.child for e in built.edges]).items()}
     found = []
     for edge in reversed(built.edges):
@@ -124,12 +125,34 @@ def _too_heavy(problem: Problem, mode: frozenset[Fact], phase: int) -> list[Viol
         masses[edge.parent] = masses.get(edge.parent, 0.0) + mass
         if edge.hold is None or edge.manner in CONTACTS:
             continue
-        hold = edge.hold
-        shear = min(hold.shear, hold.friction * hold.force) if edge.manner == "grip" else hold.shear
-        excess = safety_of(problem.options) * mass * GRAVITY - math.hypot(hold.force, shear)
+        excess = safety_of(problem.options) * mass * GRAVITY - _most(edge)
         if excess > 0.0:
             found.append(Violation(phase, Breach.DOCK, edge.names, excess, "N", stated_at(problem, edge)))
     return sorted(found, key=lambda v: (-v.amount, v.names))
+
+
+def _hangs_on_too_little(problem: Problem, built: Structure, phase: int) -> list[Violation]:
+    """Things in closed loops that weigh more than all pairs that hold them bear together, however they hang."""
+    found = []
+    for name, body in problem.world.bodies.items():
+        edges = [e for e in built.all if (name, -1) in (e.parent, e.child)]
+        if not body.movable or not edges or any(e.hold is None or e.manner in CONTACTS for e in edges):
+            continue
+        borne = sum(_most(e) for e in edges)
+        excess = safety_of(problem.options) * body_mass(body) * GRAVITY - borne
+        if excess > 0.0:
+            edge = edges[0]
+            found.append(Violation(phase, Breach.DOCK, edge.names, excess, "N", stated_at(problem, edge)))
+    return found
+
+
+def _most(edge: Edge) -> float:
+    """The greatest force that a pair bears in any direction, N."""
+    hold = edge.hold
+    if hold is None:
+        return math.inf
+    shear = min(hold.shear, hold.friction * hold.force) if edge.manner == "grip" else hold.shear
+    return math.hypot(hold.force, shear)
 
 
 def slowed(skeleton: Skeleton, paths: Sequence[PhasePath], before: Configuration) -> list[PhasePath] | None:
