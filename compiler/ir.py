@@ -211,6 +211,8 @@ class Body:
     span: Span | None = field(default=None, compare=False, repr=False)
     mass: float | None = None
     holds: tuple[Hold, ...] = ()
+    collides: bool = True
+    """False of a region, and of a mark on something: what is only a place, which things may occupy."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,6 +254,11 @@ class World:
     bodies: Mapping[str, Body]
     courses: tuple[Course, ...] = ()
     breakdowns: tuple[Breakdown, ...] = ()
+
+    @property
+    def solids(self) -> tuple[Body, ...]:
+        """The bodies that can be collided with."""
+        return tuple([b for b in self.bodies.values() if b.collides])
 
     def effector(self, name: str) -> tuple[Module, Effector] | None:
         """The module and effector that object `name` denotes, or None when it is not an effector."""

@@ -13,7 +13,7 @@ from .checks.findings import Findings
 from .mesh_bodies import MeshBody
 from .urdf_files import MeshName
 
-BUILT_IN_TYPES: Mapping[str, str | None] = {"object": None, "effector": "object", "module": None}
+BUILT_IN_TYPES: Mapping[str, str | None] = {"object": None, "effector": "object", "region": "object", "module": None}
 VALUE_TYPE_NAMES = ("int", "real", "length", "angle", "time", "speed", "mass", "density", "force", "torque", "inertia")
 
 Named = (

@@ -292,6 +292,8 @@ class MotionPredicate:
     span: Span | None = field(default=None, compare=False, repr=False)
     borne: str | None = None
     """How a pair of which it holds is borne: bond, dock, grip, pad or rest, or not at all: nothing."""
+    touching: tuple[tuple[str, str], ...] = ()
+    """Pairs of variables whose objects may touch as long as it holds: those that are stated."""
 
 
 @dataclass(frozen=True, slots=True)

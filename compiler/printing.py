@@ -90,7 +90,7 @@ def _derived(d: ir.Derived) -> str:
 def _motion(m: ir.MotionPredicate) -> str:
     title = f"motion [{m.name} {_parameters(m.variables)}]" + " symmetric" * m.symmetric
     title += f" borne {m.borne}" if m.borne else ""
-    return _block(title, map(_row, m.rows)) or title + "\n"
+    return _block(title, [*map(_row, m.rows), *(f"touching {a} {b}" for a, b in m.touching)]) or title + "\n"
 
 
 def _row(row: ir.Row) -> str:

@@ -120,13 +120,16 @@ class TreeBuilder(TermBuilder):
         )
 
     def _motion_items(self, tree: Branch) -> tuple[s.MotionItem, ...]:
-        kinds = ("switch_row", "during_row", "keep_row", "motion_for")
+        kinds = ("switch_row", "during_row", "keep_row", "touching_item", "motion_for")
         return tuple(self._motion_item(c) for c in branches(tree, *kinds))
 
     def _motion_item(self, tree: Branch) -> s.MotionItem:
         span, children = self.span(tree), tree.children
         if tree.data == "motion_for":
             return s.MotionFor(self.binders(children[0]), self._motion_items(tree), span=span)
+        if tree.data == "touching_item":
+            first, second = map(self.term, children)
+            return s.MotionTouching(first, second, span=span)
         if tree.data == "keep_row":
             return s.MotionRow("keep", self.term(children[0]), "", None, span=span)
         when = "switch" if tree.data == "switch_row" else "during"

@@ -151,6 +151,8 @@ CODES: dict[str, CodeInfo] = {
         "`keep` holds one value constant; `pose` stands only there."),
     "E0405": CodeInfo("constant motion row", "motion",
         "The row does not depend on any parameter of the predicate."),
+    "E0406": CodeInfo("wrong `touching`", "motion",
+        "`touching X Y` names two objects of the predicate that may touch as long as the literal holds."),
     "E0501": CodeInfo("bad placement", "scene",
         "Something is put `on` a thing that cannot carry it, or beside its top."),
     "E0502": CodeInfo("overlap at the start", "scene",

@@ -33,6 +33,7 @@ STATEMENTS = frozenset(
         "switch_row",
         "during_row",
         "keep_row",
+        "touching_item",
         "motion_for",
         "pre",
         "where",

@@ -49,8 +49,8 @@ __all__ = [
     "DisturbanceItem", "Effect", "EffectFor", "EffectIf", "EffectItem", "EffectorItem", "Exists", "FactItem",
     "File", "ForItem", "Forall", "Formula", "FunctionDecl", "GoalItem", "GuideUse", "Happening", "HeuristicCase",
     "HeuristicDecl", "Holds", "IfItem", "Import", "Index", "JointItem", "LinkItem", "Literal", "ModuleDecl",
-    "ModuleItem", "MotionDecl", "MotionFor", "MotionItem", "MotionRow", "Name", "NamedType", "Negate", "Node",
-    "Not", "Number",
+    "ModuleItem", "MotionDecl", "MotionFor", "MotionItem", "MotionRow", "MotionTouching", "Name", "NamedType",
+    "Negate", "Node", "Not", "Number",
     "OptionsItem", "Or", "Parameter", "PlacementDecl", "PredicateDecl", "Previous", "RangeType", "RobotItem",
     "RuleDecl", "SceneDecl", "SceneItem", "SceneUse", "Stated", "TaskDecl", "Term", "Text", "Type", "TypeDecl",
     "Vector", "Wildcard", "flat_items",
@@ -124,7 +124,15 @@ class MotionFor(Node):
     rows: tuple[MotionItem, ...]
 
 
-MotionItem = MotionRow | MotionFor
+@dataclass(frozen=True, slots=True)
+class MotionTouching(Node):
+    """`touching X Y`: the two may touch as long as the literal holds."""
+
+    first: Term
+    second: Term
+
+
+MotionItem = MotionRow | MotionTouching | MotionFor
 
 
 @dataclass(frozen=True, slots=True)

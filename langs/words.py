@@ -48,6 +48,7 @@ WORDS: Mapping[str, Word] = {
     "fail": Word("part", "a module breaks down while the plan is executed"),
     "during": Word("part", "a row that binds as long as the literal holds"),
     "keep": Word("part", "a value that stays constant as long as the literal holds"),
+    "touching": Word("part", "two objects that may touch as long as the literal holds"),
     "at": Word("clause", "where something is put, or with `switch` a row that binds when the literal is added"),
     "switch": Word("clause", "the moment at which an action adds a literal"),
     "on": Word("clause", "what something stands on"),

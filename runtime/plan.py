@@ -11,7 +11,8 @@ FORMAT = "tamplang-plan/2"
 COUPLINGS = "couplings"
 PASSIVE = "passive"
 JERK = "jerk"
-KNOWN_NEEDS = frozenset({COUPLINGS, PASSIVE, JERK})
+PLACES = "places"
+KNOWN_NEEDS = frozenset({COUPLINGS, PASSIVE, JERK, PLACES})
 """The optional parts of the format that this version understands."""
 NO_LIMIT = 1e9
 """Stands for an infinite limit: JSON has no infinity."""
@@ -75,12 +76,15 @@ class ModuleRecord(Record, frozen=True):
     start: list[float]
 
 
-class BodyRecord(Record, frozen=True):
+class BodyRecord(Record, frozen=True, omit_defaults=True):
+    """`collides` is false of what is only a place: a region, or a mark on something."""
+
     name: str
     type: str
     shape: ShapeRecord
     pose: list[float]
     movable: bool
+    collides: bool = True
 
 
 class PlaceRecord(Record, frozen=True):

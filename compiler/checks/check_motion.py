@@ -25,10 +25,23 @@ def _check_motion(context: Context, motion: syntax.MotionDecl) -> ir.MotionPredi
     unique = list({p.name: p for p in motion.parameters}.values())
     scope, variables = bind(context, Scope("motion", values_known=True), unique)
     rows = _check_rows(context, scope, motion.items)
+    touching = [_check_touching(context, scope, i) for i in parts(motion) if isinstance(i, syntax.MotionTouching)]
     return ir.MotionPredicate(
         motion.name, variables, motion.symmetric, tuple(rows), context.findings.word(motion.span, motion.name),
-        _borne(context, motion, variables),
+        _borne(context, motion, variables), tuple(pair for pair in touching if pair),
     )
+
+
+def _check_touching(context: Context, scope: Scope, item: syntax.MotionTouching) -> tuple[str, str] | None:
+    """The names of two different objects of the predicate."""
+    found = [check_term(context, scope, term) for term in (item.first, item.second)]
+    if not all(one.kind.known for one in found):
+        return None
+    names = [one.term.name for one in found if one.kind.name == "object" and isinstance(one.term, ir.Var)]
+    if len(set(names)) != 2:
+        context.findings.report("E0406", item.span, "`touching` names two different objects of the predicate")
+        return None
+    return names[0], names[1]
 
 
 def _borne(context: Context, motion: syntax.MotionDecl, variables: Sequence[ir.Variable]) -> str | None:
@@ -58,7 +71,7 @@ def _check_rows(context: Context, scope: Scope, items: Sequence[syntax.MotionIte
                 )
             for inner in rounds or ():
                 rows.extend(_check_rows(context, inner, item.rows))
-        else:
+        elif isinstance(item, syntax.MotionRow):
             row = _check_keep(context, scope, item) if item.when == "keep" else _check_row(context, scope, item)
             if row is not None:
                 rows.append(row)

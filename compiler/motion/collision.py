@@ -36,6 +36,7 @@ from ..ir import (
 )
 from ..remembering import remembered
 from .covers import cover_hull
+from .lasting import implied, stated
 
 PATH_MARGIN = 0.02
 """The margin that the spheres used along a path and at switches are made for."""
@@ -231,6 +232,8 @@ class PhaseContacts:
     during: frozenset[Pair]
     start: frozenset[Pair]
     end: frozenset[Pair]
+    beside: frozenset[Pair] = frozenset()
+    """Pairs that may touch all the time, but not overlap."""
 
 
 def keeps_pose(problem: Problem, literal: Fact) -> tuple[str, str] | None:
@@ -282,19 +285,21 @@ class Phases(Protocol):
 
 @remembered(8)
 def contacts(skeleton: Phases) -> tuple[PhaseContacts, ...]:
-    """The contacts of each phase: kept poses of its mode hold during it; literals that are added end it;
-    whatever touched when the phase before ended and is not kept touches at its start only. Bodies that no module
-    carries, and modules that no action concerns, rest and touch still."""
+    """The contacts of each phase: kept poses of its mode hold during it, and what its rows hold in contact; literals
+    that are added end it; whatever touched when the phase before ended and is not kept touches at its start only.
+    Bodies that no module carries, and modules that no action concerns, rest and touch still."""
     result: list[PhaseContacts] = []
     touching: frozenset[Pair] = _named(skeleton.problem.init_motion) | skeleton.problem.touching
     for phase in skeleton.phases:
         kept = _kept(skeleton.problem, phase.mode)
         still = skeleton.problem.world.bodies.keys() - _carried(skeleton.problem, phase.mode)
         during = kept | {objects for objects in touching if still.issuperset(objects)}
+        during |= {pair(*objects) for literal in phase.mode for objects in implied(skeleton.problem, literal)}
+        beside = {pair(*objects) for literal in phase.mode for objects in stated(skeleton.problem, literal)} - during
         added = _named(phase.added)
         start = touching - during
-        result.append(PhaseContacts(during, start, added - during))
-        touching = during | added | _resting(start, skeleton.problem, phase, kept)
+        result.append(PhaseContacts(during, start, added - during, frozenset(beside)))
+        touching = during | added | beside | _resting(start, skeleton.problem, phase, kept)
     return tuple(result)
 
 
@@ -336,10 +341,12 @@ def _resting(
 
 def taper(contact: PhaseContacts, objects: Pair, times: Array, slices: int, over: int = 3) -> Array | None:
     """The share of the margin that a pair of objects must keep at `times`, counted in slices from the start
-    of the phase: 1, but falling to 0 over the `over` slices next to a contact that ends or begins; None for a
-    pair that touches all the time."""
+    of the phase: 1, but falling to 0 over the `over` slices next to a contact that ends or begins; 0 for a pair that
+    may touch all the time, None for one that does."""
     if objects in contact.during:
         return None
+    if objects in contact.beside:
+        return np.zeros(times.shape)
     share = np.ones(times.shape)
     if objects in contact.start:
         share = np.minimum(share, times / over)

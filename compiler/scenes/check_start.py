@@ -65,7 +65,7 @@ def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str
 
 def volumes(world: ir.World) -> Iterator[Volume]:
     """All shapes of the scene at the start."""
-    for body in world.bodies.values():
+    for body in world.solids:
         yield Volume(body.name, body.name, body.shape, body.pose, bounds(body.shape, body.pose), body.span)
     for module in world.modules.values():
         frames = joint_frames(module.type, module.pose, module.joints)

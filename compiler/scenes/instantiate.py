@@ -22,6 +22,7 @@ from .check_strength import check_joint_names, check_strength
 from .happenings import breakdowns, courses
 from .initial import initial_state
 from .lifted import Lifted
+from .marks import with_marks
 from .reachability import check_goal
 from .scene import BuiltScene, SceneBuilder
 from .scene_names import collect_objects
@@ -102,6 +103,7 @@ def _problem(
     relaxation = Relaxation(world)
     moving = movable(relaxation, lifted.motions, init[1])
     bodies = {n: dataclasses.replace(b, movable=n in moving) for n, b in built.bodies.items()}
+    bodies = with_marks(bodies, {course.body for course in happenings[0]}, library.types)
     heuristic = None
     if built.guide is not None:
         declaration, arguments, _ = built.guide

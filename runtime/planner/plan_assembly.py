@@ -98,8 +98,9 @@ def _needs(world: ir.World) -> list[str]:
     """The optional parts of the format that the plan makes use of."""
     joints = [j for m in world.modules.values() for j in m.type.joints]
     follows, passive = any(j.follows is not None for j in joints), any(j.passive for j in joints)
-    jerk = any(math.isfinite(j.jerk) for j in joints)
-    return [record.COUPLINGS] * follows + [record.PASSIVE] * passive + [record.JERK] * jerk
+    jerk, places = any(math.isfinite(j.jerk) for j in joints), any(not b.collides for b in world.bodies.values())
+    told = (record.COUPLINGS, follows), (record.PASSIVE, passive), (record.JERK, jerk), (record.PLACES, places)
+    return [need for need, has in told if has]
 
 
 def _versions() -> dict[str, str]:
@@ -217,7 +218,7 @@ def module_record(module: ir.Module) -> record.ModuleRecord:
 
 
 def _body_record(body: ir.Body) -> record.BodyRecord:
-    return record.BodyRecord(body.name, body.type, _shape(body.shape), list(body.pose), body.movable)
+    return record.BodyRecord(body.name, body.type, _shape(body.shape), list(body.pose), body.movable, body.collides)
 
 
 def placed(problem: ir.Problem, span: Span | None) -> record.PlaceRecord | None:

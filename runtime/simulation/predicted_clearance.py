@@ -46,7 +46,7 @@ def nearest(
     covers |= {name: _body_cover(world.bodies[name], poses[name]) for name in sorted(held)}
     found = {}
     for name, cover in covers.items():
-        for body in world.bodies.values() if len(cover[0]) else ():
+        for body in world.solids if len(cover[0]) else ():
             if body.name in held or pair(name, body.name) in kept:
                 continue
             apart = np.linalg.norm(cover[0] - poses[body.name][None, :, :3], axis=2) - cover[1]
@@ -61,7 +61,7 @@ def clearances(world: ir.World, configuration: Configuration, within: float) -> 
     for module in world.modules.values():
         state = configuration.modules[module.name][None, :]
         cover = _cover(module, state[:, :7], state[:, 7:])
-        for body in world.bodies.values():
+        for body in world.solids:
             rows = configuration.bodies[body.name][None, :]
             apart = np.linalg.norm(cover[0][:, 0] - rows[:, :3], axis=1) - cover[1][:, 0]
             if apart.min(initial=np.inf) < bounding_radius(body.shape) + within:

@@ -103,4 +103,6 @@ def _body_differences(record: BodyRecord, body: ir.Body) -> list[str]:
         found.append("the start pose")
     if record.movable != body.movable:
         found.append("whether it can be moved")
+    if record.collides != body.collides:
+        found.append("whether it can be collided with")
     return found

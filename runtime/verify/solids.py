@@ -55,7 +55,7 @@ class Solid:
 
 
 def solids(plan: Plan) -> list[Solid]:
-    """All shapes of a plan: effectors and links of modules, then bodies. Raises MissingLibrary."""
+    """All shapes of a plan that collide: effectors and links of modules, then bodies. Raises MissingLibrary."""
     found = []
     for module in plan.modules:
         for effector in module.effectors:
@@ -65,7 +65,7 @@ def solids(plan: Plan) -> list[Solid]:
         for number, link in enumerate(module.links):
             name = f"{module.name} link {number + 1}"
             found.append(_solid(name, module.name, link.joint, link.placement, link.shape))
-    return found + [_solid(b.name, b.name, None, IDENTITY, b.shape) for b in plan.bodies]
+    return found + [_solid(b.name, b.name, None, IDENTITY, b.shape) for b in plan.bodies if b.collides]
 
 
 def _solid(name: str, thing: str, joint: int | None, at: Sequence[float], shape: ShapeRecord) -> Solid:

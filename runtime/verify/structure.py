@@ -16,6 +16,7 @@ from ..plan import (
     FORMAT,
     KNOWN_NEEDS,
     PASSIVE,
+    PLACES,
     CouplingRecord,
     ModuleRecord,
     Plan,
@@ -67,9 +68,10 @@ def check_structure(plan: Plan, findings: Findings) -> Samples | None:
         if need not in KNOWN_NEEDS:
             findings.fail("structure", f"the plan needs {need}, which is not known")
     joints = [j for m in plan.modules for j in m.joints]
-    for need, has in ((COUPLINGS, any(j.follows for j in joints)), (PASSIVE, any(j.passive for j in joints))):
+    for need, has in ((COUPLINGS, any(j.follows for j in joints)), (PASSIVE, any(j.passive for j in joints)),
+                      (PLACES, not all(b.collides for b in plan.bodies))):  # fmt: skip
         if has and need not in plan.needs:
-            findings.fail("structure", f"the plan has {need} among its joints, but does not say that it needs that")
+            findings.fail("structure", f"the plan has {need}, but does not say that it needs that")
     frames = sum(1 + len(m.joints) + len(m.effectors) for m in plan.modules) + len({t.name for t in plan.body_tracks})
     if len(plan.times) * frames > MOST_FRAMES:
         message = f"{len(plan.times)} samples of {frames} frames that move: more than {MOST_FRAMES} are not looked at"

@@ -4,7 +4,7 @@ if exists("b:current_syntax")
 endif
 syn match tampFree /\<\h\w*\>/
 syn match tampDeclaration /[.(\[]\@1<!\<\(heuristic\|placement\|predicate\|function\|derived\|import\|module\|motion\|scene\|rule\|task\|type\)\>(\@!/
-syn match tampPart /[.(\[]\@1<!\<\(effector\|minimise\|disturb\|options\|branch\|during\|guide\|joint\|moves\|start\|where\|cost\|fact\|fail\|goal\|keep\|link\|post\|pre\)\>(\@!/
+syn match tampPart /[.(\[]\@1<!\<\(effector\|minimise\|touching\|disturb\|options\|branch\|during\|guide\|joint\|moves\|start\|where\|cost\|fact\|fail\|goal\|keep\|link\|post\|pre\)\>(\@!/
 syn match tampClause /[.(\[]\@1<!\<\(acceleration\|bearing\|density\|heading\|normal\|switch\|torque\|along\|chain\|force\|holds\|rotor\|speed\|back\|from\|home\|jerk\|mass\|urdf\|at\|by\|in\|of\|on\)\>(\@!/
 syn match tampModifier /[.(\[]\@1<!\<\(functional\|symmetric\|passive\|static\|borne\)\>(\@!/
 syn match tampControl /[.(\[]\@1<!\<\(previous\|exists\|forall\|else\|then\|ANY\|and\|for\|max\|min\|not\|sum\|if\|is\|or\)\>(\@!/

@@ -135,7 +135,7 @@ def _module_parts(problem: Problem, motion: Resampled) -> Iterator[_Part]:
 
 
 def _body_parts(problem: Problem, motion: Resampled, start: Configuration) -> Iterator[_Part]:
-    for body in problem.world.bodies.values():
+    for body in problem.world.solids:
         poses = motion.bodies.get(body.name)
         rest = np.broadcast_to(start.bodies[body.name], (len(motion.times), 7))
         yield _part(body.name, body.name, body.shape, rest if poses is None else poses)

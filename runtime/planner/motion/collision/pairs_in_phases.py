@@ -77,14 +77,15 @@ class Collisions:
     def add_slice(self, slice_: int, phase: int, margins: Margins, before: int | None = None) -> None:
         """Keep what moves in a slice clear. Slots that are those of slice `before` have been looked at there."""
         layout, world = self.layout, self.problem.world
-        names = [n for n in layout.names if n in world.modules or layout.is_unknown(slice_, n)]
+        solid = world.modules.keys() | {b.name for b in world.solids}
+        names = [n for n in layout.names if n in solid and (n in world.modules or layout.is_unknown(slice_, n))]
         fresh = [
             n for n in names
             if layout.is_unknown(slice_, n)
             and (before is None or layout.slices[before][n] != layout.slices[slice_][n])
         ]  # fmt: skip
         offsets, taken = layout.slices[slice_], frozenset(names)
-        scene = self._scene(tuple((b, offsets.get(b, -1)) for b in world.bodies if b not in taken))
+        scene = self._scene(tuple((b, offsets.get(b, -1)) for b in world.bodies if b in solid - taken))
         runs = {name: self._runs(slice_, name) for name in names}
         wanted = self._wanted(margins)
         for name in fresh:

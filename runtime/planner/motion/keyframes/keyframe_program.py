@@ -154,15 +154,20 @@ class SwitchProgram:
         touching = contacts(self.skeleton)
         if self._free:
             contact = touching[self.phases[0]]
-            collisions.add_slice(0, self.phases[0], self._margins(contact.during | contact.start))
+            margins = self._margins(contact.during | contact.start, contact.beside)
+            collisions.add_slice(0, self.phases[0], margins)
         for slice_, phase in enumerate(self.phases, start=1):
-            margin = self._margins(touching[phase].during | touching[phase].end)
-            collisions.add_slice(slice_, phase, margin, before=slice_ - 1)
+            contact = touching[phase]
+            margins = self._margins(contact.during | contact.end, contact.beside)
+            collisions.add_slice(slice_, phase, margins, before=slice_ - 1)
         return collisions.clearances()
 
-    def _margins(self, touching: frozenset[Pair]) -> Margins:
-        """Contacts are free."""
-        return Margins(self.settings.switch_margin, dict.fromkeys(sorted(touching)), touching=touching)
+    def _margins(self, touching: frozenset[Pair], beside: frozenset[Pair]) -> Margins:
+        """Contacts are free; what may touch need only not overlap."""
+        special: dict[Pair, float | None] = dict.fromkeys(sorted(beside), 0.0)
+        special.update(dict.fromkeys(sorted(touching)))
+        least = dict.fromkeys(sorted(beside - touching), -KEYFRAMES.pressed)
+        return Margins(self.settings.switch_margin, special, least, touching | beside)
 
     def program(self) -> Program:
         """The program over the pairs that take part at present."""

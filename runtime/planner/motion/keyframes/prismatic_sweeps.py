@@ -62,7 +62,8 @@ def reach(skeleton: Skeleton, phase: int, before: Configuration, after: Configur
     if not slid:
         return 1.0
     carried = followers(skeleton.problem, skeleton.phases[phase].mode)
-    for name, body in world.bodies.items():
+    for body in world.solids:
+        name = body.name
         if name in carried or body.shape.kind not in (ShapeKind.BOX, ShapeKind.CONVEX):
             continue
         frame, half = pose_matrix(before.bodies[name]), np.array(box_sides(body.shape)) / 2

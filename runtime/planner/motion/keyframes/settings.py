@@ -11,6 +11,11 @@ from .....compiler.settings import setting
 class KeyframeSettings:
     """The numbers that steer P_seq."""
 
+    pressed: float = setting(
+        2e-4, "m",
+        "How deep what may touch may press into each other at switches.",
+        "a fifth of what the verifier forbids",
+    )
     most_redrawn: int = setting(
         24, "phases",
         "Phases of a stretch that are drawn anew at once; longer ones stay as they are.",

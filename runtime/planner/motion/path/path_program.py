@@ -155,6 +155,7 @@ class PathProgram:
             special[objects] = self.settings.margin * float(share[0]) if ahead and share is not None else None
         margin, apart = self.settings.margin, PATHS.least_clearance
         least = {p: m * apart / margin for p, m in special.items() if m and margin > apart}
+        special.update(dict.fromkeys(sorted(contact.beside), 0.0))
         return Margins(self.settings.margin, special, least)
 
     def program(self) -> Program:
@@ -265,7 +266,7 @@ def attempt(
     where they cannot be had, one from there that wishes for them. Raises OutOfTime."""
     path.strict = True
     result, reached = _attempt(path, x, settings, budget, options, most)
-    near = result.violations and result.violations[0].kind in (Breach.COLLISION, Breach.SELF_COLLISION)
+    near = any(v.kind in (Breach.COLLISION, Breach.SELF_COLLISION) for v in result.violations)
     left = None if most is None else most - result.iterations
     if near and (left is None or left > 0):
         path.strict = False

@@ -180,7 +180,7 @@ def moving_balls(tree: PhaseTree, world: World, margin: float) -> tuple[Ball, ..
         for joint, spheres in groupby(covering, lambda s: s.joint):
             found += balls(links[joint], list(spheres), module)
     for name, mount in tree.bodies.items():
-        if not seen_whole(world.bodies[name].shape):
+        if world.bodies[name].collides and not seen_whole(world.bodies[name].shape):
             found += balls(mount, body_spheres(world.bodies[name], margin), name)
     return tuple(found)
 

@@ -12,9 +12,10 @@ from .....compiler.motion.collision import PhaseContacts, pair, taper
 from ....skeleton import Array
 from .settings import PHASES
 
-FULL, NEVER, START, END, BOTH = range(5)
-"""The whole margin; none, as the two touch all the time; less near the start, near the end, or near both."""
-REQUIRED = np.array([-PHASES.touching, -np.inf, *[-PHASES.contact_tolerance] * 3])
+FULL, NEVER, START, END, BOTH, BESIDE = range(6)
+"""The whole margin; none, as the two touch all the time; less near the start, near the end, or near both; and only not
+to overlap, as the two may touch."""
+REQUIRED = np.array([-PHASES.touching, -np.inf, *[-PHASES.contact_tolerance] * 4])
 """The clearance, metres, that accepts two things, by their kind."""
 
 Kinds = NDArray[np.int8]
@@ -25,6 +26,8 @@ def kind_of(contact: PhaseContacts, one: str, other: str) -> int:
     objects = pair(one, other)
     if objects in contact.during:
         return NEVER
+    if objects in contact.beside:
+        return BESIDE
     return (FULL, START, END, BOTH)[(objects in contact.start) + 2 * (objects in contact.end)]
 
 
@@ -32,7 +35,8 @@ def share_table(times: Array, slices: int) -> Array:
     """The share of the margin `(kinds, times)` at times counted in slices from the start of the phase; -inf: none."""
     here: frozenset[tuple[str, str]] = frozenset({("", "")})
     none: frozenset[tuple[str, str]] = frozenset()
-    table = np.full((5, len(times)), -np.inf)
+    table = np.full((6, len(times)), -np.inf)
+    table[BESIDE] = 0.0
     for kind, start, end in ((FULL, none, none), (START, here, none), (END, none, here), (BOTH, here, here)):
         share = taper(PhaseContacts(none, start, end), ("", ""), times, slices)
         table[kind] = -np.inf if share is None else share
@@ -45,7 +49,7 @@ def cross_kinds(contact: PhaseContacts, first: Sequence[str | None], second: Seq
     number: dict[str | None, int] = {name: k for k, name in enumerate(sorted(names))}
     number[None] = len(names)
     table = np.full((len(names) + 1, len(names) + 1), FULL, np.int8)
-    for a, b in contact.during | contact.start | contact.end:
+    for a, b in contact.during | contact.start | contact.end | contact.beside:
         if a in names and b in names:
             table[number[a], number[b]] = table[number[b], number[a]] = kind_of(contact, a, b)
     rows, columns = ([number[t] for t in tags] for tags in (first, second))

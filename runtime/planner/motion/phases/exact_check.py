@@ -70,7 +70,8 @@ def phase_parts(lineage: Lineage, world: World, obstacles: list[Obstacle]) -> Ph
             tag = f"{module}.{part.effector}" if part.effector else None
             parts.append(MovingPart(node, local @ pose_matrix(part.placement), part.shape, module, tag))
     for name, (node, local) in tree.bodies.items():
-        parts.append(MovingPart(node, local, world.bodies[name].shape, name, name))
+        if world.bodies[name].collides:
+            parts.append(MovingPart(node, local, world.bodies[name].shape, name, name))
     pairs += [
         (i, k) for k in range(len(parts)) for i in range(k) if parts[i].owner != parts[k].owner
     ]  # fmt: skip

@@ -327,7 +327,7 @@ def phase_tree(problem: Problem, index: int, phase: Phase, start: Configuration,
 
 
 def _obstacles(scene: Scene) -> list[Obstacle]:
-    bodies = [b for b in scene.world.bodies.values() if b.name in scene.rest]
+    bodies = [b for b in scene.world.solids if b.name in scene.rest]
     found = [Obstacle(b.shape, scene.poses[b.name], b.name, b.name) for b in bodies]
     for module in scene.world.modules.values():
         if module.name not in scene.rest:

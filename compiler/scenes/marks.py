@@ -1,0 +1,71 @@
+"""Marks: sheets that lie flat on what never moves, and never move themselves. Nothing collides with them, as it would
+with what bears them."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Mapping, Set
+
+from .. import ir
+from ..extents import box_sides, corners
+from ..poses import orientation, position, rotate
+from .check_start import TOLERANCE
+
+REGION = "region"
+"""The built-in type of what is only a place."""
+ROUNDING = 1e-6
+RIM = 16
+"""Points on a rim."""
+
+
+def with_marks(
+    bodies: Mapping[str, ir.Body], courses: Set[str], types: Mapping[str, str | None]
+) -> dict[str, ir.Body]:
+    """The bodies, with those told apart that collide with nothing: regions, and marks. `courses` names what moves by
+    itself."""
+    still = [b for b in bodies.values() if not b.movable and b.name not in courses]
+    found = dict(bodies)
+    for body in bodies.values():
+        if _is_region(body.type, types):
+            found[body.name] = dataclasses.replace(body, collides=False)
+    bearers = [b for b in still if found[b.name].collides]
+    for body in bearers:
+        if min(box_sides(body.shape)) <= TOLERANCE + ROUNDING and any(
+            _flat_on(body, other) for other in bearers if other is not body and max(box_sides(other.shape)) > TOLERANCE
+        ):
+            found[body.name] = dataclasses.replace(body, collides=False)
+    return found
+
+
+def _is_region(type_: str | None, types: Mapping[str, str | None]) -> bool:
+    while type_ is not None and type_ != REGION:
+        type_ = types.get(type_)
+    return type_ is not None
+
+
+def _flat_on(body: ir.Body, other: ir.Body) -> bool:
+    """Whether no corner of a body is farther than the tolerance from another one, which is thicker."""
+    from ..symbolic.geometry import Placed, shape_distance
+
+    if min(box_sides(other.shape)) <= min(box_sides(body.shape)):
+        return False
+    point, at = ir.Shape(ir.ShapeKind.SPHERE, (0.0,)), position(body.pose)
+    for corner in _outermost(body.shape):
+        x, y, z = (a + b for a, b in zip(at, rotate(orientation(body.pose), corner), strict=True))
+        placed = Placed(point, (x, y, z, 0.0, 0.0, 0.0, 1.0))
+        if shape_distance(placed, Placed(other.shape, other.pose)) > TOLERANCE + ROUNDING:
+            return False
+    return True
+
+
+def _outermost(shape: ir.Shape) -> list[ir.Vec3]:
+    """The corners of a shape in its own frame; of a cylinder points on its rims, of others the corners around it."""
+    if shape.kind == ir.ShapeKind.CONVEX:
+        return list(corners(shape))
+    x, y, z = (side / 2 for side in box_sides(shape))
+    if shape.kind == ir.ShapeKind.CYLINDER:
+        turns = [math.tau * k / RIM for k in range(RIM)]
+        return [(x * math.cos(t), y * math.sin(t), height) for t in turns for height in (-z, z)]
+    return list(itertools.product((-x, x), (-y, y), (-z, z)))
