@@ -131,7 +131,8 @@ LOADS = frozenset((Breach.TORQUE, Breach.BEARING, Breach.DOCK, Breach.FOOT))
 @dataclass(frozen=True, slots=True)
 class Violation:
     """One row that a bound could not satisfy: the phase (from 0), what kind of row, the names that it concerns, the
-    figure and unit. `span` is where a row of a motion literal is written."""
+    figure and unit. `span` is where a row of a motion literal is written. Of a clearance: how far apart the two were
+    asked to be, `asked` metres, and which `parts` of the two these are."""
 
     phase: int
     kind: Breach
@@ -139,6 +140,8 @@ class Violation:
     amount: float
     unit: str
     span: Span | None = field(default=None, compare=False)
+    asked: float = field(default=0.0, compare=False)
+    parts: tuple[str, ...] = field(default=(), compare=False)
 
 
 @dataclass(slots=True)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Set
 
 from ...langs.frozen import dataclass
 from ...langs.source import Span
 from .. import ir
 from ..checks.findings import Findings
 from ..extents import corners
+from ..part_names import part_names
 from ..poses import compose, joint_frames, orientation, position, rotate
 
 TOLERANCE = 1e-3
@@ -21,7 +22,8 @@ Box = tuple[float, float, float, float, float, float]
 @dataclass(frozen=True, slots=True)
 class Volume:
     """One shape in the world: `owner` is the body or module, `name` the body or effector, `bounds` the axis-aligned box
-    around it (lowest corner, highest corner)."""
+    around it (lowest corner, highest corner). Of a module also `part`, how the shape is called, its `number` among
+    `module_parts`, and the `joint` that carries it."""
 
     owner: str
     name: str
@@ -29,6 +31,9 @@ class Volume:
     pose: ir.Pose
     bounds: Box
     span: Span | None
+    part: str
+    number: int = 0
+    joint: int = -1
 
 
 def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str, str]]) -> None:
@@ -39,8 +44,9 @@ def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str
     """
     exempt = {frozenset(pair) for pair in carried}
     found: dict[frozenset[str], tuple[float, Volume, Volume]] = {}
-    for one, other in candidates(list(volumes(world))):
-        if one.owner == other.owner or frozenset((one.name, other.name)) in exempt:
+    solid = {body.name for body in world.solids} | world.modules.keys()
+    for one, other in candidates([v for v in volumes(world) if v.owner in solid]):
+        if frozenset((one.name, other.name)) in exempt or not _kept_apart(world, one, other):
             continue
         depth = penetration(one, other)
         key = frozenset((one.owner, other.owner))
@@ -50,33 +56,66 @@ def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str
     fixed = {b.name for b in world.bodies.values() if not b.movable} - {course.body for course in world.courses}
     order = {name: i for i, name in enumerate([*world.bodies, *world.modules])}
     for depth, one, other in pairs:
-        first, second = sorted((one, other), key=lambda v: order[v.owner])
+        first, second = sorted((one, other), key=lambda v: (order[v.owner], v.number))
         labels = [(first.span, f"`{first.owner}` is declared here")] if first.span != second.span else []
         built_in = {first.owner, second.owner} <= fixed
+        within = first.owner == second.owner
+        apart = "give its joints other values at home" if within else "move them apart, or put one `on` the other"
         findings.report(
             "W0012" if built_in else "E0502",
             second.span,
-            f"`{first.owner}` and `{second.owner}` overlap by {depth * 1000:.0f} mm at the start",
-            help=None if built_in else "move them apart, or put one `on` the other",
-            note="neither ever moves" if built_in else None,
+            f"`{first.part}` and `{second.part}` overlap by {depth * 1000:.0f} mm at the start",
+            help=None if built_in else apart,
+            note="neither ever moves" if built_in else _freedom(world, fixed, first, second),
             labels=labels,
         )
 
 
+def _kept_apart(world: ir.World, one: Volume, other: Volume) -> bool:
+    """Whether two shapes are of different things, or of a module that must keep them apart."""
+    if one.owner != other.owner:
+        return True
+    if one.owner not in world.modules or one.joint == other.joint:
+        return False
+    from ..module_parts import own_pairs
+
+    numbers = sorted((one.number, other.number))
+    return any([i, k] == numbers for i, k, _ in own_pairs(world.modules[one.owner].type))
+
+
+def _freedom(world: ir.World, fixed: Set[str], *volumes: Volume) -> str | None:
+    """Which parts of modules could move out of an overlap, and by which joints; None where no module is concerned."""
+    if not any(v.owner in world.modules for v in volumes):
+        return None
+    told = []
+    for volume in volumes:
+        if volume.owner not in world.modules:
+            told.append(f"`{volume.part}` {'never moves' if volume.owner in fixed else 'can be moved'}")
+            continue
+        joints, names = world.modules[volume.owner].type.joints, list[str]()
+        at = volume.joint
+        while at >= 0:
+            names.append(joints[at].name)
+            at = joints[at].parent
+        moved = f"moves with {', '.join(reversed(names))}" if names else "moves only with its whole robot"
+        told.append(f"`{volume.part}` {moved}")
+    return "; ".join(told)
+
+
 def volumes(world: ir.World) -> Iterator[Volume]:
     """All shapes of the scene at the start."""
-    for body in world.solids:
-        yield Volume(body.name, body.name, body.shape, body.pose, bounds(body.shape, body.pose), body.span)
+    for body in world.bodies.values():
+        yield Volume(body.name, body.name, body.shape, body.pose, bounds(body.shape, body.pose), body.span, body.name)
     for module in world.modules.values():
-        frames = joint_frames(module.type, module.pose, module.joints)
-        for link in module.type.links:
-            pose = compose(frames[link.joint], link.placement)
-            yield Volume(module.name, module.name, link.shape, pose, bounds(link.shape, pose), module.span)
-        for end in module.type.effectors:
-            if end.shape is not None:
-                pose = compose(frames[end.joint], end.placement)
-                name = f"{module.name}.{end.name}"
-                yield Volume(module.name, name, end.shape, pose, bounds(end.shape, pose), module.span)
+        type_ = module.type
+        frames = joint_frames(type_, module.pose, module.joints)
+        ends = [end for end in type_.effectors if end.shape is not None]
+        shapes = [(f"{module.name}.{e.name}", e.joint, e.placement, e.shape) for e in ends if e.shape is not None]
+        shapes += [(module.name, link.joint, link.placement, link.shape) for link in type_.links]
+        called = part_names(module.name, [name for name, *_ in shapes])
+        for number, (part, (name, joint, placement, shape)) in enumerate(zip(called, shapes, strict=True)):
+            pose = compose(frames[joint], placement)
+            yield Volume(module.name, name, shape, pose, bounds(shape, pose), module.span, part, number, joint)
 
 
 def bounds(shape: ir.Shape, pose: ir.Pose) -> Box:

@@ -23,7 +23,8 @@ def check_ways(findings: Findings, world: ir.World, carried: Iterable[tuple[str,
     if not world.courses:
         return
     moving = {c.body for c in world.courses}
-    found = list(volumes(world))
+    solid = {body.name for body in world.solids} | world.modules.keys()
+    found = [v for v in volumes(world) if v.owner in solid]
     resting = [v for v in found if v.owner not in moving]
     owners = {v.name: v.owner for v in found}
     standing = [(owners.get(thing, thing), owners.get(support, support)) for thing, support in carried]

@@ -20,6 +20,7 @@ from ...compiler.motion.collision import bounding_radius
 from ...langs.frozen import dataclass
 from ..native import load_coal
 from ..skeleton import Array
+from .transforms import rotate
 
 Indices = NDArray[np.intp]
 ROUND, BOX, HULL = range(3)
@@ -112,6 +113,12 @@ class Posed:
     def local(self, points: Array) -> Array:
         """Points `(N, 3)` of the world in the frames of the shapes."""
         return np.asarray(((points - self.position)[:, None, :] @ self.rotation)[:, 0])
+
+
+def posed_at(forms: Forms, form: int, poses: Array) -> Posed:
+    """One of the shapes at poses `(N, 7)`."""
+    turned = rotate(poses[:, None, 3:], np.eye(3)[None]).transpose(0, 2, 1)
+    return Posed(forms, np.full(len(poses), form), poses[:, :3], turned)
 
 
 @dataclass(frozen=True, slots=True)

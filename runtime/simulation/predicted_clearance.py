@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from ...compiler import ir
 from ...compiler.hulls import hull
-from ...compiler.motion.collision import CHECK_MARGIN, body_spheres, bounding_radius, module_spheres, pair
+from ...compiler.module_parts import module_parts
+from ...compiler.motion.collision import pair
 from ..geometry.attachments import carrier, followers
+from ..geometry.exact_distances import Forms, distances, posed_at
 from ..geometry.resampling import kept_pairs
-from ..geometry.transforms import inverse, joint_frames, rotate
+from ..geometry.transforms import compose, joint_frames
 from ..skeleton import Array, Configuration, Phase, PhasePath
 from .settings import SIMULATION
 from .world import carried, moves, sampled
@@ -35,68 +37,57 @@ def nearest(
     is not, that the phase does not keep it to, and that is not far.
 
     `own` gives the poses `(LOOKS, 7)` of the bodies that move on their own, evenly over the phase; `before` is the true
-    configuration in which it starts. What moves is covered by spheres.
+    configuration in which it starts.
     """
     times = np.linspace(0.0, path.duration, SIMULATION.phase_looks)
     joints = sampled(path, times)
     poses = carried(problem, phase.mode, joints, before, own, path)
     kept = {pair(*(carrier(problem, name) for name in names)) for names in kept_pairs(problem, phase.mode)}
     world, held = problem.world, followers(problem, phase.mode)
-    covers = {m.name: _cover(m, poses[m.name], joints[m.name]) for m in world.modules.values() if m.type.joints}
-    covers |= {name: _body_cover(world.bodies[name], poses[name]) for name in sorted(held)}
+    movers = {m.name: _parts(m, poses[m.name], joints[m.name]) for m in world.modules.values() if m.type.joints}
+    movers |= {name: [(world.bodies[name].shape, poses[name])] for name in sorted(held) if world.bodies[name].collides}
     found = {}
-    for name, cover in covers.items():
-        for body in world.solids if len(cover[0]) else ():
+    for name, parts in movers.items():
+        for body in world.solids:
             if body.name in held or pair(name, body.name) in kept:
                 continue
-            apart = np.linalg.norm(cover[0] - poses[body.name][None, :, :3], axis=2) - cover[1]
-            if apart.min() < bounding_radius(body.shape) + SIMULATION.far:
-                found[name, body.name] = float(_distances(cover, body, poses[body.name]).min())
+            distance = _nearest(parts, body.shape, poses[body.name], SIMULATION.far)
+            if distance < SIMULATION.far:
+                found[name, body.name] = distance
     return found
 
 
 def clearances(world: ir.World, configuration: Configuration, within: float) -> dict[tuple[str, str], float]:
-    """The distances in metres of modules, covered by spheres, from bodies that are nearer than `within`."""
+    """The distances in metres of modules from bodies that are nearer than `within`."""
     found = {}
     for module in world.modules.values():
         state = configuration.modules[module.name][None, :]
-        cover = _cover(module, state[:, :7], state[:, 7:])
+        parts = _parts(module, state[:, :7], state[:, 7:])
         for body in world.solids:
-            rows = configuration.bodies[body.name][None, :]
-            apart = np.linalg.norm(cover[0][:, 0] - rows[:, :3], axis=1) - cover[1][:, 0]
-            if apart.min(initial=np.inf) < bounding_radius(body.shape) + within:
-                distance = float(_distances(cover, body, rows).min())
-                if distance < within:
-                    found[module.name, body.name] = distance
+            distance = _nearest(parts, body.shape, configuration.bodies[body.name][None, :], within)
+            if distance < within:
+                found[module.name, body.name] = distance
     return found
 
 
-def _cover(module: ir.Module, poses: Array, joints: Array) -> tuple[Array, Array]:
-    """Centres `(n, T, 3)` in the world, and radii `(n, 1)`, of the spheres of a module along a motion."""
+def _parts(module: ir.Module, poses: Array, joints: Array) -> list[tuple[ir.Shape, Array]]:
+    """The shapes of a module, and their poses `(T, 7)` along a motion."""
     frames = joint_frames(module.type.joints, poses, joints)
-    spheres = module_spheres(module.type, CHECK_MARGIN)
-    centres = np.zeros((len(spheres), len(poses), 3))
-    for joint in {s.joint for s in spheres}:
-        mine = [k for k, s in enumerate(spheres) if s.joint == joint]
-        frame = frames[joint + 1]
-        centres[mine] = frame[:, :3] + rotate(frame[None, :, 3:], np.array([spheres[k].centre for k in mine])[:, None])
-    return centres, np.array([sphere.radius for sphere in spheres])[:, None]
+    return [(p.shape, compose(frames[p.joint + 1], np.asarray(p.placement))) for p in module_parts(module.type)]
 
 
-def _body_cover(body: ir.Body, poses: Array) -> tuple[Array, Array]:
-    """The same for a body at poses `(T, 7)`."""
-    spheres = body_spheres(body, CHECK_MARGIN)
-    local = np.array([sphere.centre for sphere in spheres])[:, None]
-    centres = poses[None, :, :3] + rotate(poses[None, :, 3:], local)
-    return centres, np.array([sphere.radius for sphere in spheres])[:, None]
-
-
-def _distances(cover: tuple[Array, Array], body: ir.Body, poses: Array) -> Array:
-    """The distances `(n, T)` of the spheres of a cover from a body at `poses`, `(T, 7)` or `(1, 7)`."""
-    centres, radii = cover
-    rows = np.broadcast_to(poses, (centres.shape[1], 7))
-    local = rotate(inverse(rows)[None, :, 3:], centres - rows[None, :, :3])
-    return np.asarray(signed_distance(body.shape, local) - radii)
+def _nearest(parts: Sequence[tuple[ir.Shape, Array]], shape: ir.Shape, poses: Array, within: float) -> float:
+    """The least distance of parts from a shape at `poses`, `(T, 7)` or `(1, 7)`; infinite where it is `within` or
+    more."""
+    forms, least = Forms([shape, *(part for part, _ in parts)]), np.inf
+    for number, (_, rows) in enumerate(parts, start=1):
+        where = np.broadcast_to(poses, rows.shape)
+        apart = np.linalg.norm(rows[:, :3] - where[:, :3], axis=1) - forms.reach[number] - forms.reach[0]
+        near = np.flatnonzero(apart < within)
+        if len(near):
+            first, second = posed_at(forms, number, rows[near]), posed_at(forms, 0, where[near])
+            least = min(least, float(distances(first, second, np.full(len(near), within)).value.min()))
+    return least if least < within else np.inf
 
 
 def signed_distance(shape: ir.Shape, points: Array) -> Array:

@@ -127,7 +127,6 @@ def test_a_plan_cannot_say_that_nothing_collides_with_a_wall(tmp_path: Path) -> 
 
 
 def test_touching_names_two_objects() -> None:
-    for rows in ("touching X X", "touching X X.z"):
-        with pytest.raises(tamplang.SourceError) as raised:
-            compile_text(program(rows))
-        assert "E0406" in [d.code for d in raised.value.diagnostics]
+    with pytest.raises(tamplang.SourceError) as raised:
+        compile_text(program("touching X X"))
+    assert "E0406" in [d.code for d in raised.value.diagnostics]

@@ -214,4 +214,6 @@ class LengthUnit:
 
     def _violation(self, violation: Violation) -> Violation:
         long = violation.unit in ("m", "N m", "Nm")
-        return replace(violation, amount=violation.amount * self.metres) if long else violation
+        if not long:
+            return violation
+        return replace(violation, amount=violation.amount * self.metres, asked=violation.asked * self.metres)

@@ -213,8 +213,24 @@ _TOLD = {
 
 def describe(violation: Violation) -> str:
     """One clause for a violated row: `[touch c.B item] is missed by 0.213 m`."""
+    if violation.kind in (Breach.COLLISION, Breach.SELF_COLLISION) and violation.amount < DIVERGED:
+        return _apart(violation)
     text = _TOLD[violation.kind].format(" ".join(violation.names), *violation.names)
     if violation.amount >= DIVERGED:
         who = f"[{' '.join(violation.names)}]" if violation.kind == Breach.ROW else f"the {violation.kind}"
         return f"the numbers of {who} diverge"
     return f"{text} by {violation.amount:.3g} {'' if violation.unit == '1' else violation.unit}".rstrip()
+
+
+def _apart(violation: Violation) -> str:
+    """Of two parts, how deep they would overlap, or how near they come where more was wished for."""
+    one, other = violation.parts or violation.names
+    distance = violation.asked - violation.amount
+    if distance > 0.0:
+        return f"{one} comes within {_length_of(distance)} of {other}, {_length_of(violation.asked)} wished for"
+    return f"{one} and {other} would overlap by {_length_of(-distance)}"
+
+
+def _length_of(metres: float) -> str:
+    """A length as it is read: in millimetres below 10 cm."""
+    return f"{1e3 * metres:.3g} mm" if metres < 0.1 else f"{metres:.3g} m"

@@ -13,10 +13,11 @@ import numpy as np
 from ....compiler.ir import Fact, JointKind, Problem, Shape
 from ....compiler.module_parts import module_parts, own_pairs
 from ....compiler.motion.collision import PhaseContacts, pair
+from ....compiler.part_names import part_names
 from ....langs.frozen import dataclass
-from ...geometry.exact_distances import Forms, Posed, distances
+from ...geometry.exact_distances import Forms, distances, posed_at
 from ...geometry.resampling import Resampled, effector_poses, kept_pairs, resample
-from ...geometry.transforms import compose, inverse, joint_frames, rotate
+from ...geometry.transforms import compose, inverse, joint_frames
 from ...skeleton import Array, Breach, Configuration, PhasePath, Violation
 from .phases.contact_margins import REQUIRED, kind_of
 from .phases.settings import PHASES
@@ -67,10 +68,11 @@ def steps(problem: Problem, phase: int, path: PhasePath) -> Iterator[Violation]:
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """One shape of a module or body: what contacts name it, and its poses `(T, 7)`."""
+    """One shape of a module or body: what contacts name it, how it is called, and its poses `(T, 7)`."""
 
     thing: str
     tag: str
+    name: str
     shape: Shape
     poses: Array
     moves: bool
@@ -80,7 +82,7 @@ def clashes(
     problem: Problem, phase: int, contact: PhaseContacts, motion: Resampled, start: Configuration
 ) -> list[Violation]:
     """The pairs that overlap in a phase, the worst sample of each. Things that both rest are not looked at."""
-    missed: dict[tuple[str, str], float] = {}
+    missed: dict[tuple[str, str], tuple[float, float, tuple[str, str]]] = {}
     parts = [*_module_parts(problem, motion), *_body_parts(problem, motion, start)]
     forms = Forms([part.shape for part in parts])
     centres = [part.poses[:, :3] for part in parts]
@@ -91,14 +93,17 @@ def clashes(
         near = np.flatnonzero(apart < REQUIRED[kind])
         if not len(near):
             continue
-        posed = (_posed(forms, n, parts[n].poses[near]) for n in (i, k))
+        posed = (posed_at(forms, n, parts[n].poses[near]) for n in (i, k))
         amount = float((REQUIRED[kind] - distances(next(posed), next(posed), np.zeros(len(near))).value).max())
         if amount > 0.0:
             key = pair(one.tag, other.tag)
-            missed[key] = max(missed.get(key, 0.0), amount)
+            told = amount, float(REQUIRED[kind]), (one.name, other.name)
+            missed[key] = max(missed.get(key, told), told)
     found = [
-        Violation(phase, Breach.SELF_COLLISION if _same(a, b) else Breach.COLLISION, (a, b), amount, "m")
-        for (a, b), amount in missed.items()
+        Violation(
+            phase, Breach.SELF_COLLISION if _same(a, b) else Breach.COLLISION, (a, b), amount, "m", None, asked, parts
+        )
+        for (a, b), (amount, asked, parts) in missed.items()
     ]
     return sorted(found, key=lambda v: (-v.amount, v.kind, v.names))
 
@@ -120,26 +125,22 @@ def _pairs(problem: Problem, parts: Sequence[_Part]) -> Iterator[tuple[int, int]
             yield first[module.name] + i, first[module.name] + k
 
 
-def _posed(forms: Forms, form: int, poses: Array) -> Posed:
-    turned = rotate(poses[:, None, 3:], np.eye(3)[None]).transpose(0, 2, 1)
-    return Posed(forms, np.full(len(poses), form), poses[:, :3], turned)
-
-
 def _module_parts(problem: Problem, motion: Resampled) -> Iterator[_Part]:
     for module in problem.world.modules.values():
         base = np.broadcast_to(motion.poses[module.name], (len(motion.times), 7))
         frames = joint_frames(module.type.joints, base, motion.joints[module.name])
-        for part in module_parts(module.type):
-            tag = f"{module.name}.{part.effector}" if part.effector else module.name
-            yield _part(module.name, tag, part.shape, compose(frames[part.joint + 1], np.asarray(part.placement)))
+        own = module_parts(module.type)
+        tags = [f"{module.name}.{part.effector}" if part.effector else module.name for part in own]
+        for part, tag, name in zip(own, tags, part_names(module.name, tags), strict=True):
+            yield _part(module.name, tag, name, part.shape, compose(frames[part.joint + 1], np.asarray(part.placement)))
 
 
 def _body_parts(problem: Problem, motion: Resampled, start: Configuration) -> Iterator[_Part]:
     for body in problem.world.solids:
         poses = motion.bodies.get(body.name)
         rest = np.broadcast_to(start.bodies[body.name], (len(motion.times), 7))
-        yield _part(body.name, body.name, body.shape, rest if poses is None else poses)
+        yield _part(body.name, body.name, body.name, body.shape, rest if poses is None else poses)
 
 
-def _part(thing: str, tag: str, shape: Shape, poses: Array) -> _Part:
-    return _Part(thing, tag, shape, poses, bool(np.ptp(poses, axis=0).max() > STILL))
+def _part(thing: str, tag: str, name: str, shape: Shape, poses: Array) -> _Part:
+    return _Part(thing, tag, name, shape, poses, bool(np.ptp(poses, axis=0).max() > STILL))

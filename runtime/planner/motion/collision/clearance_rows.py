@@ -7,6 +7,7 @@ the derivatives of their distance; they are made of rows that push only.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -182,12 +183,15 @@ class ClearanceGroup:
         return len(self.clearances.pairs.first), 1
 
     def label(self, instance: int) -> RowLabel:
-        return self.clearances.label_of(self.clearances.pairs.tags[instance])
+        pairs = self.clearances.pairs
+        return replace(self.clearances.label_of(pairs.tags[instance]), asked=float(self._asked[instance]))
+
+    @property
+    def _asked(self) -> Array:
+        return self.clearances.pairs.wanted if self.strict else self.clearances.pairs.least
 
     def residuals(self, z: Array) -> Array:
-        pairs = self.clearances.pairs
-        least = pairs.wanted if self.strict else pairs.least
-        return np.asarray((least - self.clearances.measured(z).value)[:, None])
+        return np.asarray((self._asked - self.clearances.measured(z).value)[:, None])
 
     def jacobians(self, z: Array, chosen: Chosen) -> tuple[Array, Indices]:
         return -self.clearances.slopes(z, chosen)[:, None, :], self.span()[chosen]

@@ -10,6 +10,7 @@ import numpy as np
 from .....compiler.ir import Problem
 from .....compiler.module_parts import are_close, own_pairs
 from .....compiler.motion.collision import Pair
+from .....compiler.part_names import part_names
 from .....langs.frozen import dataclass
 from ....skeleton import Array, Breach
 from ..nlp.row_groups import RowGroup, RowLabel
@@ -42,6 +43,8 @@ class Labels:
         """The parts of each object …"""
         self.first: dict[str, int] = {}
         """… and the first part of each thing; the others follow."""
+        self.parts: list[str] = []
+        """How each part is called."""
 
     def take_in(self, thing: str, objects: list[str]) -> int:
         """The number of the first part of a thing, whose parts belong to `objects`."""
@@ -50,6 +53,7 @@ class Labels:
             for name in objects:
                 self.of.setdefault(name, []).append(len(self.names))
                 self.names.append(name)
+            self.parts += part_names(thing, objects)
         return self.first[thing]
 
     def label(self, tag: Indices) -> RowLabel:
@@ -57,7 +61,8 @@ class Labels:
         phase, a, b = (int(t) for t in tag)
         first, second = self.names[a], self.names[b]
         same = first.partition(".")[0] == second.partition(".")[0]
-        return RowLabel(phase, Breach.SELF_COLLISION if same else Breach.COLLISION, (first, second), ("m",))
+        kind, parts = Breach.SELF_COLLISION if same else Breach.COLLISION, (self.parts[a], self.parts[b])
+        return RowLabel(phase, kind, (first, second), ("m",), parts=parts)
 
 
 class Collisions:

@@ -225,5 +225,7 @@ class Program:
             key = (label.phase, label.kind, label.names)
             if amount > above and (key not in worst or amount > worst[key].amount):
                 unit = label.units[min(row, len(label.units) - 1)]
-                worst[key] = Violation(label.phase, label.kind, label.names, amount, unit, label.span)
+                worst[key] = Violation(
+                    label.phase, label.kind, label.names, amount, unit, label.span, label.asked, label.parts
+                )
         return sorted(worst.values(), key=lambda v: (-v.amount, v.phase, v.kind, v.names))

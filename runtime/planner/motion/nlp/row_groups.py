@@ -23,14 +23,16 @@ ALL = slice(None)
 
 @dataclass(frozen=True, slots=True)
 class RowLabel:
-    """Whom one instance speaks for: the phase, counted from 0, the kind of row and whom it concerns (as in a
-    `Violation`), the unit of each row, and where the rows are written."""
+    """Whom one instance speaks for: the phase, counted from 0, the kind of row and whom it concerns, the unit of each
+    row, where the rows are written, and of clearances what is asked of which parts; all as in a `Violation`."""
 
     phase: int
     kind: Breach
     names: tuple[str, ...]
     units: tuple[str, ...]
     span: Span | None = None
+    asked: float = 0.0
+    parts: tuple[str, ...] = ()
 
 
 class RowGroup(Protocol):

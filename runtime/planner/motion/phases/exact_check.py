@@ -15,6 +15,7 @@ from .....compiler.extents import box_sides
 from .....compiler.ir import Shape, ShapeKind, World
 from .....compiler.module_parts import module_parts, own_pairs
 from .....compiler.motion.collision import PhaseContacts, pose_matrix
+from .....compiler.part_names import part_names
 from .....langs.frozen import dataclass
 from ....geometry.exact_distances import HULL, ROUND, Distances, Forms, Posed, distances
 from ....skeleton import Array
@@ -39,6 +40,7 @@ class MovingPart:
     shape: Shape
     owner: str
     tag: str | None
+    name: str
 
 
 @dataclass(slots=True)
@@ -65,13 +67,15 @@ def phase_parts(lineage: Lineage, world: World, obstacles: list[Obstacle]) -> Ph
     for module, links in tree.links.items():
         type_, first = world.modules[module].type, len(parts)
         pairs += [(first + i, first + k) for i, k, _ in own_pairs(type_)]
-        for part in module_parts(type_):
+        own = module_parts(type_)
+        tags = [f"{module}.{part.effector}" if part.effector else None for part in own]
+        names = part_names(module, [tag or module for tag in tags])
+        for part, tag, name in zip(own, tags, names, strict=True):
             node, local = links[part.joint]
-            tag = f"{module}.{part.effector}" if part.effector else None
-            parts.append(MovingPart(node, local @ pose_matrix(part.placement), part.shape, module, tag))
+            parts.append(MovingPart(node, local @ pose_matrix(part.placement), part.shape, module, tag, name))
     for name, (node, local) in tree.bodies.items():
         if world.bodies[name].collides:
-            parts.append(MovingPart(node, local, world.bodies[name].shape, name, name))
+            parts.append(MovingPart(node, local, world.bodies[name].shape, name, name, name))
     pairs += [
         (i, k) for k in range(len(parts)) for i in range(k) if parts[i].owner != parts[k].owner
     ]  # fmt: skip
@@ -174,11 +178,13 @@ class ExactGeometry:
         second = self._whole if entries.among else self._rests_whole
         return np.asarray(self._whole[entries.phase, entries.first] | second[entries.phase, entries.second])
 
-    def name_pair(self, phase: int, among: bool, first: int, second: int) -> tuple[str, str]:
-        """The objects behind a part and an obstacle of one of the phases, or `among` the parts."""
-        stated = self.phases[phase]
-        part, other = stated.parts[first], stated.parts[second] if among else stated.obstacles[second]
-        return part.tag or part.owner, other.tag or other.owner
+    def clash(self, phase: int, entries: Entries, chosen: int, amount: float) -> Clash:
+        """What is told of a part and an obstacle of one of the phases, or `among` the parts."""
+        stated, first, second = self.phases[phase], int(entries.first[chosen]), int(entries.second[chosen])
+        part, other = stated.parts[first], stated.parts[second] if entries.among else stated.obstacles[second]
+        pair = part.tag or part.owner, other.tag or other.owner
+        parts = part.name, stated.parts[second].name if entries.among else other.tag or other.owner
+        return Clash(pair, amount, float(REQUIRED[entries.kind[chosen]]), parts)
 
 
 @dataclass(slots=True)
@@ -314,6 +320,8 @@ class Clash:
 
     pair: tuple[str, str]
     amount: float
+    asked: float = 0.0
+    parts: tuple[str, ...] = ()
 
 
 def worst_clash(geometry: ExactGeometry, phase: int, values: Array) -> Clash:
@@ -325,8 +333,7 @@ def worst_clash(geometry: ExactGeometry, phase: int, values: Array) -> Clash:
         missed = REQUIRED[entries.kind] - entries.measured(one, frames, np.full(len(entries.first), PHASES.far)).value
         if missed.max(initial=0.0) > worst.amount:
             k = int(missed.argmax())
-            pair = one.name_pair(0, entries.among, int(entries.first[k]), int(entries.second[k]))
-            worst = Clash(pair, float(missed[k]))
+            worst = one.clash(0, entries, k, float(missed[k]))
     return worst
 
 

@@ -24,7 +24,7 @@ from ..settings import MotionSettings
 from ..time_scaling import shortest_duration
 from .attempts import PhaseGroup, improve, polish_groups, solve_groups, start_group
 from .batch_kinematics import mounted_poses
-from .exact_check import blocked, worst_clash
+from .exact_check import Clash, blocked, worst_clash
 from .joint_forest import Mount, PhaseTree, UnsupportedPhase, arrive, phase_tree, pose_vector
 from .phase_batch import Batch
 from .phase_geometry import make_parts
@@ -39,8 +39,14 @@ def _blocked(batch: Batch) -> list[Violation]:
     for poses in (batch.start, batch.end):
         for k in np.flatnonzero(blocked(batch.exact, poses[:, None])):
             clash = worst_clash(batch.exact, int(k), poses[k][None])
-            found.append(Violation(int(batch.phases[k]), Breach.COLLISION, clash.pair, clash.amount, "m"))
+            found.append(_told(int(batch.phases[k]), clash))
     return found
+
+
+def _told(phase: int, clash: Clash) -> Violation:
+    own = clash.pair[0].partition(".")[0] == clash.pair[1].partition(".")[0]
+    kind = Breach.SELF_COLLISION if own else Breach.COLLISION
+    return Violation(phase, kind, clash.pair, clash.amount, "m", asked=clash.asked, parts=clash.parts)
 
 
 def _failures(group: PhaseGroup, world: World) -> list[Violation]:
@@ -55,7 +61,7 @@ def _failures(group: PhaseGroup, world: World) -> list[Violation]:
         if clash.amount <= 0.0:
             clash = worst_clash(batch.exact, int(k), values)
         if clash.amount > 0.0:
-            found.append(Violation(phase, Breach.COLLISION, clash.pair, clash.amount, "m"))
+            found.append(_told(phase, clash))
             continue
         joints = batch.joints
         beyond = np.maximum(values - joints.upper[k], joints.lower[k] - values).max(axis=0)
