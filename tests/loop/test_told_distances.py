@@ -71,9 +71,15 @@ def test_a_robot_in_something_at_its_start_is_told_what_could_move(more: str, wo
 
 
 def test_a_robot_that_starts_in_itself_is_told_which_parts() -> None:
-    folds = " ".join(f"joint j{k}: revolute(y) in -150 deg .. 150 deg home ANGLE link 20 cm: box(3 cm, 3 cm)" for k in range(3))
+    joint = "joint j{}: revolute(y) in -150 deg .. 150 deg home ANGLE\n link 20 cm: box(3 cm, 3 cm)\n"
+    folds = "".join(joint.format(k) for k in range(3))
     text = f"""import std.rules
-    module arm() {{ effector A: gripper sphere(5 cm) link (0, 0, 10 cm) {folds} effector B: gripper fact (linked A B) }}
+    module arm() {{
+        effector A: gripper sphere(5 cm)
+        link (0, 0, 1 m)
+        {folds} effector B: gripper sphere(1 cm)
+        fact (linked A B)
+    }}
     task t() {{ base foot: box(1 m, 1 m, 5 cm) at (0, 0, -2.5 cm) arm a: A on foot goal (on foot a.B) }}"""
     found = {}
     for angle in ("120 deg", "0 deg"):
