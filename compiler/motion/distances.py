@@ -109,7 +109,8 @@ def extent(solid: DistanceShape, direction: Expression) -> Expression:
     radius, straight = solid.size[0], ca.fabs(along[2]) * solid.size[1] / 2
     if solid.kind == ShapeKind.CAPSULE:
         return straight + radius
-    return straight + radius * ca.sqrt(along[0] ** 2 + along[1] ** 2 + SMOOTH)
+    squared = along[0] ** 2 + along[1] ** 2
+    return straight + radius * squared / ca.sqrt(squared + SMOOTH)
 
 
 def _separation(a: DistanceShape, b: DistanceShape) -> Expression:
