@@ -104,3 +104,33 @@ def test_plans_without_an_objective_are_what_they_were(tmp_path: Path) -> None:
     texts = [json.loads((tmp_path / f"{name}.json").read_text()) for name in ("plain", "asked")]
     assert all(text.pop("timing") for text in texts)
     assert texts[0] == texts[1] and "objective" not in texts[0]["statistics"]
+
+
+def test_windows_go_without_an_objective(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["solve", str(EXAMPLES / "climb.tamp"), "--horizon", "2", "--minimise", "makespan"]) == 2
+    assert "--minimise" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("way", "seconds"), [(0.0, 0.0), (0.8, 0.8), (2.0, 1.4)])
+def test_the_least_time_of_a_way_from_rest_to_rest(way: float, seconds: float) -> None:
+    """At 2 rad/s and 5 rad/s²: 0.8 rad are reached without ever being at full speed."""
+    from tamplang.compiler.ir import IDENTITY, Joint, JointKind
+    from tamplang.runtime.planner.schedule.objective_value import _least_time
+
+    joint = Joint("j", JointKind.REVOLUTE, -1, IDENTITY, (0, 0, 1), -3.0, 3.0, 0.0, 2.0, 5.0)
+    assert _least_time(joint, way) == pytest.approx(seconds)
+
+
+def test_a_straight_way_takes_the_least_time_by_the_fastest_law() -> None:
+    import numpy as np
+
+    from tamplang.runtime.planner.schedule.time_optimal import fastest
+
+    ones = np.ones((101, 1))
+    for way, seconds in ((0.8, 0.8), (2.0, 1.4)):
+        law = fastest(way * ones, 0.0 * ones, 2.0 * ones, 5.0 * ones)
+        assert law is not None and law.duration == pytest.approx(seconds, rel=2e-3)
+        shares = law.smoothed(0.05, 200)
+        bends = np.diff(shares, 2)
+        assert shares[0] == 0.0 and shares[-1] == 1.0 and (np.diff(shares) >= 0.0).all()
+        assert abs(bends[0]) < 0.2 * np.abs(bends).max() and abs(bends[-1]) < 0.2 * np.abs(bends).max()

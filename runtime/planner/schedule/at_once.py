@@ -32,7 +32,8 @@ class AtOnce:
         successors: Successors | None = None,
     ) -> tuple[Plan, float | None]:  # fmt: skip
         """The first shorter plan with these motions that is verified, else the one that stands, and the seconds below
-        which none of them ends. A plan is never lost: where time runs out the one that stands is given back."""
+        which none of them ends. A plan is never lost: where time runs out, or no schedule can be made, the one that
+        stands is given back."""
         bound: float | None = None
         try:
             self._tell("schedule", f"letting robots work at once in {len(actions)} actions")
@@ -43,6 +44,6 @@ class AtOnce:
                 verdict = verify(timed.plan, self._budget.whole)
                 if verdict.verified:
                     return msgspec.structs.replace(timed.plan, verdict=verdict, timing=plan.timing), bound
-        except OutOfTime:
+        except (OutOfTime, ValueError):  # no time, an order that the rules refuse, or numbers without a solution
             pass
         return plan, bound
