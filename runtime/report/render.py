@@ -15,6 +15,7 @@ from markupsafe import Markup
 from ...langs.writer import write_atomically
 from ..plan import Plan
 from .ending import Ending
+from .rates import build_rates
 from .replay import replay_data
 from .view import build_view, figure, measure_name
 
@@ -76,6 +77,7 @@ def render_report(plan: Plan, checked: bool = True, ending: Ending | None = None
     return environment().get_template("report.html.j2").render(
         view=build_view(plan, checked),
         ending=ending,
+        rates=build_rates(plan),
         style=Markup((FOLDER / "report.css").read_text(encoding="utf-8")),
         scripts=scripts,
         hashes=[script_hash(s) for s in scripts],

@@ -98,7 +98,7 @@
   function startPlots() {
     const times = new Float64Array(decodeBytes(data.times).buffer);
     const tracks = data.joints.map((text) => new Float32Array(decodeBytes(text).buffer));
-    const plots = all(".plot").map((figure) => {
+    const plots = all(".plot[data-track]").map((figure) => {
       const svg = figure.querySelector("svg");
       svg.addEventListener("click", (event) => {
         const box = svg.getBoundingClientRect();
