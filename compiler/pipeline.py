@@ -21,6 +21,7 @@ from ..langs.diagnostics import Diagnostic, SourceError, UsageError
 from ..langs.reader import read_source
 from ..langs.source import Source
 from . import ir
+from .importing.kinds import foreign
 from .imports import load_library, load_sources
 from .scenes.check_drives import check_drives
 from .scenes.check_reach import check_reach
@@ -35,10 +36,18 @@ def check(path: str | os.PathLike[str]) -> tuple[Diagnostic, ...]:
     """Everything that is wrong with the file and what it imports, each task also built with its default parameters;
     sorted by file and place."""
     try:
-        source = read_source(path)
+        source = read_program(path)
     except SourceError as error:
         return error.diagnostics
     return check_sources([source])
+
+
+def read_program(path: str | os.PathLike[str]) -> Source:
+    """The text of a program. Raises SourceError, E0021 for what belongs to another tool."""
+    found = foreign(os.fspath(path))
+    if found is not None:
+        raise SourceError([found])
+    return read_source(path)
 
 
 def check_sources(sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
@@ -65,7 +74,7 @@ def compile_problem(
 
     Raises SourceError when the text has errors, UsageError when the task or a parameter is unknown or unfit.
     """
-    return compile_sources([read_source(path)], task, parameters, seed)
+    return compile_sources([read_program(path)], task, parameters, seed)
 
 
 def compile_sources(

@@ -43,6 +43,17 @@ CODES: dict[str, CodeInfo] = {
         "A range has two ends. What counts the modules of a chain ends with its length."),
     "E0018": CodeInfo("plan instead of program", "file",
         "`tamplang verify` checks a plan file and `tamplang report` draws it; `check` and `solve` read programs."),
+    "E0019": CodeInfo("broken file of others", "file",
+        "A file that is imported does not follow the syntax of its own format at this place, such as a bracket that is "
+        "never closed. Nothing is written."),
+    "E0020": CodeInfo("no counterpart", "file",
+        "A file that is imported says what this language cannot say, so that its meaning would be lost. Nothing is "
+        "written. docs/imports.md tells what each format may hold."),
+    "E0021": CodeInfo("file of others", "file",
+        "The file belongs to another tool. The hint says which command reads it, or what is to be made of it first."),
+    "E0022": CodeInfo("mistake in a file of others", "file",
+        "A file that is imported uses what it does not declare, declares something twice, or contradicts itself. "
+        "Nothing is written."),
     "E0101": CodeInfo("unknown name", "name",
         "No variable, parameter or object of this name can be seen here."),
     "E0102": CodeInfo("unknown type", "name",

@@ -14,7 +14,7 @@ from dataclasses import field
 from typing import Any
 
 from ...langs.frozen import dataclass
-from ..ir import And, EffectFor, EffectItem, Fact, Literal, Number, Object, Or, Term, Type
+from ..ir import And, Effect, EffectFor, EffectItem, Fact, Literal, Number, Object, Or, Term, Type
 from .achievers import Achiever, Achievers
 from .domains import FlatRule
 from .expressions import Test, literal_test, test_source
@@ -321,14 +321,13 @@ class Estimate:
         return lines
 
 
-def _looped(item: EffectItem) -> Iterator[object]:
-    if isinstance(item, EffectFor):
+def _looped(item: EffectItem, inside: bool = False) -> Iterator[Effect]:
+    """The effects that an action may have for several values of a variable, also below conditions."""
+    if not isinstance(item, Effect):
         for inner in item.effects:
-            yield inner
-            yield from _looped(inner)
-    elif hasattr(item, "effects"):
-        for inner in item.effects:
-            yield from _looped(inner)
+            yield from _looped(inner, inside or isinstance(item, EffectFor))
+    elif inside:
+        yield item
 
 
 def _distinct(achievers: list[Achiever]) -> list[Achiever]:

@@ -10,6 +10,7 @@ from .compile import compile_command
 from .develop import bench, explain, help_command, lsp
 from .execute import run
 from .export import export
+from .imports import import_command
 from .new import new
 from .plans import report, verify
 from .simulate import simulate
@@ -24,7 +25,7 @@ def application() -> None:
 
 
 for _command in (
-    new, check, solve, run, sweep, verify, simulate, report, export, compile_command, explain, fmt, lsp, bench,
-    help_command,
+    new, check, solve, run, sweep, verify, simulate, report, import_command, export, compile_command, explain, fmt,
+    lsp, bench, help_command,
 ):  # fmt: skip
     application.add_command(_command)
