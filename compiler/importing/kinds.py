@@ -18,7 +18,7 @@ _COMMENT = re.compile(r";[^\n]*")
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class FileKind:
     """`name` as users know it; `help` says what to do with FILE, whose plain name is NAME."""
 
     key: str
@@ -30,15 +30,15 @@ _WITHIN = "tamplang import FILE -o NAME.tamp makes a program of it"
 KINDS = {
     kind.key: kind
     for kind in (
-        Kind("domain", "PDDL domain", "tamplang import FILE PROBLEM.pddl -o task.tamp makes a program of both"),
-        Kind("problem", "PDDL problem", "tamplang import DOMAIN.pddl FILE -o task.tamp makes a program of both"),
-        Kind("urdf", "URDF", 'a program takes it in: module arm from urdf "FILE" { effector A: "LINK" }'),
-        Kind("xacro", "xacro file", "a URDF is made of it by `xacro FILE > NAME.urdf`"),
-        Kind("mjcf", "MuJoCo model (MJCF)", _WITHIN),
-        Kind("sdf", "SDF", _WITHIN),
-        Kind("rai", "rai scene", _WITHIN),
-        Kind("modules", "catalogue of modules (JSON)", _WITHIN),
-        Kind("mesh", "mesh", 'a program takes it in as a body: object b: hull("FILE", 1 m) at (0, 0, 0)'),
+        FileKind("domain", "PDDL domain", "tamplang import FILE PROBLEM.pddl -o task.tamp makes a program of both"),
+        FileKind("problem", "PDDL problem", "tamplang import DOMAIN.pddl FILE -o task.tamp makes a program of both"),
+        FileKind("urdf", "URDF", 'a program takes it in: module arm from urdf "FILE" { effector A: "LINK" }'),
+        FileKind("xacro", "xacro file", "a URDF is made of it by `xacro FILE > NAME.urdf`"),
+        FileKind("mjcf", "MuJoCo model (MJCF)", _WITHIN),
+        FileKind("sdf", "SDF", _WITHIN),
+        FileKind("rai", "rai scene", _WITHIN),
+        FileKind("modules", "catalogue of modules (JSON)", _WITHIN),
+        FileKind("mesh", "mesh", 'a program takes it in as a body: object b: hull("FILE", 1 m) at (0, 0, 0)'),
     )
 }
 _ROOTS = {"robot": "urdf", "mujoco": "mjcf", "mujocoinclude": "mjcf", "sdf": "sdf", "gazebo": "sdf", "COLLADA": "mesh"}
@@ -48,7 +48,7 @@ _ENDINGS = {
 }  # fmt: skip
 
 
-def kind_of(path: str) -> Kind | None:
+def kind_of(path: str) -> FileKind | None:
     """The kind of a file of others; None where it is none, or cannot be read."""
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
@@ -60,7 +60,7 @@ def kind_of(path: str) -> Kind | None:
     return kind_of_text(path, head.decode("utf-8-sig", errors="replace"))
 
 
-def kind_of_text(path: str, head: str) -> Kind | None:
+def kind_of_text(path: str, head: str) -> FileKind | None:
     """The kind of a file that begins with `head`."""
     ending = PurePath(path).suffix.lower()
     if ending == ".tamp":

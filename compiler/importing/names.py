@@ -21,8 +21,8 @@ def plain_name(text: str, words: Collection[str] = TAKEN) -> str:
     return f"{name}_" if name in words else name
 
 
-class Names:
-    """Names of one kind by what others call them: the same question gets the same answer."""
+class GivenNames:
+    """GivenNames of one kind by what others call them: the same question gets the same answer."""
 
     def __init__(self, taken: Iterable[str] = (), words: Collection[str] = TAKEN) -> None:
         self._given: dict[str, str] = {}

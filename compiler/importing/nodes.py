@@ -18,7 +18,7 @@ _TOKEN = re.compile(r";[^\n]*|[()]|[^\s();]+")
 
 
 @dataclass(frozen=True, slots=True)
-class Word:
+class Token:
     """A word, in small letters: PDDL knows no others."""
 
     text: str
@@ -32,16 +32,16 @@ class Group:
 
     start: int
     end: int = 0
-    items: list[Word | Group] = field(default_factory=list)
+    items: list[Token | Group] = field(default_factory=list)
 
     @property
     def head(self) -> str:
         """The first word, or nothing."""
         first = self.items[0] if self.items else None
-        return first.text if isinstance(first, Word) else ""
+        return first.text if isinstance(first, Token) else ""
 
     @property
-    def rest(self) -> list[Word | Group]:
+    def rest(self) -> list[Token | Group]:
         """What follows the head."""
         return self.items[1:]
 
@@ -50,7 +50,7 @@ class Group:
         return (item for item in self.items if isinstance(item, Group))
 
 
-Node = Word | Group
+Node = Token | Group
 
 
 class Faults:
@@ -71,14 +71,14 @@ class Faults:
         """Note a fault. Of a group over several lines its head is shown. Raises SourceError when there are too many."""
         end = node.end
         if isinstance(node, Group) and "\n" in self.source.text[node.start : node.end]:
-            end = node.items[0].end if node.items and isinstance(node.items[0], Word) else node.start + 1
+            end = node.items[0].end if node.items and isinstance(node.items[0], Token) else node.start + 1
         found = Diagnostic(code, message, self.span(node.start, end), help=help)
         if found not in self.found:
             self.found.append(found)
         if len(self.found) >= MOST_FAULTS:
             raise SourceError(self.found)
 
-    def unknown(self, node: Word, what: str, known: Sequence[str]) -> None:
+    def unknown(self, node: Token, what: str, known: Sequence[str]) -> None:
         """A name that nothing declares."""
         self.tell("E0022", node, f"unknown {what} `{node.text}`", did_you_mean(node.text, known))
 
@@ -110,7 +110,7 @@ def read_groups(faults: Faults) -> list[Group]:
         elif not open_:
             raise _broken(faults, start, f"`{text[:40]}` stands outside all brackets", end=end)
         else:
-            open_[-1].items.append(Word(text.lower(), start, end))
+            open_[-1].items.append(Token(text.lower(), start, end))
     if open_:
         help = "the file may be cut off; add what is missing behind the end"
         raise _broken(faults, open_[-1].start, "`(` is never closed", help)

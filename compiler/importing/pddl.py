@@ -9,7 +9,7 @@ from typing import TypeGuard
 from ...langs.diagnostics import Diagnostic, SourceError
 from ...langs.source import Source
 from .names import plain_name
-from .nodes import Faults, Group, Node, Word, read_groups
+from .nodes import Faults, Group, Node, Token, read_groups
 from .pddl_costs import Costs, check_metric
 from .pddl_formulas import NUMBER, Formulas, Vocabulary
 from .pddl_tables import PddlFile, Tables, check_requirements, parts_of, pddl_file, read_tables
@@ -63,7 +63,7 @@ def _pair(files: Sequence[PddlFile]) -> tuple[PddlFile, PddlFile]:
     if len(files) == 2 and len(kinds) == 2:
         domain, problem = kinds["domain"], kinds["problem"]
         named = problem.the(":domain")
-        other = named.rest[0].text if named is not None and named.rest and isinstance(named.rest[0], Word) else None
+        other = named.rest[0].text if named is not None and named.rest and isinstance(named.rest[0], Token) else None
         if other != domain.name:
             shown = "names no domain" if other is None else f"is one of the domain `{other}`"
             problem.faults.tell("E0022", named or problem.whole, f"the problem {shown}, not of `{domain.name}`")
@@ -184,7 +184,7 @@ class _Translation:
 
     def _rule(self, action: Group) -> str:
         name = action.rest[0] if action.rest else None
-        if not isinstance(name, Word) or name.text.startswith(":"):
+        if not isinstance(name, Token) or name.text.startswith(":"):
             self.domain.faults.tell("E0019", action, "an action needs a name")
             return ""
         rule = self.words.rules.fresh(name.text)
@@ -224,7 +224,7 @@ class _Translation:
         formulas = Formulas(self.problem.faults, self.words, scene=True)
         section = self.problem.the(":init")
         for node in section.rest if section is not None else ():
-            if isinstance(node, Word) or not node.head:
+            if isinstance(node, Token) or not node.head:
                 self.problem.faults.tell("E0019", node, "expected a fact in brackets, such as `(at a b)`")
             elif node.head == "=":
                 continue
@@ -256,7 +256,7 @@ def _is_value(node: Node) -> TypeGuard[Group]:
 
 def _timed(node: Group) -> bool:
     rest: Sequence[Node] = node.rest
-    return len(rest) == 2 and isinstance(rest[0], Word) and NUMBER.fullmatch(rest[0].text) is not None
+    return len(rest) == 2 and isinstance(rest[0], Token) and NUMBER.fullmatch(rest[0].text) is not None
 
 
 def _reached(name: str, reads: dict[str, set[str]]) -> set[str]:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from math import prod
 
 from .names import plain_name
-from .nodes import Faults, Group, Word
+from .nodes import Faults, Group, Token
 from .pddl_formulas import COST, NUMBER, Formulas, Vocabulary, number
 from .pddl_tables import PddlFile
 
@@ -22,7 +22,7 @@ def check_metric(problem: PddlFile) -> bool:
     parts = metric.rest
     named = parts[1] if len(parts) == 2 else None
     name = named.head if isinstance(named, Group) else None if named is None else named.text
-    way = parts[0].text if parts and isinstance(parts[0], Word) else None
+    way = parts[0].text if parts and isinstance(parts[0], Token) else None
     if way != "minimize" or name != COST:
         problem.faults.tell("E0020", metric, "only `(:metric minimize (total-cost))` has a counterpart here")
     return True
@@ -50,8 +50,8 @@ class Costs:
     def _note(self, node: Group, formulas: Formulas) -> None:
         rest = node.rest
         term = rest[0] if rest else None
-        value = rest[1] if len(rest) == 2 and isinstance(rest[1], Word) else None
-        if isinstance(term, Word):
+        value = rest[1] if len(rest) == 2 and isinstance(rest[1], Token) else None
+        if isinstance(term, Token):
             term = Group(term.start, term.end, [term])
         if term is None or value is None or not NUMBER.fullmatch(value.text):
             self.faults.tell("E0019", node, "expected a value such as `(= (distance a b) 3)`")

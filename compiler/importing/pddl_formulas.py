@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from ...langs.diagnostics import did_you_mean
-from .names import NO_PREDICATES, Names
-from .nodes import Faults, Group, Node, Word
+from .names import NO_PREDICATES, GivenNames
+from .nodes import Faults, Group, Node, Token
 from .pddl_tables import Tables, TypedWord, one_type, typed
 
 NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?")
@@ -25,11 +25,11 @@ class Vocabulary:
     which functions are `priced`, that is, used by costs. Those that are `partial` have no value for some objects."""
 
     tables: Tables
-    types: Names = field(default_factory=Names)
-    predicates: Names = field(default_factory=lambda: Names(words=NO_PREDICATES))
-    functions: Names = field(default_factory=Names)
-    objects: Names = field(default_factory=Names)
-    rules: Names = field(default_factory=Names)
+    types: GivenNames = field(default_factory=GivenNames)
+    predicates: GivenNames = field(default_factory=lambda: GivenNames(words=NO_PREDICATES))
+    functions: GivenNames = field(default_factory=GivenNames)
+    objects: GivenNames = field(default_factory=GivenNames)
+    rules: GivenNames = field(default_factory=GivenNames)
     changed: set[str] = field(default_factory=set)
     derived: set[str] = field(default_factory=set)
     priced: set[str] = field(default_factory=set)
@@ -47,7 +47,7 @@ class Formulas:
 
     def __init__(self, faults: Faults, words: Vocabulary, scene: bool = False) -> None:
         self.faults, self.words, self.tables, self.scene = faults, words, words.tables, scene
-        self.names = Names(words.objects[o] for o in words.tables.objects) if scene else Names()
+        self.names = GivenNames(words.objects[o] for o in words.tables.objects) if scene else GivenNames()
         self.variables: dict[str, tuple[str, str]] = {}
         self.used: dict[str, str] = {}
         self.read: set[str] = set()
@@ -109,7 +109,7 @@ class Formulas:
 
     def condition(self, node: Node) -> str:
         """A condition, in brackets of its own where it has parts."""
-        if isinstance(node, Word) or (node.items and not node.head):
+        if isinstance(node, Token) or (node.items and not node.head):
             self.faults.tell("E0019", node, "expected a condition in brackets, such as `(at ?x ?y)`")
             return "(unknown)"
         if node.head in ("and", "or", ""):
@@ -155,7 +155,7 @@ class Formulas:
         """The variables outside of a quantifier, whose own hide those of the same name."""
         before = dict(self.variables)
         for word in binders.items if isinstance(binders, Group) else ():
-            self.variables.pop(word.text if isinstance(word, Word) else "", None)
+            self.variables.pop(word.text if isinstance(word, Token) else "", None)
         return before
 
     def _leave(self, before: dict[str, tuple[str, str]], parameters: Iterable[tuple[str, str]]) -> None:
@@ -180,7 +180,7 @@ class Formulas:
             self.faults.tell("E0020", node, f"`{node.head}` has no counterpart here, so it cannot be imported")
         else:
             first = node.items[0]
-            assert isinstance(first, Word)
+            assert isinstance(first, Token)
             words = ["and", "or", "not", "imply", "exists", "forall", "when"]
             self.faults.unknown(first, "predicate", [*known, *words])
         return "(unknown)"
@@ -197,14 +197,14 @@ class Formulas:
         return [*lost, *dict.fromkeys(added), *others]
 
     def _collect(self, node: Node, into: tuple[list[str], list[str], list[str]], costs: list[str] | None) -> None:
-        if isinstance(node, Word) or (node.items and not node.head):
+        if isinstance(node, Token) or (node.items and not node.head):
             self.faults.tell("E0019", node, "expected an effect in brackets, such as `(at ?x ?y)`")
         elif node.head in ("and", ""):
             for item in node.rest:
                 self._collect(item, into, costs)
         elif node.head == "not":
             inner = self._parts(node, 1)[0]
-            if isinstance(inner, Word) or inner.head in ("not", "and", "or", "forall", "exists", "when", "="):
+            if isinstance(inner, Token) or inner.head in ("not", "and", "or", "forall", "exists", "when", "="):
                 self.faults.tell("E0019", node, "an effect deletes a literal, such as `(not (at ?x ?y))`")
             else:
                 into[1].append(self._change(inner))
@@ -255,7 +255,7 @@ class Formulas:
 
     def value(self, node: Node) -> str:
         """A number, a function or a sum or product of them."""
-        if isinstance(node, Word):
+        if isinstance(node, Token):
             if NUMBER.fullmatch(node.text) and not node.text.startswith("-"):
                 return number(node.text)
             if node.text not in self.tables.functions:

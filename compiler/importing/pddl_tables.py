@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from ...langs.diagnostics import did_you_mean
-from .nodes import Faults, Group, Node, Word
+from .nodes import Faults, Group, Node, Token
 
 ROOT = "object"
 KNOWN_REQUIREMENTS = (
@@ -42,7 +42,7 @@ MANY = (":action", ":derived")
 class TypedWord:
     """A name and the types that it may have: more than one only behind `either`."""
 
-    word: Word
+    word: Token
     types: tuple[str, ...]
 
     @property
@@ -102,7 +102,7 @@ def pddl_file(faults: Faults, groups: Sequence[Group]) -> PddlFile:
     for other in groups[1:]:
         faults.tell("E0019", other, "a file holds one `(define …)`", "import a domain and a problem of a file each")
     name = heads[0].items[1]
-    made = PddlFile(faults, whole, heads[0].head, name.text if isinstance(name, Word) else "task")
+    made = PddlFile(faults, whole, heads[0].head, name.text if isinstance(name, Token) else "task")
     known = DOMAIN_SECTIONS if made.kind == "domain" else PROBLEM_SECTIONS
     for section in whole.items[2:]:
         _sort(made, section, known)
@@ -113,7 +113,7 @@ def pddl_file(faults: Faults, groups: Sequence[Group]) -> PddlFile:
 
 def _sort(made: PddlFile, section: Node, known: Sequence[str]) -> None:
     """Put a section where it belongs."""
-    if isinstance(section, Word) or not section.head:
+    if isinstance(section, Token) or not section.head:
         made.faults.tell("E0019", section, "expected a section in brackets, such as `(:action …)`")
     elif section.head not in known:
         made.faults.tell(
@@ -143,7 +143,7 @@ def check_requirements(file: PddlFile) -> None:
 def typed(faults: Faults, items: Sequence[Node], variables: bool = False) -> list[TypedWord]:
     """The names of a list such as `a b - t c`, or `?a ?b - t`; those without a type are of the root."""
     made: list[TypedWord] = []
-    waiting: list[Word] = []
+    waiting: list[Token] = []
     rest = list(items)
     while rest:
         item = rest.pop(0)
@@ -165,9 +165,9 @@ def typed(faults: Faults, items: Sequence[Node], variables: bool = False) -> lis
 
 
 def _types(faults: Faults, node: Node) -> tuple[str, ...]:
-    if isinstance(node, Word):
+    if isinstance(node, Token):
         return (node.text,)
-    names = tuple(item.text for item in node.rest if isinstance(item, Word))
+    names = tuple(item.text for item in node.rest if isinstance(item, Token))
     if node.head != "either" or not names or len(names) != len(node.rest):
         faults.tell("E0019", node, "expected a type, or `(either TYPE TYPE)`")
         return (ROOT,)
@@ -236,14 +236,14 @@ def _read_signatures(tables: Tables, domain: PddlFile, section: str, into: dict[
     whole = domain.the(section)
     items = [] if whole is None else whole.rest
     for index, node in enumerate(items):
-        if isinstance(node, Word):
-            before = [n for n in items[:index][-1:] if isinstance(n, Word)]
+        if isinstance(node, Token):
+            before = [n for n in items[:index][-1:] if isinstance(n, Token)]
             if section == ":functions" and (node.text == "-" or (node.text == "number" and before)):
                 continue
             if section == ":functions" and before and before[0].text == "-":
                 domain.faults.tell("E0020", node, f"functions with values of type `{node.text}` have no counterpart")
                 continue
-        if isinstance(node, Word) or not node.head:
+        if isinstance(node, Token) or not node.head:
             domain.faults.tell("E0019", node, "expected a name with parameters in brackets, such as `(at ?x - ball)`")
             continue
         if node.head in tables.predicates or node.head in tables.functions:
@@ -258,7 +258,7 @@ def parts_of(faults: Faults, group: Group, known: Sequence[str], skip: int) -> d
     rest = group.items[skip:]
     while rest:
         key = rest.pop(0)
-        if not isinstance(key, Word) or not key.text.startswith(":"):
+        if not isinstance(key, Token) or not key.text.startswith(":"):
             faults.tell("E0019", key, f"expected {', '.join(f'`{k}`' for k in known)} here")
             continue
         value = None if not rest or _is_key(rest[0]) else rest.pop(0)
@@ -274,4 +274,4 @@ def parts_of(faults: Faults, group: Group, known: Sequence[str], skip: int) -> d
 
 
 def _is_key(node: Node) -> bool:
-    return isinstance(node, Word) and node.text.startswith(":")
+    return isinstance(node, Token) and node.text.startswith(":")

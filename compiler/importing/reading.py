@@ -9,7 +9,7 @@ from ...langs.diagnostics import Diagnostic, SourceError
 from ...langs.formatter import format_source
 from ...langs.reader import read_bytes
 from ...langs.source import Source
-from .kinds import KINDS, Kind, kind_of_text
+from .kinds import KINDS, FileKind, kind_of_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ def import_files(paths: Sequence[str]) -> Imported:
     return Imported(format_source(Source("", made.text)), made.warnings)
 
 
-def _source(path: str) -> tuple[Source, Kind]:
+def _source(path: str) -> tuple[Source, FileKind]:
     """The text and kind of a file. Bytes that are not UTF-8 are taken as Latin-1: they stand in comments."""
     content = read_bytes(path)
     if not content.strip():

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import permutations, product
+from math import perm
 
 from ...langs.diagnostics import UsageError
 from ..ir import (
@@ -46,11 +47,13 @@ from .successors import Successors, has_chains
 def to_pddl(problem: Problem) -> tuple[str, str]:
     """Domain and problem text. One action per rule, choice of its small variables (effectors, chains, ranges) and
     alternative of its condition; locations stay parameters. Raises UsageError for what PDDL cannot say."""
-    writer = _Writer(problem)
+    writer = PddlWriter(problem)
     return writer.domain(), writer.task()
 
 
-class _Writer:
+class PddlWriter:
+    """One problem as PDDL. Raises UsageError for what PDDL cannot say."""
+
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self.successors = Successors(problem)
@@ -93,27 +96,55 @@ class _Writer:
     def task(self) -> str:
         name = self._name("d", self.problem.task)
         lines = [f"(define (problem {name}_1)", f"  (:domain {name})", "  (:init"]
-        facts = [*sorted(self.problem.init), *self.strips.initial(self.problem.init)]
-        facts += [(THING, o) for o in self.problem.objects]
-        lines += [f"    ({' '.join([self._predicate(p), *map(self._object, names)])})" for p, *names in facts]
-        lines += [f"    {text}" for text in self.related]
+        lines += [f"    {fact}" for fact in self.facts()]
         goal = " ".join(self._literal(m) for m in self.goals[0].more) if self.single else "(reached)"
         return "\n".join([*lines, "  )", f"  (:goal (and {goal}))", ")", ""])
+
+    def facts(self) -> list[str]:
+        """What holds at the start."""
+        facts = [*sorted(self.problem.init), *self.strips.initial(self.problem.init)]
+        facts += [(THING, o) for o in self.problem.objects]
+        shown = [f"({' '.join([self._predicate(p), *map(self._object, names)])})" for p, *names in facts]
+        return [*shown, *self.related]
 
     def _objects(self) -> list[str]:
         return [*self.problem.objects, NOTHING.name, NOBODY.name]
 
     def _text(self, schema: Schema, number: int, reached: str = "") -> str:
-        conditions = [*map(self._relation_text, schema.static), *map(self._literal, schema.more)]
-        added = [*schema.added, *self.strips.left_behind(schema)]
-        effects = [f"(not {self._literal(e)})" for e in schema.deleted if e not in added]
-        effects += [*map(self._literal, dict.fromkeys(added)), *([reached] if reached else [])]
+        deleted, added = self.effects(schema)
+        effects = [*(f"(not {e})" for e in deleted), *added, *([reached] if reached else [])]
         return "\n".join([
-            f"  (:action {self._name('a', f'{schema.rule}_{number}')}",
+            f"  (:action {self.action_name(schema, number)}",
             f"    :parameters ({_parameters([self._variable(n) for n in schema.parameters])})",
-            f"    :precondition (and {' '.join(dict.fromkeys(conditions))})",
+            f"    :precondition (and {' '.join(self.conditions(schema))})",
             f"    :effect (and {' '.join(effects)}))",
         ])
+
+    def action_name(self, schema: Schema, number: int) -> str:
+        """What an action is called."""
+        return self._name("a", f"{schema.rule}_{number}")
+
+    def conditions(self, schema: Schema) -> list[str]:
+        """The literals that an action asks for."""
+        return list(dict.fromkeys([*map(self._relation_text, schema.static), *map(self._literal, schema.more)]))
+
+    def effects(self, schema: Schema) -> tuple[list[str], list[str]]:
+        """The literals that an action deletes, and those that it adds."""
+        added = [*schema.added, *self.strips.left_behind(schema)]
+        deleted = [self._literal(e) for e in schema.deleted if e not in added]
+        return deleted, [self._literal(e) for e in dict.fromkeys(added)]
+
+    def bound(self, schema: Schema, values: Mapping[str, str]) -> dict[str, str] | None:
+        """What the parameters of an action stand for where its rule's variables have these values, as the export calls
+        them; None where it is not the action of these values."""
+        if any(name in values and str(value) != values[name] for name, value in schema.env.items()):
+            return None
+        known = {n: values[n] for n in schema.parameters if n in values}
+        return {f"?{self._variable(n)}": self._object(value) for n, value in known.items()}
+
+    def shown(self, schema: Schema) -> list[str]:
+        """The parameters of an action, in order."""
+        return [f"?{self._variable(n)}" for n in schema.parameters]
 
     def _relation_text(self, formula: Compare) -> str:
         relation, variables = self.relations[(formula,)]
@@ -185,7 +216,8 @@ class _Writer:
                 if not contradicts(conditions):
                     for compare in static:
                         self._relate(compare, large, flat)
-                    schema = Schema(flat.rule.name, [v.name for v in large], conditions, static, list(changes))
+                    names = [v.name for v in large]
+                    schema = Schema(flat.rule.name, names, conditions, static, list(changes), env=env)
                     schema.more += [Literal(self._typed(v, flat), (Var(v.name),)) for v in large]
                     yield schema
 
@@ -201,7 +233,7 @@ class _Writer:
                 args = tuple(self.guards.resolve(a, env) for a in literal.args)
                 options = [(TRUE, ((Literal(literal.predicate, args), item.negated),))]
             elif isinstance(item, EffectIf):
-                condition = self.guards.reduce(self.successors.normal.normal(item.condition, {}, False), env, None)
+                condition = self._settled(self.successors.normal.normal(item.condition, {}, False), env)
                 options = [(conjunction((condition, c)), e) for c, e in self._changes(item.effects, env)]
                 options = [(c, e) for c, e in [*options, (negation(condition), ())] if c != FALSE]
             else:
@@ -256,8 +288,11 @@ class _Writer:
             yield from self._choices(rest, {**env, first.name: value}, domains)
 
     def _chains(self, kind: ChainType) -> Iterator[Chain]:
-        """Every chain that the modules of the problem could ever form."""
+        """Every chain that the modules of the problem could ever form. Raises UsageError where they are too many."""
         modules = [m for m in self.problem.of_type(kind.element) if m in self.problem.world.modules]
+        lines = sum(perm(len(modules), size) for size in range(1, min(len(modules), 4) + 1))
+        if lines > SYMBOLIC.pddl_chains:
+            raise UsageError(f"PDDL needs actions for each chain, and {len(modules)} modules could form too many")
         for size in range(1, len(modules) + 1):
             for line in permutations(modules, size):
                 sides = [self._passages(m) for m in line]
@@ -271,7 +306,7 @@ class _Writer:
     def _settled(self, formula: Formula, env: Environment) -> Formula:
         """What remains of a condition, with quantifiers over chains replaced by all chains that could ever be."""
         if not has_chains(formula):
-            return self.guards.reduce(formula, env, None)
+            return self._unquantified(self.guards.reduce(formula, env, None), env)
         match formula:
             case And():
                 return conjunction(self._settled(f, env) for f in formula.operands)
@@ -281,6 +316,20 @@ class _Writer:
                 return self._quantified(formula, env)
             case _:
                 raise UsageError(f"PDDL cannot say {formula}")
+
+    def _unquantified(self, formula: Formula, env: Environment) -> Formula:
+        """What remains of a condition, with quantifiers over things replaced by all of them."""
+        match formula:
+            case And():
+                return conjunction(self._unquantified(f, env) for f in formula.operands)
+            case Or():
+                return disjunction(self._unquantified(f, env) for f in formula.operands)
+            case Exists() | Forall():
+                found = (e for e, _ in self.guards.solutions(formula.variables, (), env, None))
+                all_of_them = (self._unquantified(self.guards.reduce(formula.body, e, None), e) for e in found)
+                return conjunction(all_of_them) if isinstance(formula, Forall) else disjunction(all_of_them)
+            case _:
+                return formula
 
     def _quantified(self, formula: Exists | Forall, env: Environment) -> Formula:
         variable = next((v for v in formula.variables if isinstance(v.type, ChainType)), None)

@@ -32,6 +32,12 @@ class SymbolicSettings:
         "Alternatives of a condition in the delete relaxation at most.",
     )
     strips_facts: int = setting(4096, "facts", "Facts of a delete relaxation at most.")
+    pddl_chains: int = setting(
+        10, "orders",
+        "Orders in which modules could be docked, for PDDL.",
+        "two modules have 4; three have 15, 78 with the ways through them, and rules of two chains an action for each "
+        "pair of those, which takes minutes",
+    )
     pddl_branches: int = setting(64, "branches", "Actions that one rule may become as PDDL.")
     pddl_name: int = setting(
         60, "letters",

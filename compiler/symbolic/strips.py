@@ -6,7 +6,7 @@ condition wants absent, or some effect deletes without naming it, has the value 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, product
 
@@ -28,7 +28,8 @@ Change = tuple[Literal, bool]
 
 @dataclass(slots=True)
 class Schema:
-    """One action: its conditions, the comparisons that hold or not for good, and what it deletes and adds."""
+    """One action: its conditions, the comparisons that hold or not for good, and what it deletes and adds. `env` holds
+    the values of the rule's other variables."""
 
     rule: str
     parameters: list[str]
@@ -37,6 +38,7 @@ class Schema:
     changes: list[Change]
     more: list[Literal] = field(default_factory=list)
     """Conditions that bind what wildcards stand for."""
+    env: Mapping[str, object] = field(default_factory=dict)
     deleted: list[Literal] = field(default_factory=list)
     added: list[Literal] = field(default_factory=list)
 

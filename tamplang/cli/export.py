@@ -11,8 +11,10 @@ from .outputs import checked_output
 from .plans import read
 from .sources import reading_sources
 
-FORMS = ("csv", "npz", "ros2", "urdf", "mjcf")
-ENDINGS = {"csv": ".csv", "npz": ".npz", "ros2": ".yaml", "urdf": ".urdf", "mjcf": ".xml"}
+FORMS = ("csv", "npz", "ros2", "urdf", "mjcf", "pddl", "val")
+ENDINGS = {
+    "csv": ".csv", "npz": ".npz", "ros2": ".yaml", "urdf": ".urdf", "mjcf": ".xml", "pddl": ".pddl", "val": ".val",
+}  # fmt: skip
 
 
 @click.command()
@@ -27,13 +29,15 @@ def export(
     file: Path, form: str, out: Path | None, rate: float | None, module: str | None, phase: int,
     seconds: float, memory: int | None,
 ) -> None:  # fmt: skip
-    """Write a plan for other tools: tables, ROS 2, URDF or MuJoCo."""
+    """Write a plan for other tools: tables, ROS 2, URDF, MuJoCo or PDDL."""
     plain = file.name.removesuffix(".json").removesuffix(".plan")
     target = file.with_name(plain + ENDINGS[form]) if out is None else out
     with limited(seconds, memory, f"exporting {file}"), reading_sources():
         plan = read(file)
         checked_output(target)
-        from ..runtime.export import write
+        from ..api import task_of_plan
+        from ..runtime.export import SYMBOLIC, write
 
-        write(plan, form, target, rate, module, phase)
+        problem = task_of_plan(plan).problem if form in SYMBOLIC else None
+        write(plan, form, target, rate, module, phase, problem)
     click.echo(f"wrote {target}", err=True)

@@ -256,3 +256,35 @@ def test_check_and_solve_say_which_command_reads_a_domain(command: Command) -> N
     for name in ("check", "solve"):
         answer = command(name, "d.pddl")
         assert answer.status == 1 and "E0021" in answer.told and "tamplang import d.pddl" in answer.told
+
+
+@pytest.mark.parametrize(("name", "size"), [("blocks", 4), ("gripper", 2), ("briefcase", 1), ("workshop", 1)], ids=str)
+def test_plans_go_back_to_pddl(command: Command, name: str, size: int) -> None:
+    """Every action of the exported plan may be done in the exported problem, whose goal holds at the end."""
+    domain, make, _ = DOMAINS[name]
+    imported(command, domain, make(size, 1))
+    assert command("solve", "task.tamp", "--quiet", "--out", "a.plan.json").status == 0
+    assert command("export", "a.plan.json", "--to", "pddl").status == 0
+    assert command("export", "a.plan.json", "--to", "val").status == 0
+    told, task = Path("a-domain.pddl").read_text(), Path("a.pddl").read_text()
+    state = set(ATOM.findall(task.partition("(:init")[2].partition("(:goal")[0]))
+    known = {a[0]: a[1:] for a in ACTION.findall(told)}
+    lines = [line for line in Path("a.val").read_text().splitlines() if line.startswith("(")]
+    assert lines
+    for line in lines:
+        action, *values = line.strip("()").split()
+        parameters, condition, effect = known[action]
+        binding = dict(zip(re.findall(r"\?\w+", parameters), values, strict=True))
+        for variable, value in binding.items():
+            condition, effect = (re.sub(re.escape(variable) + r"\b", value, text) for text in (condition, effect))
+        assert state >= set(ATOM.findall(condition)), line
+        gone = set(re.findall(r"\(not \(([^()]+)\)\)", effect))
+        state = (state - gone) | set(ATOM.findall(re.sub(r"\(not \([^()]+\)\)", "", effect)))
+    assert state >= set(ATOM.findall(task.partition("(:goal")[2]))
+
+
+ATOM = re.compile(r"\(([^()]+)\)")
+ACTION = re.compile(
+    r"\(:action (\S+)\n    :parameters \((.*?)\)\n    :precondition (.*?)\n    :effect (.*?)(?=\n  \(:action|\n\)\n)",
+    re.DOTALL,
+)
