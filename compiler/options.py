@@ -67,7 +67,8 @@ def check_given(place: str, given: Mapping[str, object], more: tuple[str, ...] =
             raise UsageError(f"there is no option `{name}`", help=did_you_mean(name, [*known, *more]))
         fault = _fault(known[name], value)
         if fault is not None:
-            raise UsageError(f"option `{name}` is {fault}, not {value!r}")
+            near = did_you_mean(value, known[name].choices) if isinstance(value, str) else None
+            raise UsageError(f"option `{name}` is {fault}, not {value!r}", help=near)
 
 
 def _fault(option: Option, value: object) -> str | None:

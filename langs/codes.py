@@ -265,7 +265,8 @@ CODES: dict[str, CodeInfo] = {
         "goal asks for; or it asks for more at once than the modules can do. `solve` proves it."),
     "W0010": CodeInfo("passed over in a URDF", "warning",
         "A collision shape without volume, or of an unknown kind, is left out. `quat_xyzw` and `capsule` count from "
-        "version 1.1 of URDF on, as other readers have it. A joint without a way between its limits is fixed."),
+        "version 1.1 of URDF on, as other readers have it. A joint without a way between its limits is fixed. An "
+        "inertial that no body can have states nothing."),
     "W0011": CodeInfo("damaged results", "warning",
         "Some lines in the results file of a sweep hold no result. They stay where they are; the instances that have "
         "no other line are solved again."),

@@ -9,6 +9,7 @@ from enum import StrEnum
 from typing import TypeVar
 
 from ..compiler.options import OPTIONS
+from ..langs.diagnostics import Error
 
 Result = TypeVar("Result")
 
@@ -28,7 +29,7 @@ ASIDE = 0.1
 plans of the examples take an eighth of what was needed to find them: so much comes together with the closing time."""
 
 
-class OutOfTime(Exception):
+class OutOfTime(Error):
     """The time budget is spent; whoever catches it still reports what was found."""
 
 

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import importlib
 import os
+import sys
 from functools import cache
 from types import ModuleType
+
+from ..langs.diagnostics import Error
 
 _SINGLE_THREADED = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 _PACKAGES = {"libgomp.so": "libgomp1", "libGL.so": "libgl1", "libstdc++.so": "libstdc++6"}
 
 
-class MissingLibrary(Exception):
+class MissingLibrary(Error):
     """A compiled library cannot be loaded; `hint` says what to install."""
 
     def __init__(self, library: str, reason: str, hint: str) -> None:
@@ -51,3 +54,11 @@ def use_one_thread() -> None:
     small for them, they steal time from other processes, and they change the last digits of results."""
     for variable in _SINGLE_THREADED:
         os.environ[variable] = "1"
+
+
+def prefer_one_thread() -> None:
+    """The same in a process that belongs to others: what its environment says counts, and where NumPy is loaded
+    already, its threads are left alone."""
+    if "numpy" not in sys.modules:
+        for variable in _SINGLE_THREADED:
+            os.environ.setdefault(variable, "1")

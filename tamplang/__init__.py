@@ -10,14 +10,20 @@ TYPE_CHECKING = False  # as in `typing`, which takes too long to load: the comma
 if TYPE_CHECKING:
     from .api import Plan, Result, RunResult, Task, load, loads, read_plan
     from .langs.diagnostics import Error, SourceError, UsageError
+    from .runtime.budget import OutOfTime
+    from .runtime.native import MissingLibrary
+    from .runtime.parallel import ClusterUnavailable
     from .runtime.plan_files import PlanFileError
 
 __all__ = [
-    "Error", "Plan", "PlanFileError", "Result", "RunResult", "SourceError", "Task", "UsageError", "__version__", "load",
-    "loads", "read_plan",
+    "ClusterUnavailable", "Error", "MissingLibrary", "OutOfTime", "Plan", "PlanFileError", "Result", "RunResult",
+    "SourceError", "Task", "UsageError", "__version__", "load", "loads", "read_plan",
 ]  # fmt: skip
 _HOMES = {
+    "ClusterUnavailable": ".runtime.parallel",
     "Error": ".langs.diagnostics",
+    "MissingLibrary": ".runtime.native",
+    "OutOfTime": ".runtime.budget",
     "PlanFileError": ".runtime.plan_files",
     "SourceError": ".langs.diagnostics",
     "UsageError": ".langs.diagnostics",

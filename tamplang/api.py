@@ -37,7 +37,9 @@ def load(path: str | PathLike[str], /, task: str | None = None, seed: int = 0, *
     is not limited: see `Task.solve`.
     """
     from .compiler.pipeline import compile_problem
+    from .runtime.native import prefer_one_thread
 
+    prefer_one_thread()
     texts = {name: str(value) for name, value in parameters.items()}
     problem, warnings = compile_problem(path, task, texts, seed)
     return Task(problem, warnings)
@@ -51,7 +53,9 @@ def loads(text: str, /, task: str | None = None, seed: int = 0, **parameters: st
     <Task t: 0 modules, 0 bodies>
     """
     from .compiler.pipeline import compile_text
+    from .runtime.native import prefer_one_thread
 
+    prefer_one_thread()
     texts = {name: str(value) for name, value in parameters.items()}
     return Task(*compile_text(text, "<text>", task, texts, seed))
 
@@ -322,6 +326,8 @@ class Plan:
 
 def read_plan(path: str | PathLike[str]) -> Plan:
     """Read a plan file. Raises `tamplang.runtime.plan_files.PlanFileError`."""
+    from .runtime.native import prefer_one_thread
     from .runtime.plan_files import read_plan as read
 
+    prefer_one_thread()
     return Plan(read(fspath(path)))

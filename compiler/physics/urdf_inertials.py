@@ -22,7 +22,7 @@ class UnfitInertia(Exception):
 
     def __init__(self, message: str, help: str | None = None) -> None:
         super().__init__(message)
-        self.code, self.help = "E0514", help
+        self.help = help
 
 
 def read_inertial(

@@ -89,7 +89,7 @@ def _inertial(reading: Reading, link: ElementTree.Element, frames: Frames) -> ir
         return read_inertial(link, frames, reading.newer)
     except UnfitInertia as mistake:
         where = link.find("inertial")
-        reading.fault(link if where is None else where, str(mistake), mistake.help, mistake.code)
+        reading.warn(link if where is None else where, f"{mistake}: it is left out", mistake.help)
         return None
 
 

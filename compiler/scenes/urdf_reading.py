@@ -53,9 +53,9 @@ class Reading:
         self.sound = False
         self._report(code, where, message, help)
 
-    def warn(self, where: ElementTree.Element, message: str) -> None:
+    def warn(self, where: ElementTree.Element, message: str, help: str | None = None) -> None:
         """What is not read as it may have been meant."""
-        self._report("W0010", where, message, None)
+        self._report("W0010", where, message, help)
 
     def _report(self, code: str, where: ElementTree.Element | Span, message: str, help: str | None) -> None:
         assert self.module.urdf is not None

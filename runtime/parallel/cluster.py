@@ -14,6 +14,7 @@ from importlib.util import find_spec
 from typing import Any, ParamSpec, TypeVar
 
 from ... import __version__
+from ...langs.diagnostics import Error
 from .processes import Processes
 from .side import Side, WorkerLost, WorkFailed, attempt, settle
 
@@ -27,7 +28,7 @@ DEADLINE = 6.0
 START = "start it with `dask scheduler`, and give the address that it prints, such as tcp://127.0.0.1:8786"
 
 
-class ClusterUnavailable(Exception):
+class ClusterUnavailable(Error):
     """There is no cluster to work on; `hint` says what to do."""
 
     def __init__(self, message: str, hint: str) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import doctest
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -37,6 +39,25 @@ def test_what_users_can_mend_has_one_base(tmp_path: Path) -> None:
         with pytest.raises(tamplang.Error):
             wrong()
     assert tamplang.PlanFileError is PlanFileError
+    for raised in (tamplang.MissingLibrary, tamplang.OutOfTime, tamplang.ClusterUnavailable):
+        assert issubclass(raised, tamplang.Error)
+    with pytest.raises(tamplang.ClusterUnavailable):
+        tamplang.loads(LAMP).solve(cluster="tcp://127.0.0.1:9")
+
+
+def test_a_wrong_value_of_an_option_is_told_with_the_near_ones() -> None:
+    with pytest.raises(tamplang.UsageError, match="did you mean `path`"):
+        tamplang.loads(LAMP).solve(bound="paht")
+
+
+@pytest.mark.parametrize(("before", "after"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")])
+def test_numerical_libraries_have_one_thread_unless_told_otherwise(before: dict[str, str], after: str) -> None:
+    program = f"import os, tamplang; tamplang.loads({LAMP!r}); print(os.environ['OPENBLAS_NUM_THREADS'])"
+    root = str(Path(__file__).resolve().parents[2])
+    process = subprocess.run(
+        [sys.executable, "-c", program], env={"PYTHONPATH": root, **before}, capture_output=True, text=True, timeout=60
+    )
+    assert process.stdout.strip() == after, process.stderr
 
 
 def test_texts_are_loaded_and_shown_in_short() -> None:
