@@ -30,7 +30,7 @@ SCHEMA: Record = {
         "effectors": [{"name": "text", "joint": "number", "placement": POSE, "shape": [None, SHAPE]}],
         "links": [{"joint": "number", "placement": POSE, "shape": SHAPE}],
     }],
-    "bodies": [{"name": "text", "type": "text", "shape": SHAPE, "pose": POSE, "movable": "flag"}],
+    "bodies": [{"name": "text", "type": "text", "shape": SHAPE, "pose": POSE, "movable": "flag", "collides?": "flag"}],
     "phases": [{
         "action": "text", "rule": "text", "args": "any", "place": "place?", "start": "number", "end": "number",
         "literals": [LITERAL], "mode": [LITERAL], "added": [LITERAL], "completed?": "flag",
@@ -94,7 +94,7 @@ def upgraded(plan: Record) -> Record:
     wrong = next(_unfit(SCHEMA, plan, "plan"), None)
     if wrong is not None:
         raise ValueError(wrong)
-    if set(plan.get("needs") or ()) - {"couplings", "passive", "jerk"}:
+    if set(plan.get("needs") or ()) - {"couplings", "passive", "jerk", "places"}:
         raise ValueError(f"it needs {plan['needs']!r:.40}")
     for field, known in KNOWN.items():
         if isinstance(plan.get(field), dict) and not set(plan[field]) <= known:

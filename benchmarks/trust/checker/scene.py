@@ -67,6 +67,8 @@ def differences(problem: ir.Problem, plan: dict[str, Any]) -> Iterator[str]:
     for name, body in problem.world.bodies.items():
         wanted = {"type": body.type, "shape": _shape(body.shape), "pose": list(body.pose), "movable": body.movable}
         yield from (f"{name}: {what}" for what in _unlike(wanted, bodies[name]))
+        if bodies[name].get("collides", True) != body.collides:
+            yield f"{name}: whether it can be collided with"
 
     courses, breakdowns = _happening(problem)
     for what, records in (("courses", courses), ("breakdowns", breakdowns)):

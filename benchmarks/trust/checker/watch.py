@@ -259,7 +259,7 @@ def _weight(recording: Recording, motion: Moving, name: str) -> tuple[float, Any
 def _parts(recording: Recording, motion: Moving, gone: set[str]) -> Iterator[Part]:
     for name in recording.bodies:
         solid, frames = recording.solid(name), motion.frames[name]
-        if solid is not None:
+        if solid is not None and recording.bodies[name].get("collides", True):
             yield Part(name, "", solid, frames, bool(np.ptp(frames[:, :3, :], axis=0).max() > 1e-9))
     for name, chain in recording.chains.items():
         if name in gone:
