@@ -9,7 +9,7 @@ from typing import Any
 
 from ..langs.diagnostics import UsageError, did_you_mean
 from ..langs.frozen import dataclass
-from .objectives import Objective, spelled
+from .objectives import Objective
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +84,8 @@ def _fault(option: Option, value: object) -> str | None:
         return None if fits else "a number from 1"
     if option.kind == "objective":
         if isinstance(value, str):
+            from .objective_terms import spelled
+
             spelled(value)
         return None if isinstance(value, str | Objective) else "an objective such as makespan + 0.1 * travel"
     number = isinstance(value, int | float) and not isinstance(value, bool) and value == value

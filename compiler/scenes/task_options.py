@@ -12,7 +12,8 @@ from ..checks.context import Context
 from ..checks.kinds import LENGTH, NUMBER, TIME
 from ..checks.names import Scope
 from ..checks.values import number
-from ..objectives import Objective, ObjectiveFault, objective_of
+from ..objective_terms import ObjectiveFault, objective_of
+from ..objectives import Objective
 from ..options import Option, given_at
 
 KINDS = {"whole": NUMBER, "number": NUMBER, "time": TIME, "length": LENGTH}

@@ -17,7 +17,8 @@ from typing import Any
 import msgspec
 
 from ...compiler.ir import Problem
-from ...compiler.objectives import ACTIONS, Objective, check_energy, spelled
+from ...compiler.objective_terms import spelled
+from ...compiler.objectives import ACTIONS, Objective, check_energy
 from ...compiler.options import OPTIONS, given_at
 from ...langs.diagnostics import Diagnostic
 from ...langs.frozen import dataclass

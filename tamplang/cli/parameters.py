@@ -63,7 +63,7 @@ class ObjectiveText(click.ParamType[str]):
     name = "objective"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        from ..compiler.objectives import spelled
+        from ..compiler.objective_terms import spelled
         from ..langs.diagnostics import UsageError
 
         try:

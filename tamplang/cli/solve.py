@@ -83,7 +83,8 @@ def solve(
         raise click.UsageError("--horizon plans window after window in one process: leave out --jobs and --cluster")
     checked_side(jobs, cluster)
     from ..api import Task
-    from ..compiler.objectives import check_energy, spelled
+    from ..compiler.objective_terms import spelled
+    from ..compiler.objectives import check_energy
     from ..compiler.pipeline import compile_problem
     from ..compiler.scenes.happenings import unseen
     from ..runtime.budget import SECONDS

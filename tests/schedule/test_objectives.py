@@ -9,7 +9,7 @@ import pytest
 
 from tamplang.api import load, loads
 from tamplang.cli import run
-from tamplang.compiler.objectives import spelled
+from tamplang.compiler.objective_terms import spelled
 from tamplang.compiler.pipeline import compile_text
 from tamplang.langs.diagnostics import SourceError, UsageError
 
