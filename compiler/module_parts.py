@@ -7,6 +7,7 @@ from functools import lru_cache
 
 from ..langs.frozen import dataclass
 from .ir import ModuleType, Pose, Shape
+from .joint_lines import are_kept_apart
 from .poses import compose, joint_frames
 from .symbolic.geometry import Placed, shape_distance
 
@@ -31,29 +32,17 @@ def module_parts(type_: ModuleType) -> tuple[ModulePart, ...]:
     return (*ends, *(ModulePart(link.joint, link.placement, link.shape) for link in type_.links))
 
 
-def _line(type_: ModuleType, joint: int) -> list[int]:
-    """The joints from this one up to the module frame, which is -1."""
-    line = [joint]
-    while line[-1] >= 0:
-        line.append(type_.joints[line[-1]].parent)
-    return line
-
-
 @lru_cache(maxsize=64)
 def own_pairs(type_: ModuleType) -> tuple[tuple[int, int, float], ...]:
     """The pairs of parts of a module that may not overlap, and how far apart they are at home, metres. Left out are
     parts that sit on one joint, that have no other part between them along the joints, and that are built into each
     other, which shows when all joints are at zero (or at the limit nearest to it)."""
     parts = module_parts(type_)
-    bearing = {part.joint for part in parts}
     neutral = _placed(type_, tuple(min(max(0.0, j.lower), j.upper) for j in type_.joints))
     home = _placed(type_, tuple(j.home for j in type_.joints))
     found = []
     for i, k in itertools.combinations(range(len(parts)), 2):
-        one, other = _line(type_, parts[i].joint), _line(type_, parts[k].joint)
-        common = next(j for j in one if j in other)
-        between = (set(one) ^ set(other) | {common}) - {parts[i].joint, parts[k].joint}
-        if parts[i].joint == parts[k].joint or not between & bearing:
+        if not are_kept_apart(type_, parts[i].joint, parts[k].joint):
             continue
         if shape_distance(neutral[i], neutral[k]) > 0.0:
             found.append((i, k, shape_distance(home[i], home[k])))
@@ -63,8 +52,3 @@ def own_pairs(type_: ModuleType) -> tuple[tuple[int, int, float], ...]:
 def _placed(type_: ModuleType, joints: tuple[float, ...]) -> list[Placed]:
     frames = joint_frames(type_, NOWHERE, joints)
     return [Placed(part.shape, compose(frames[part.joint], part.placement)) for part in module_parts(type_)]
-
-
-def are_close(type_: ModuleType, one: int, other: int) -> bool:
-    """Whether at most one joint lies between what two joints carry."""
-    return one == other or other in _line(type_, one)[:2] or one in _line(type_, other)[:2]

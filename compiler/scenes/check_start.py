@@ -10,6 +10,7 @@ from ...langs.source import Span
 from .. import ir
 from ..checks.findings import Findings
 from ..extents import corners
+from ..joint_lines import are_kept_apart
 from ..part_names import part_names
 from ..poses import compose, joint_frames, orientation, position, rotate
 
@@ -75,7 +76,7 @@ def _kept_apart(world: ir.World, one: Volume, other: Volume) -> bool:
     """Whether two shapes are of different things, or of a module that must keep them apart."""
     if one.owner != other.owner:
         return True
-    if one.owner not in world.modules or one.joint == other.joint:
+    if one.owner not in world.modules or not are_kept_apart(world.modules[one.owner].type, one.joint, other.joint):
         return False
     from ..module_parts import own_pairs
 

@@ -178,7 +178,7 @@ def random_volume(source: random.Random, name: str) -> Volume:
     q = np.array([source.gauss(0, 1) for _ in range(4)])
     q /= np.linalg.norm(q)
     pose: ir.Pose = (source.uniform(-1, 1), source.uniform(-1, 1), source.uniform(-1, 1), *map(float, q))
-    return Volume(name, name, shape, pose, bounds(shape, pose), None)
+    return Volume(name, name, shape, pose, bounds(shape, pose), None, name)
 
 
 @pytest.mark.parametrize("seed", range(5))

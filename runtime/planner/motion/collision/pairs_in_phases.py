@@ -8,7 +8,8 @@ from dataclasses import field
 import numpy as np
 
 from .....compiler.ir import Problem
-from .....compiler.module_parts import are_close, own_pairs
+from .....compiler.joint_lines import are_close
+from .....compiler.module_parts import own_pairs
 from .....compiler.motion.collision import Pair
 from .....compiler.part_names import part_names
 from .....langs.frozen import dataclass
