@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import re
 import stat
-from dataclasses import dataclass
 from pathlib import PurePath
 
 from ...langs.diagnostics import Diagnostic
+from ...langs.frozen import dataclass
 
 HEAD = 64_000
 """Bytes that are looked at: comments may stand before what tells the kind."""
@@ -26,7 +26,7 @@ class FileKind:
     help: str
 
 
-_WITHIN = "tamplang import FILE -o NAME.tamp makes a program of it"
+_NOT_YET = "no import reads it yet: write its modules and bodies as a program, or take them from a URDF"
 KINDS = {
     kind.key: kind
     for kind in (
@@ -34,10 +34,10 @@ KINDS = {
         FileKind("problem", "PDDL problem", "tamplang import DOMAIN.pddl FILE -o task.tamp makes a program of both"),
         FileKind("urdf", "URDF", 'a program takes it in: module arm from urdf "FILE" { effector A: "LINK" }'),
         FileKind("xacro", "xacro file", "a URDF is made of it by `xacro FILE > NAME.urdf`"),
-        FileKind("mjcf", "MuJoCo model (MJCF)", _WITHIN),
-        FileKind("sdf", "SDF", _WITHIN),
-        FileKind("rai", "rai scene", _WITHIN),
-        FileKind("modules", "catalogue of modules (JSON)", _WITHIN),
+        FileKind("mjcf", "MuJoCo model (MJCF)", _NOT_YET),
+        FileKind("sdf", "SDF", _NOT_YET),
+        FileKind("rai", "rai scene", _NOT_YET),
+        FileKind("modules", "catalogue of modules (JSON)", _NOT_YET),
         FileKind("mesh", "mesh", 'a program takes it in as a body: object b: hull("FILE", 1 m) at (0, 0, 0)'),
     )
 }

@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from ...langs.diagnostics import Diagnostic, SourceError, did_you_mean
+from ...langs.frozen import dataclass
 from ...langs.source import Source, Span
 
 DEEPEST = 100

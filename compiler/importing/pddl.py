@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TypeGuard
 
 from ...langs.diagnostics import Diagnostic, SourceError
+from ...langs.frozen import dataclass
 from ...langs.source import Source
 from .names import plain_name
 from .nodes import Faults, Group, Node, Token, read_groups

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from ...langs.diagnostics import did_you_mean
+from ...langs.frozen import dataclass
 from .names import NO_PREDICATES, GivenNames
 from .nodes import Faults, Group, Node, Token
 from .pddl_tables import Tables, TypedWord, one_type, typed

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from ...langs.diagnostics import did_you_mean
+from ...langs.frozen import dataclass
 from .nodes import Faults, Group, Node, Token
 
 ROOT = "object"

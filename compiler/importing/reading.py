@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 from ...langs.diagnostics import Diagnostic, SourceError
 from ...langs.formatter import format_source
+from ...langs.frozen import dataclass
 from ...langs.reader import read_bytes
 from ...langs.source import Source
 from .kinds import KINDS, FileKind, kind_of_text
