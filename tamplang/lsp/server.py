@@ -50,6 +50,8 @@ async def _check(uri: str) -> None:
     """Check one text beside the loop, so that requests are answered meanwhile, and tell what was found unless the text
     changed or was closed."""
     here = documents()
+    if uri not in server.workspace.text_documents:
+        return
     version = here.document(uri).version
     sources = here.buffers(uri)
     found, read = await asyncio.get_running_loop().run_in_executor(None, found_in, sources)
