@@ -103,6 +103,7 @@ UNITS = {
 }  # fmt: skip
 TYPES: Mapping[str, str] = {
     "object": "anything with a pose and a shape",
+    "region": "only a place: nothing collides with it",
     "effector": "an end of a module, where it stands, grips or is docked",
     "module": "a robot or a part of one, with joints, links and effectors",
     "int": "a whole number",

@@ -129,7 +129,7 @@ def test_an_unforeseen_error_leaves_a_crash_file(tmp_path: Path) -> None:
 
 def test_a_terminal_that_cannot_show_every_character() -> None:
     process = subprocess.run(
-        [sys.executable, "-m", "tamplang", "explain", "E0001"],
+        [sys.executable, "-m", "tamplang", "explain", "E0509"],
         env={**environment(), "PYTHONIOENCODING": "latin-1"},
         capture_output=True,
         text=True,

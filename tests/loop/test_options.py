@@ -28,7 +28,7 @@ task one {
         ({"serch": "bfs"}, "there is no option `serch`; did you mean `search`?"),
         ({"job": 2}, "there is no option `job`; did you mean `jobs`?"),
         ({"margin": 0.1}, "there is no option `margin`"),
-        ({"bound": "pth"}, "option `bound` is one of seq, seq-path, path, not 'pth'"),
+        ({"bound": "pth"}, "option `bound` is one of seq, seq-path, path, not 'pth'; did you mean `path`?"),
         ({"nodes": 0}, "option `nodes` is a whole number from 1, not 0"),
         ({"solutions": 1001}, "option `solutions` is a whole number from 1 to 1000, not 1001"),
         ({"time": float("nan")}, "option `time` is a number of seconds, not nan"),

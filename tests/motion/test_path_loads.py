@@ -13,7 +13,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 def payload(load: str, physics: bool = True) -> tuple[ir.Problem, Plan]:
     text = (EXAMPLES / "payload.tamp").read_text()
-    text = text if physics else text.replace("physics = statics, ", "")
+    text = text if physics else text.replace("physics = dynamics, ", "")
     problem, _ = compile_text(text, "payload.tamp", None, {"load": load})
     outcome = solve(problem, SolveOptions(time=60.0))
     assert outcome.status == "solved", [d.message for d in outcome.explanation]

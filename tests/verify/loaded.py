@@ -29,9 +29,10 @@ module arm {
 }
 
 motion [bear X: effector, Y: object] borne MANNER { at switch bottom(X) = top(Y) }
+motion [asks X: effector] { ROW }
 placement (A: claw) on (Y: object) { [stable Y A], [bear A Y] }
 predicate (done X: effector)
-rule wave(X: effector) { post (done X) }
+rule wave(X: effector) { post (done X), [asks X] }
 
 task reach() {
     base slab: box(20 cm, 20 cm, 5 cm) at (0, 0, -2.5 cm)
@@ -50,10 +51,12 @@ ALL_MASS = 4.0
 
 def reaching(
     lift: float = 0.0, slide: float = OUT, turn: str = "", hoist: str = "", rail: str = "",
-    manner: str = "pad", holds: str = "", physics: str = "statics",
+    manner: str = "pad", holds: str = "", physics: str = "statics", row: str = "during top(X) >= -1 m",
 ) -> Plan:  # fmt: skip
     """The arm slides out; what is said of its joints and its foot is stated in the text."""
-    given = {"TURN": turn, "LIFT": hoist, "SLIDE": rail, "MANNER": manner, "HOLDS": holds, "PHYSICS": physics}
+    given = {
+        "TURN": turn, "LIFT": hoist, "SLIDE": rail, "MANNER": manner, "HOLDS": holds, "PHYSICS": physics, "ROW": row,
+    }  # fmt: skip
     text = TEXT
     for word, stated in given.items():
         text = text.replace(word, stated)
@@ -73,6 +76,7 @@ LOADED: dict[str, Callable[[float], Plan]] = {
     "dock_ratio": lambda x: reaching(manner="dock", holds=f"holds dock(force 1 kN, moment {strength(x)})"),
     "foot_ratio": lambda x: reaching(holds=f"holds pad(force 1 kN, moment {strength(x)})"),
     "tip_m": lambda x: reaching(slide=OUT + ALL_MASS * x, manner="rest", holds="holds rest(friction 0.8)"),
+    "load_share": lambda x: reaching(row=f"at switch abs(torque(X.lift)) <= {MOMENT / (1.0 + x):.12f} N m"),
     "undriven_m": lambda x: reaching(slide=x, rail="passive", physics="none"),
     "undriven_rad": lambda x: reaching(lift=x, slide=0.0, hoist="passive", physics="none"),
 }

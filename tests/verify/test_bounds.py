@@ -119,7 +119,7 @@ def test_slips_between_instants_are_within_what_is_said(seed: int) -> None:
     begin = sampler.at(0, grid.times[:1])
     fine = Grid(finely(grid).ravel(), np.ones(finely(grid).size - 1, dtype=bool))
     for own, base in (("c.E2", "a.E4"), ("b.E0", "sledge"), ("a.E1", "c.E5")):
-        slip = Slip(sampler, 0, own, base, begin.frame(own).relative_to(begin.frame(base)))
+        slip = Slip(sampler, 0, own, base, begin.frame(own).relative_to(begin.frame(base)), (1e-3, 2e-3))
         for measure in (slip.shift, slip.turn):
             most = measure(fine).amounts.reshape(len(grid.lengths), -1).max(axis=1)
             assert (most <= measure(grid).highest + 1e-9)[grid.joined].all()

@@ -9,7 +9,7 @@ syn match tampClause /[.(\[]\@1<!\<\(acceleration\|bearing\|density\|heading\|no
 syn match tampModifier /[.(\[]\@1<!\<\(functional\|symmetric\|passive\|static\|borne\)\>(\@!/
 syn match tampControl /[.(\[]\@1<!\<\(previous\|exists\|forall\|else\|then\|ANY\|and\|for\|max\|min\|not\|sum\|if\|is\|or\)\>(\@!/
 syn match tampControl /\<\(previous\|exists\|forall\|else\|then\|ANY\|and\|for\|not\|if\|is\|or\)\>/
-syn match tampType /[.(\[]\@1<!\<\(inertia\|length\|object\|angle\|real\|time\|int\)\>/
+syn match tampType /[.(\[]\@1<!\<\(inertia\|length\|object\|region\|angle\|real\|time\|int\)\>/
 syn match tampFunction /\<\(prismatic\|cylinder\|revolute\|capsule\|planar\|sphere\|hull\|mesh\|box\)\>(\@=/
 syn match tampPredicate /(\@1<=\h\w*\%(\%(\s\+[A-Za-z0-9_.\[\]]\+\)*)\)\@=/
 syn match tampMotion /\[\@1<=\h\w*\%(\%(\s\+[A-Za-z0-9_.\[\]]\+\)\+\]\)\@=/
