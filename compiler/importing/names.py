@@ -22,7 +22,7 @@ def plain_name(text: str, words: Collection[str] = TAKEN) -> str:
 
 
 class GivenNames:
-    """GivenNames of one kind by what others call them: the same question gets the same answer."""
+    """Names of one kind by what others call them: the same question gets the same answer."""
 
     def __init__(self, taken: Iterable[str] = (), words: Collection[str] = TAKEN) -> None:
         self._given: dict[str, str] = {}

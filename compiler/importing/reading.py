@@ -2,40 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from ...langs.diagnostics import Diagnostic, SourceError
 from ...langs.formatter import format_source
-from ...langs.frozen import dataclass
 from ...langs.reader import read_bytes
 from ...langs.source import Source
 from .kinds import KINDS, FileKind, kind_of_text
 
-
-@dataclass(frozen=True, slots=True)
-class Imported:
-    """A program and what was left out of it."""
-
-    text: str
-    warnings: tuple[Diagnostic, ...] = ()
+IMPORTED = frozenset(("domain", "problem"))
+"""Kinds that programs are made of."""
 
 
-def import_files(paths: Sequence[str]) -> Imported:
-    """The program of one model, or of a PDDL domain and problem. Raises SourceError with all faults."""
+def import_files(paths: Sequence[str]) -> str:
+    """The program of a PDDL domain and problem. Raises SourceError with all faults."""
     found = [_source(path) for path in paths]
-    kinds = {kind.key for _, kind in found}
-    sources = [source for source, _ in found]
-    if kinds <= {"domain", "problem"}:
-        made = _pddl(sources)
-    elif len(sources) > 1:
+    if {kind.key for _, kind in found} <= IMPORTED:
+        from .pddl import import_pddl
+
+        return format_source(Source("", import_pddl([source for source, _ in found]).text))
+    if len(found) > 1:
         raise _refusal("E0021", "these are not one program: only a domain and a problem of PDDL go together",
                        "import each file by itself")  # fmt: skip
-    elif (kind := found[0][1]).key not in READERS:
-        raise _refusal("E0021", f"`{paths[0]}` is a {kind.name}, which is not imported",
-                       kind.help.replace("FILE", paths[0]))  # fmt: skip
-    else:
-        made = READERS[kind.key](sources[0])
-    return Imported(format_source(Source("", made.text)), made.warnings)
+    kind = found[0][1]
+    help = kind.help.replace("FILE", paths[0])
+    raise _refusal("E0021", f"`{paths[0]}` is a {kind.name}, which is not imported", help)
 
 
 def _source(path: str) -> tuple[Source, FileKind]:
@@ -51,19 +42,9 @@ def _source(path: str) -> tuple[Source, FileKind]:
         text = content.decode("latin-1")
     kind = kind_of_text(path, text)
     if kind is None:
-        known = ", ".join(k.name for k in KINDS.values() if k.key in (*READERS, "domain", "problem"))
+        known = ", ".join(k.name for k in KINDS.values() if k.key in IMPORTED)
         raise _refusal("E0021", f"`{path}` is nothing that can be imported", f"what can: {known}")
     return Source(path, text.replace("\r\n", "\n").replace("\r", "\n")), kind
-
-
-def _pddl(sources: Sequence[Source]) -> Imported:
-    from .pddl import import_pddl
-
-    return Imported(import_pddl(sources).text)
-
-
-READERS: dict[str, Callable[[Source], Imported]] = {}
-"""Kinds of one file each."""
 
 
 def _refusal(code: str, message: str, help: str | None = None) -> SourceError:

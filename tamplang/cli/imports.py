@@ -8,7 +8,7 @@ import click
 
 from .limits import limit_options, limited
 from .outputs import checked_output
-from .sources import reading_sources, show_diagnostics
+from .sources import reading_sources
 
 
 @click.command("import")
@@ -23,8 +23,5 @@ def import_command(files: tuple[Path, ...], out: Path | None, seconds: float, me
         from ..compiler.importing.reading import import_files
         from ..langs.writer import write_atomically
 
-        made = import_files([str(file) for file in files])
-        if made.warnings:
-            show_diagnostics(made.warnings)
-        write_atomically(target, made.text.encode())
+        write_atomically(target, import_files([str(file) for file in files]).encode())
     click.echo(f"wrote {target}; next: tamplang check {target}", err=True)
