@@ -30,8 +30,8 @@ COLLECTED = (20_000, 20, 20)
 """How much is made before Python looks for cycles of garbage: a solve makes many objects and few cycles."""
 
 
-def main() -> None:
-    """Entry point of the console script: runs the command line and ends the process with its exit status."""
+def main() -> int:
+    """Run the command line of this process and give its exit status; nothing but the end of the process may follow."""
     # A reader that closes the pipe, such as `head`, ends the process without a word, as it does other Unix commands.
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     sys.excepthook = report_crash
@@ -45,7 +45,7 @@ def main() -> None:
     if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # while Python ends, Ctrl-C would show a traceback
     gc.freeze()  # nothing is looked through once more only to end
-    sys.exit(status)
+    return status
 
 
 def _open_closed_streams() -> None:

@@ -14,16 +14,18 @@ ROOT = Path(__file__).resolve().parents[2]
 Tamplang = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
-def environment() -> dict[str, str]:
-    return {**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+def environment(*first: Path) -> dict[str, str]:
+    """The surroundings of a command; Python looks for modules in the folders `first`."""
+    path = os.pathsep.join(map(str, (*first, ROOT)))
+    return {**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 
 
-def begin(folder: Path, *arguments: object) -> subprocess.Popen[str]:
+def begin(folder: Path, *arguments: object, first: tuple[Path, ...] = ()) -> subprocess.Popen[str]:
     """A Python process of the tests' own, with the package in reach; its output is text."""
     return subprocess.Popen(
         [sys.executable, *map(str, arguments)],
         cwd=folder,
-        env=environment(),
+        env=environment(*first),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

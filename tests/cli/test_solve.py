@@ -189,6 +189,27 @@ def test_ctrl_c_is_quiet_while_the_command_still_loads(tmp_path: Path, loaded: s
     assert "Traceback" not in errors
 
 
+INTERRUPTING = """
+import os, signal, sys
+
+class Finder:
+    def find_spec(self, name, path, target=None):
+        if name == "tamplang.runtime.planner.lgp":
+            sys.meta_path.remove(self)
+            exec("os.kill(os.getpid(), signal.SIGINT)")
+
+sys.meta_path.insert(0, Finder())
+"""
+"""Presses Ctrl-C while code runs that is compiled from a string, as that of named tuples is."""
+
+
+def test_ctrl_c_within_code_from_a_string_has_the_usual_status(tmp_path: Path) -> None:
+    (tmp_path / "sitecustomize.py").write_text(INTERRUPTING)
+    process = begin(tmp_path, "-m", "tamplang", "solve", CLIMB, first=(tmp_path,))
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors[-500:]
+
+
 def test_verify_ends_with_its_budget(tamplang: Tamplang, tmp_path: Path) -> None:
     result = package.load(CLIMB, n=2, crawlers=1).solve(time=60.0)
     assert result.plan is not None
