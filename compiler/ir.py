@@ -358,6 +358,12 @@ class Chain:
     def last(self) -> str:
         return self.modules[-1][2]
 
+    def part(self, index: int, side: str) -> str | None:
+        """The module number `index`, from 1, or its end on the side "in" or "out"; None past the ends of the chain."""
+        if not 1 <= index <= len(self.modules):
+            return None
+        return self.modules[index - 1][("", "in", "out").index(side)]
+
     def __str__(self) -> str:
         return "[" + " ".join(f"{enter} {leave}" for _, enter, leave in self.modules) + "]"
 

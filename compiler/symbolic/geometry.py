@@ -7,6 +7,7 @@ usual case: their distances are plain arithmetic, a whole row of them at a time.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from ...langs.frozen import dataclass
 from ..extents import box_sides
 from ..hulls import Array, convex_geometry
-from ..ir import Chain, ModuleType, Pose, Problem, Shape, ShapeKind
+from ..ir import Chain, ModuleType, Pose, Problem, Shape, ShapeKind, Value
 from ..physics.scene_loads import SceneLoads
 from ..poses import compose, joint_frames, make, orientation, position, rotate
 from .lengths import longest_chain, path_length, shape_radius
@@ -61,11 +62,31 @@ class SceneLengths:
         self._tables: dict[tuple[Any, ...], Array] = {}
         self._reaches: dict[tuple[str, str], float] = {}
         self._chain_reaches: dict[Chain, float] = {}
+        self._indices: dict[int, tuple[Sequence[Value], Indices]] = {}
 
     @cached_property
     def loads(self) -> SceneLoads:
         """What things and chains bear."""
         return SceneLoads(self.problem)
+
+    def indices_of(self, names: Sequence[Value]) -> Indices:
+        """The indices of objects; those of a list that is met again are kept."""
+        known = self._indices.get(id(names))
+        if known is None or known[0] is not names:
+            known = self._indices[id(names)] = names, np.array([self.index[str(v)] for v in names])
+        return known[1]
+
+    def load(self, things: Any, joint: str) -> Any:
+        """The worst load over strength, at the start, of one thing or an array of them, given by index; with the name
+        of a joint, what its drive gives, in N m or N."""
+
+        def one(thing: int) -> float:
+            name = self.names[thing]
+            return self.loads.torque(name, joint) if joint else self.loads.of(name)
+
+        if isinstance(things, int):
+            return one(things)
+        return np.array([one(int(t)) for t in np.ravel(things)]).reshape(np.shape(things))
 
     def radius(self, i: Any) -> Any:
         """The radius of a round shape, of the sphere around another one, 0 without shape."""

@@ -10,7 +10,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..ir import (
     Aggregate,
@@ -71,7 +70,6 @@ class Guards:
         self._types: dict[str, tuple[str, ...]] = {}
         self._order = geometry.index
         self._ordered: dict[frozenset[str], tuple[Value, ...]] = {}
-        self._indices: dict[int, tuple[Sequence[Value], NDArray[np.int64]]] = {}
 
     # --- terms ---------------------------------------------------------------------------------------------------
 
@@ -106,10 +104,10 @@ class Guards:
         index = self.resolve(term.index, env)
         if not isinstance(chain, Chain) or not isinstance(index, Number):
             return ChainModule(term.chain, index, term.side)
-        if not 1 <= index.value <= len(chain.modules):
+        name = chain.part(int(index.value), term.side)
+        if name is None:
             raise Undefined
-        module, enter, leave = chain.modules[int(index.value) - 1]
-        return Object({"": module, "in": enter, "out": leave}[term.side])
+        return Object(name)
 
     def number(self, term: Term, env: Environment) -> Any:
         """The value of a static number; an array where a variable stands for many objects. Raises Undefined."""
@@ -144,7 +142,8 @@ class Guards:
         if name == "load" and isinstance(args[0], Var) and isinstance(env.get(args[0].name), Chain):
             return self.geometry.loads.chain(env[args[0].name])
         if name in ("load", "torque"):
-            return self._loaded(term, env)
+            joint = term.args[1].letter if len(term.args) > 1 and isinstance(term.args[1], Letter) else ""
+            return self.geometry.load(self.thing(args[0], env), joint)
         if name in ("reach", "length") and len(args) == 1 and isinstance(args[0], Var):
             chain: Chain = env[args[0].name]
             return float(len(chain.modules)) if name == "length" else self.geometry.chain_reach(chain)
@@ -154,19 +153,6 @@ class Guards:
                 raise Undefined
             return self.geometry.reach(names[0], names[1])
         return MATHS[name](*(self.number(a, env) for a in args))
-
-    def _loaded(self, term: Function, env: Environment) -> Any:
-        """Loads of things at the start, where a variable stands for many objects of each."""
-        things = self.thing(term.args[0], env)
-        joint = term.args[1].letter if len(term.args) > 1 and isinstance(term.args[1], Letter) else ""
-
-        def one(thing: int) -> float:
-            name = self.geometry.names[thing]
-            return self.geometry.loads.torque(name, joint) if joint else self.geometry.loads.of(name)
-
-        if isinstance(things, int):
-            return one(things)
-        return np.array([one(int(t)) for t in np.ravel(things)]).reshape(np.shape(things))
 
     def thing(self, term: Term, env: Environment) -> Any:
         """The index of the object that a term denotes, or an array of indices."""
@@ -398,19 +384,12 @@ class Guards:
         usable = [f for f in live if isinstance(f, Compare) and free_names(f) == {variable.name} and is_plain(f)]
         if not usable:
             return values, live
-        indices = self._indices_of(values)
+        indices = self.geometry.indices_of(values)
         keep = np.ones(len(indices), dtype=bool)
         for formula in usable:
             inner = {**env, variable.name: indices}
             keep &= holds(formula.operator, self.number(formula.left, inner), self.number(formula.right, inner))
         return [values[int(i)] for i in np.flatnonzero(keep)], [f for f in live if f not in usable]
-
-    def _indices_of(self, values: Sequence[Value]) -> NDArray[np.int64]:
-        """The indices of objects; those of a list that is met again are kept."""
-        known = self._indices.get(id(values))
-        if known is None or known[0] is not values:
-            known = self._indices[id(values)] = values, np.array([self._order[str(v)] for v in values])
-        return known[1]
 
 
 def _is_thing(term: Term, env: Environment) -> bool:
