@@ -76,7 +76,8 @@ def answer(text: str, solver: str, folder: Path) -> Record:
         said = json.loads(done.stdout)
     except ValueError:
         return {"status": f"exit {done.returncode}", "actions": [], "why": done.stderr[-300:]}
-    why = [str(d.get("message", ""))[:160] for d in said.get("explanation") or []][:3]
+    told = said.get("explanation") or said.get("diagnostics") or []
+    why = [f"{d.get('code', '')} {d.get('message', '')}".strip()[:160] for d in told][:3]
     return {"status": said["status"], "actions": said.get("actions"), "verified": said.get("verified"), "why": why}
 
 
@@ -103,10 +104,15 @@ def run(settings: Settings) -> list[Line]:
     records = list(journal.fill([f"skeleton {n}" for n in range(count)], measure))
     solved = {s: [r for r in records if r[s]["status"] == "solved"] for s in SOLVERS}
     apart = [r for r in records if (r["algn"]["status"] == "solved") != (r["ipopt"]["status"] == "solved")]
-    broken = [r for r in records if any(r[s]["status"].startswith(("exit", "error", "refused")) for s in SOLVERS)]
-    for record in [*apart, *broken]:
+    refused = [r for r in records if all(r[s]["status"] == "error" and r[s]["why"] for s in SOLVERS)]
+    broken = [
+        r for r in records
+        if r not in refused and any(r[s]["status"].startswith(("exit", "error", "refused")) for s in SOLVERS)
+    ]  # fmt: skip
+    for record in [*apart, *refused, *broken]:
         print(f"solvers: {record['key']}: {explained(record)}", file=sys.stderr)
     mine = len([r for r in apart if r["algn"]["status"] == "solved"])
     what = f"{len(records)} small random skeletons, our solver and IPOPT"
-    result = f"{len(solved['algn'])} and {len(solved['ipopt'])} solved; {len(apart)} disagreements, all listed"
-    return [Line("solvers", what, f"{result}: {mine} only ours solves, {len(apart) - mine} only IPOPT", not broken)]
+    result = f"{len(solved['algn'])} and {len(solved['ipopt'])} solved, {len(refused)} are no tasks"
+    differ = f"{len(apart)} disagreements, all listed: {mine} only ours solves, {len(apart) - mine} only IPOPT"
+    return [Line("solvers", what, f"{result}; {differ}", not broken)]

@@ -21,6 +21,7 @@ from ..nlp.features import Features, differences, homing, limits, norms
 from ..nlp.loaded_features import Wanted, loaded_groups, speaks
 from ..nlp.program import Program
 from ..nlp.row_groups import LinearGroup, RowGroup
+from ..nlp.settings import SOLVER
 from ..nlp.unknowns import ORIGIN, UnknownsLayout
 from ..settings import MotionSettings
 from .bearing_rows import bearing_rows
@@ -237,12 +238,19 @@ def _settled(moving: Sequence[frozenset[str]], end: Configuration) -> dict[int, 
 
 
 def run(program: Program, x: Array, options: SolverOptions, settings: MotionSettings, budget: Budget) -> SolverResult:
-    """The solver that the settings name."""
+    """The solver that the settings name. Where joints come to the ends of their ranges a run may creep along curved
+    rows until it stalls close to feasible; what is left then is projected away."""
     if settings.solver == "ipopt":
         from ..nlp.ipopt import solve_ipopt
 
         return solve_ipopt(program, x, options, budget)
-    return solve(program, x, options, budget)
+    outcome = solve(program, x, options, budget)
+    if outcome.status == SolverStatus.FEASIBLE or not options.tolerance < program.largest(outcome.x) < SOLVER.nearly:
+        return outcome
+    nearest = project(program, outcome.x, options.tolerance, budget)
+    if program.largest(nearest) > options.tolerance:
+        return outcome
+    return SolverResult(nearest, outcome.iterations, SolverStatus.FEASIBLE)
 
 
 def _absolute(row: Row) -> bool:
