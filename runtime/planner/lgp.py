@@ -135,7 +135,7 @@ class _SolveRun:
         self.first_bound: float | None = None
         settings, seed = motion_settings(problem, options), Seed(options.seed)
         self.bounds = MultiBound(problem, settings, options.bound, seed, self.budget, self._tell, options.ahead)
-        self.refusals = Refusals(problem)
+        self.refusals = Refusals(problem, self.bounds.cause)
         self.at_once = AtOnce(problem, settings, seed, self.budget, self._tell)
         self.search: SkeletonSearch | None = None
 

@@ -21,6 +21,7 @@ from ....compiler.physics.masses import part_mass
 from ....compiler.physics.records import Hold, Inertial
 from ....langs.trees import mapped
 from ...skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton, Violation
+from ..motion.keyframes.causes import Cause
 from ..motion.settings import ACCEPTANCE
 from .settings import BOUNDS
 from .verdicts import Conflict, Judgement
@@ -190,6 +191,10 @@ class LengthUnit:
             paths=[self._path(path) for path in result.paths],
             violations=[self._violation(v) for v in result.violations],
         )
+
+    def cause(self, cause: Cause) -> Cause:
+        """Why something is refused, in metres."""
+        return replace(cause, missed=self._violation(cause.missed), at=tuple(map(self._violation, cause.at)))
 
     def _path(self, path: PhasePath) -> PhasePath:
         """A little slower than in its own unit, so that times are round."""

@@ -11,6 +11,7 @@ from ...seeds import Seed
 from ...skeleton import Bound, BoundResult, Configuration, PhasePath, Skeleton, Violation, beginning
 from ...verify import verify
 from ..conflicts.nogoods import GeneralisedNoGoods
+from ..motion.keyframes.causes import Cause, cause
 from ..motion.keyframes.initial_guesses import guess
 from ..motion.keyframes.multi_start import judged_alone
 from ..motion.keyframes.settings import KEYFRAMES
@@ -97,6 +98,16 @@ class MultiBound(Solves):
         skeleton = self.unit.skeleton(skeleton)
         sequence = self._sequence(skeleton, self.seed.child("retry"), None, tries=None)
         return self.unit.judgement(self.motion(skeleton, sequence, motions))
+
+    def cause(self, skeleton: Skeleton, conflict: Conflict) -> Cause | None:
+        """Why P_seq refuses phases, where these are few enough to look at. Raises OutOfTime."""
+        if conflict.bound != Bound.SEQ or conflict.last - conflict.first >= KEYFRAMES.longest_cause:
+            return None
+        found = cause(
+            self.unit.skeleton(skeleton), conflict.first, conflict.last, conflict.first > 0, self.settings, self.seed,
+            self.budget.whole,
+        )  # fmt: skip
+        return None if found is None else self.unit.cause(found)
 
     def try_harder(self) -> None:
         """Forget every refusal; from now on each span gets all its starts, and others than before."""

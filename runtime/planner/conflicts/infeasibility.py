@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import replace
 
 from ....compiler.ir import Problem
@@ -13,6 +15,7 @@ from ...geometry.drives import braked
 from ...plan import RefusalRecord, VerdictRecord
 from ...skeleton import Bound, Breach, Skeleton, Violation
 from ..bounds.verdicts import Conflict
+from ..motion.keyframes.causes import Cause, Why
 from ..motion.nlp.program import DIVERGED
 from ..plan_assembly import placed
 from .nearest_miss import nearest
@@ -25,8 +28,11 @@ UNREACHABLE = "no sequence of actions reaches the goal: every state that can be 
 class Refusals:
     """Collects conflicts in the order in which they were found."""
 
-    def __init__(self, problem: Problem) -> None:
-        self.problem = problem
+    def __init__(
+        self, problem: Problem, cause: Callable[[Skeleton, Conflict], Cause | None] | None = None
+    ) -> None:  # fmt: skip
+        """`cause` may say more of a conflict than its violations do."""
+        self.problem, self._cause_of = problem, cause
         self._found: list[tuple[Skeleton, Conflict]] = []
 
     def add(self, skeleton: Skeleton, conflict: Conflict) -> None:
@@ -96,6 +102,9 @@ class Refusals:
         action = skeleton.phases[conflict.last].action
         rule = self.problem.rules.get(action.rule)
         where = " from the start" if conflict.from_start and conflict.first < conflict.last else ""
+        cause = self._looked_into(skeleton, conflict)
+        if cause is not None:
+            conflict = replace(conflict, violations=(cause.missed,))
         span = self._span(conflict)
         labels = (Label(rule.span, "the rule of this action"),) if rule is not None and rule.span else ()
         earlier = ", ".join(str(p.action) for p in skeleton.phases[conflict.first : conflict.last])
@@ -105,11 +114,16 @@ class Refusals:
             notes.append(f"this was met in {count} such sequences; the smallest miss is shown")
         return Diagnostic(
             "S0002",
-            f"{_BOUND_NAMES[conflict.bound]} refuses {action}: {self._reason(conflict)}",
+            f"{_BOUND_NAMES[conflict.bound]} refuses {action}: {self._reason(conflict)}{told(cause)}",
             span or (rule.span if rule else None),
             labels if span else (),
             note="; ".join(notes) or None,
         )
+
+    def _looked_into(self, skeleton: Skeleton, conflict: Conflict) -> Cause | None:
+        """The cause of a conflict, where there is time left to look for it."""
+        asked = self._cause_of
+        return None if asked is None else unless_spent(lambda: asked(skeleton, conflict))
 
     def _still(self, skeleton: Skeleton, conflict: Conflict) -> list[str]:
         """What a row that is missed asks of modules whose joints have no drive and are held by their brakes."""
@@ -171,6 +185,8 @@ def fewer(status: Status, found: int, wanted: int) -> Diagnostic:
     return ended(status, f"after {found} of {wanted} plans")
 
 
+MOST_NAMED = 2
+"""Joints at their limits that are named."""
 ENDINGS = {
     Status.BUDGET: ("S0003", "the budget ended", "give more with --time or --nodes, or a smaller instance"),
     Status.MEMORY: ("S0010", "the memory was spent", "give more with --memory, or a smaller instance"),
@@ -220,6 +236,27 @@ def describe(violation: Violation) -> str:
         who = f"[{' '.join(violation.names)}]" if violation.kind == Breach.ROW else f"the {violation.kind}"
         return f"the numbers of {who} diverge"
     return f"{text} by {violation.amount:.3g} {'' if violation.unit == '1' else violation.unit}".rstrip()
+
+
+def told(cause: Cause | None) -> str:
+    """A clause that says what a miss comes from: `; out of reach, even with nothing in the way`."""
+    if cause is None:
+        return ""
+    if cause.why == Why.REACH:
+        return ": out of reach, even with nothing in the way"
+    if cause.why == Why.RING:
+        return f": the ring that {', '.join(cause.ring)} close{'s' if len(cause.ring) == 1 else ''} comes apart before"
+    if cause.why == Why.LIMIT:
+        return f": {' and '.join(map(_beyond, cause.at[:MOST_NAMED]))} past the limit"
+    one, other = cause.at[0].parts or cause.at[0].names
+    return f": {one} and {other} are in each other's way"
+
+
+def _beyond(violation: Violation) -> str:
+    """How far a joint would have to go."""
+    module, joint = violation.names
+    amount = _length_of(violation.amount) if violation.unit == "m" else f"{math.degrees(violation.amount):.3g} deg"
+    return f"joint {joint} of {module} would have to go {amount}"
 
 
 def _apart(violation: Violation) -> str:

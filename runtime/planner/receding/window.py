@@ -95,7 +95,7 @@ def remember(
     settings = motion_settings(problem, options)
     options.ahead.prepare(problem)
     bounds = MultiBound(problem, settings, options.bound, Seed(options.seed), budget, told_to, options.ahead)
-    return Memory(bounds, Refusals(problem))
+    return Memory(bounds, Refusals(problem, bounds.cause))
 
 
 def plan_window(

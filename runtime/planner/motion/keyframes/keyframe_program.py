@@ -17,7 +17,7 @@ from ....skeleton import Array, Configuration, Skeleton
 from ..collision.clearance_rows import Clearances
 from ..collision.pairs_in_phases import Collisions, Margins, refresh, rows
 from ..nlp.augmented_lagrangian import SolverOptions, SolverResult, SolverStatus, project, solve
-from ..nlp.features import Features, differences, homing, limits, norms
+from ..nlp.features import Features, differences, homing, kept_limits, norms
 from ..nlp.loaded_features import Wanted, loaded_groups, speaks
 from ..nlp.program import Program
 from ..nlp.row_groups import LinearGroup, RowGroup
@@ -96,11 +96,15 @@ class SwitchProgram:
         for slice_, phase in enumerate(self.phases, start=1):
             mode, added = self.skeleton.phases[phase].mode, self.skeleton.phases[phase].added
             for literal in sorted(added):
-                self._features.add(literal, "switch", (slice_,), phase)
+                self._features.add(literal, "switch", (slice_,), phase, self._weight(phase))
             for literal in sorted(mode):
                 self._features.add(literal, "keep", (slice_ - 1, slice_), phase)
             for literal in sorted(mode | next_mode(self.skeleton, phase)):
                 self._features.add(literal, "during", (slice_,), phase)
+
+    def _weight(self, phase: int) -> float:
+        """The scale of the rows of what a phase adds."""
+        return 1.0
 
     def _loaded(self) -> list[Wanted]:
         """What rows about loads bind where, before and after each switch."""
@@ -115,16 +119,18 @@ class SwitchProgram:
 
     def _all_groups(self) -> list[RowGroup]:
         steps = [(t - 1, t) for t in range(1, len(self.layout.slices))]
-        phase_of = [self.phases[0], *self.phases]
         return [
             *self._features.groups(),
             *loaded_groups(self.problem, self.layout, self._loaded()),
             norms(self.layout),
-            limits(self.problem, self.layout, self.settings.limit_margin, phase_of),
+            *self._limits([self.phases[0], *self.phases]),
             homing(self.problem, self.layout, KEYFRAMES.homing_weight),
             differences(self.layout, self.layout.modules, steps, (-1.0, 1.0), KEYFRAMES.velocity_weight),
             *self._tidy(),
         ]
+
+    def _limits(self, phase_of: list[int]) -> list[LinearGroup]:
+        return kept_limits(self.problem, self.layout, self.settings.limit_margin, phase_of)
 
     def _tidy(self) -> list[LinearGroup]:
         """½ place_weight² Σ (xy − place)² + ½ turn_weight² Σ (q − q at the start)² over the things that are

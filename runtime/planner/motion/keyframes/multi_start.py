@@ -95,7 +95,7 @@ class SpanSolver:
             )  # fmt: skip
         return self._programs[frozen]
 
-    def _guess(self, wide: bool, steady: bool) -> list[Configuration]:
+    def guess(self, wide: bool, steady: bool) -> list[Configuration]:
         """All slices, the state before included."""
         if not self.free:
             phases = range(self.first, self.last + 1)
@@ -117,7 +117,7 @@ class SpanSolver:
             switches = self._program(number % 2 == 0)
             given = warm is not None and number == 0
             period = KEYFRAMES.repair_period
-            slices = [self.start, *(warm or ())] if given else self._guess(bool(loose), number < period)
+            slices = [self.start, *(warm or ())] if given else self.guess(bool(loose), number < period)
             if best is not None and number % period == 1:
                 slices = _repair(switches, best.configurations, slices)
             elif (warm is None or number > 0) and not self.reached:

@@ -124,6 +124,18 @@ class KeyframeSettings:
         "they weigh as much as rows do at first: a margin that can be had is then missed by a fraction of a "
         "millimetre for the sake of homing",
     )
+    causes_tried: int = setting(4, "starts", "Starts from which it is asked why a phase is refused.", "not measured")
+    longest_cause: int = setting(3, "phases", "Phases that can be refused together at most for that to be asked.")
+    yielding: float = setting(
+        0.1, "1",
+        "How much less the rows of a switch weigh than all else when it is asked why they are missed.",
+        "a hundredth of what is missing is then left to other rows",
+    )
+    past_limits: float = setting(
+        10.0, "1",
+        "The scale of what joints go past their limits when it is asked how far they would have to.",
+        "a millimetre of it is not left to homing, which would have joints go farther",
+    )
     load_violation: float = setting(
         1e-6, "m",
         "What an excess of load counts against misses of rows: the last to be mended.",

@@ -15,7 +15,8 @@ from .....compiler.motion.loaded_rows import speaks_of_loads
 from .....compiler.motion.stages import Stage
 from .....langs.frozen import dataclass
 from ....skeleton import Array, Breach
-from .row_groups import LinearGroup, NormGroup, RowGroup, RowLabel, StageGroup
+from .row_groups import LinearGroup, LinearWish, NormGroup, RowGroup, RowLabel, StageGroup
+from .settings import SOLVER
 from .unknowns import Indices, UnknownsLayout
 
 
@@ -171,6 +172,13 @@ def limits(problem: Problem, layout: UnknownsLayout, margin: float, phase_of: li
             labels += [label, label]
     columns = np.array(places, dtype=np.int64).reshape(-1, 1)
     return LinearGroup("inequality", columns, np.array(signs).reshape(-1, 1), np.array(targets), labels)
+
+
+def kept_limits(problem: Problem, layout: UnknownsLayout, margin: float, phase_of: list[int]) -> list[LinearGroup]:
+    """Joint limits as rows, and the wish that joints keep `margin` from them: what can be reached at a limit alone is
+    done there."""
+    wished = limits(problem, layout, margin, phase_of)
+    return [limits(problem, layout, 0.0, phase_of), LinearWish(wished, SOLVER.limit_wish)]
 
 
 def homing(problem: Problem, layout: UnknownsLayout, scale: float) -> LinearGroup:

@@ -141,6 +141,16 @@ class LinearGroup:
         return self.places
 
 
+class LinearWish(LinearGroup):
+    """½ scale² Σ max(0, row)² over the rows of a linear group."""
+
+    def __init__(self, rows: LinearGroup, scale: float) -> None:
+        super().__init__("wish", rows.places, rows.coefficients, rows.targets, rows.labels, scale)
+
+    def residuals(self, z: Array) -> Array:
+        return np.maximum(super().residuals(z), 0.0)
+
+
 def merged(groups: Sequence[LinearGroup]) -> list[LinearGroup]:
     """Linear groups without labels as one, none when there are no rows; short rows get terms of no weight."""
     groups = [group for group in groups if group.shape[0]]

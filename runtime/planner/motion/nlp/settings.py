@@ -19,6 +19,10 @@ class SolverSettings:
         " of 11. Never seen from more.",
     )
     ipopt_iterations: int = setting(300, "iterations", "The most that IPOPT takes.")
+    limit_wish: float = setting(
+        3.0, "1", "The scale of the wish to keep away from joint limits.",
+        "against homing at 0.1 it is then missed by a thousandth",
+    )
     batched_products: int = setting(
         100_000, "products",
         "Of a group with no more products of rows, all their places are found at once.",

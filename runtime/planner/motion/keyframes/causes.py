@@ -1,0 +1,127 @@
+"""Why P_seq refuses some phases: what of the last one could be done if something of the scene were otherwise.
+
+The rows of its literals at the switch give way first, so that what is missing gathers there. Where nothing is missing
+without collisions, something is in the way; where nothing is without joint limits, these are; else it is out of reach.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+import numpy as np
+
+from .....langs.frozen import dataclass
+from ....budget import Budget
+from ....geometry.attachments import involved, looped
+from ....seeds import Seed
+from ....skeleton import Array, Breach, Skeleton, Violation, start_configuration
+from ..nlp.features import limits
+from ..nlp.row_groups import LinearGroup, LinearWish
+from ..settings import MotionSettings
+from .keyframe_program import SwitchProgram, run
+from .multi_start import SINGLE, SpanSolver
+from .settings import KEYFRAMES
+
+CLEARANCES = (Breach.COLLISION, Breach.SELF_COLLISION)
+
+
+class Why(StrEnum):
+    """What forbids a posture."""
+
+    IN_THE_WAY = "in the way"
+    LIMIT = "limit"
+    RING = "ring"
+    REACH = "reach"
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """Why a posture is refused, and the row of its literals that is missed least by all means but for that; what is
+    `at` fault: the parts that are in the way, the joint and by how much it would have to go past its limit, the modules
+    of a ring."""
+
+    why: Why
+    missed: Violation
+    at: tuple[Violation, ...] = ()
+    ring: tuple[str, ...] = ()
+
+
+class _Yielding(SwitchProgram):
+    """P_seq whose last switch gives way."""
+
+    def _weight(self, phase: int) -> float:
+        return KEYFRAMES.yielding if phase == self.phases[-1] else 1.0
+
+
+class _Unlimited(SwitchProgram):
+    """P_seq where it only costs what joints go past their limits."""
+
+    def _limits(self, phase_of: list[int]) -> list[LinearGroup]:
+        return [LinearWish(limits(self.problem, self.layout, 0.0, phase_of), KEYFRAMES.past_limits)]
+
+
+@dataclass(frozen=True, slots=True)
+class _Nearest:
+    """The unknowns at which the rows of a program without collisions are missed least, and the worst of these."""
+
+    program: SwitchProgram
+    unknowns: Array
+    missed: Violation
+
+
+def cause(
+    skeleton: Skeleton, first: int, last: int, free: bool, settings: MotionSettings, seed: Seed, budget: Budget
+) -> Cause | None:
+    """Why phases `first` … `last` cannot follow each other, `free`: from anywhere; None where it is not plain, for one
+    where another guess does it. Raises OutOfTime."""
+    start = start_configuration(skeleton.problem)
+
+    def nearest(kind: type[SwitchProgram]) -> _Nearest | None:
+        switches = kind(skeleton, first, last, start, settings, free)
+        random = seed.child("cause").random()
+        span = SpanSolver(skeleton, first, last, settings, random, budget, start, free)
+        best: _Nearest | None = None
+        for number in range(KEYFRAMES.causes_tried):
+            guess = switches.pack(span.guess(wide=number > 1, steady=number == 0))
+            x = run(switches.loose, guess, span.options, settings, budget).x
+            missed = switches.loose.violations(x, 0.0)
+            if missed and (best is None or missed[0].amount < best.missed.amount):
+                best = _Nearest(switches, x, missed[0])
+        return best
+
+    bound = nearest(_Yielding)
+    if bound is None:
+        return None
+    if bound.missed.amount <= settings.tolerance:
+        return _in_the_way(bound, settings, budget)
+    unbound = nearest(_Unlimited)
+    if unbound is not None and unbound.missed.amount <= settings.tolerance:
+        past = _past_limits(unbound, settings.tolerance)
+        return Cause(Why.LIMIT, bound.missed, past) if past else None
+    ring = looped(skeleton.problem, skeleton.phases[last].mode) & involved(skeleton, last)
+    return Cause(Why.RING if ring else Why.REACH, bound.missed, ring=tuple(sorted(ring)))
+
+
+def _past_limits(nearest: _Nearest, tolerance: float) -> tuple[Violation, ...]:
+    """The joints that go past their limits, the farthest first."""
+    program = nearest.program
+    rows = limits(program.problem, program.layout, 0.0, [program.phases[0], *program.phases])
+    amounts = rows.residuals(np.concatenate([program.layout.constants, nearest.unknowns]))[:, 0]
+    found = {}
+    for k in np.argsort(-amounts, kind="stable").tolist():
+        label = rows.label(k)
+        if amounts[k] > tolerance and label.names not in found:
+            found[label.names] = Violation(label.phase, label.kind, label.names, float(amounts[k]), label.units[0])
+    return tuple(found.values())
+
+
+def _in_the_way(nearest: _Nearest, settings: MotionSettings, budget: Budget) -> Cause | None:
+    """What meets where collisions count again, of that what overlaps most where they do not."""
+    switches = nearest.program
+    switches.prepare(nearest.unknowns)
+    overlaps = [v for v in switches.program().violations(nearest.unknowns, 0.0) if v.kind in CLEARANCES]
+    program, outcome = switches.solve(nearest.unknowns, SINGLE, budget)
+    rows = [v for v in program.violations(outcome.x, settings.tolerance) if v.kind not in CLEARANCES]
+    if not overlaps or not rows:
+        return None
+    return Cause(Why.IN_THE_WAY, rows[0], tuple(overlaps[:1]))

@@ -1,0 +1,75 @@
+"""Where no posture does what an action asks, the cause is told: too far, a joint's limit, or what is in the way."""
+
+from __future__ import annotations
+
+import pytest
+
+import tamplang
+
+ARM = """
+import std.rules
+module arm(q: angle) {
+    effector A: gripper cylinder(6 cm, 2 cm) at (0, 0, 1 cm) normal (0, 0, -1)
+    link 30 cm: cylinder(4 cm)
+    joint j1: revolute(z) in -170 deg .. 170 deg
+    joint j2: revolute(y) in -q .. q
+    link 30 cm: cylinder(3 cm)
+    joint j3: revolute(y) in -q .. q
+    link 31 cm
+    effector B: gripper sphere(3 cm)
+    fact (linked A B)
+}
+module slide() {
+    effector A: gripper box(10 cm, 10 cm, 2 cm) at (0, 0, 1 cm) normal (0, 0, -1)
+    link (0, 0, 40 cm)
+    joint a: prismatic(x) in 0 m .. 1 m
+    joint c: prismatic(z) in -0.3 m .. 0 m
+    effector B: gripper sphere(3 cm) normal (0, 0, -1)
+    fact (linked A B)
+}
+task reach(q: angle = 120 deg, x: length, z: length) {
+    object table: box(20 cm, 20 cm, 40 cm) at (0, 0, 0)
+    arm(q = q) a: A on table
+    object ball: sphere(4 cm) at (x, 0, z)
+    fact (grippable ball)
+    goal (held ball)
+    MORE
+}
+task down(z: length) {
+    object table: box(20 cm, 20 cm, 10 cm) at (0, 0, -5 cm)
+    object ball: box(4 cm, 4 cm, 4 cm) at (0.3 m, 0, z)
+    fact (grippable ball)
+    slide s: A on table
+    goal (held ball)
+}
+"""
+SHELL = " ".join(
+    f"object w{axis}{side}: box({size}) at ({place})"
+    for side, sign in ((0, -1), (1, 1))
+    for axis, size, place in (
+        ("x", "2 cm, 14 cm, 14 cm", f"{40 + 6 * sign} cm, 0, 60 cm"),
+        ("y", "10 cm, 2 cm, 14 cm", f"40 cm, {6 * sign} cm, 60 cm"),
+        ("z", "10 cm, 10 cm, 2 cm", f"40 cm, 0, {60 + 6 * sign} cm"),
+    )
+)
+
+
+@pytest.mark.parametrize(
+    ("task", "parameters", "more", "told"),
+    [
+        ("reach", {"x": "1 m", "z": "50 cm"}, "", "out of reach, even with nothing in the way"),
+        ("reach", {"q": "15 deg", "x": "45 cm", "z": "40 cm"}, "", "joint j3 of a would have to go"),
+        ("reach", {"x": "40 cm", "z": "60 cm"}, SHELL, "are in each other's way"),
+        ("down", {"z": "3 cm"}, "", "joint c of s would have to go 20"),
+    ],
+)
+def test_why_nothing_reaches_is_told(task: str, parameters: dict[str, str], more: str, told: str) -> None:
+    result = tamplang.loads(ARM.replace("MORE", more), task, **parameters).solve(time=60.0)
+    assert result.plan is None
+    assert told in result.explanation[0].message, result.explanation[0].message
+    assert "[touch" in result.explanation[0].message
+
+
+def test_what_is_reached_at_a_limit_alone_is_reached() -> None:
+    result = tamplang.loads(ARM.replace("MORE", ""), "down", z="5 cm").solve(time=60.0)
+    assert result.plan is not None
