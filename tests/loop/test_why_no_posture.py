@@ -59,7 +59,7 @@ SHELL = " ".join(
     [
         ("reach", {"x": "1 m", "z": "50 cm"}, "", "out of reach, even with nothing in the way"),
         ("reach", {"q": "15 deg", "x": "45 cm", "z": "40 cm"}, "", "joint j3 of a would have to go"),
-        ("reach", {"x": "40 cm", "z": "60 cm"}, SHELL, "are in each other's way"),
+        ("reach", {"x": "40 cm", "z": "60 cm"}, SHELL, "m, else a.B and w"),
         ("down", {"z": "3 cm"}, "", "joint c of s would have to go 20"),
     ],
 )

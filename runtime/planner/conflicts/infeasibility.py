@@ -185,8 +185,6 @@ def fewer(status: Status, found: int, wanted: int) -> Diagnostic:
     return ended(status, f"after {found} of {wanted} plans")
 
 
-MOST_NAMED = 2
-"""Joints at their limits that are named."""
 ENDINGS = {
     Status.BUDGET: ("S0003", "the budget ended", "give more with --time or --nodes, or a smaller instance"),
     Status.MEMORY: ("S0010", "the memory was spent", "give more with --memory, or a smaller instance"),
@@ -244,12 +242,13 @@ def told(cause: Cause | None) -> str:
         return ""
     if cause.why == Why.REACH:
         return ": out of reach, even with nothing in the way"
+    if cause.why == Why.HELD:
+        return f": [{' '.join(cause.names)}] keeps what would have to move where it is"
     if cause.why == Why.RING:
-        return f": the ring that {', '.join(cause.ring)} close{'s' if len(cause.ring) == 1 else ''} comes apart before"
+        return f": the ring that {', '.join(cause.names)} are held in cannot close farther than that"
     if cause.why == Why.LIMIT:
-        return f": {' and '.join(map(_beyond, cause.at[:MOST_NAMED]))} past the limit"
-    one, other = cause.at[0].parts or cause.at[0].names
-    return f": {one} and {other} are in each other's way"
+        return f": {' and '.join(map(_beyond, cause.at[:CONFLICTS.joints_named]))} past the limit"
+    return f", else {_apart(cause.at[0])}"
 
 
 def _beyond(violation: Violation) -> str:

@@ -21,6 +21,7 @@ class ConflictSettings:
         "about 2 s",
     )
     similar_strain: float = setting(0.005, "1", "By how much strains may differ and still count as the same.")
+    joints_named: int = setting(2, "joints", "Joints that would have to go past their limits that are named.")
     most_explained: int = setting(5, "refusals", "Refusals that are told to the user at most.")
 
 

@@ -10,9 +10,11 @@ from enum import StrEnum
 
 import numpy as np
 
+from .....compiler.ir import Fact, Problem
+from .....compiler.motion.collision import keeps_pose
 from .....langs.frozen import dataclass
 from ....budget import Budget
-from ....geometry.attachments import involved, looped
+from ....geometry.attachments import followers, involved, looped
 from ....seeds import Seed
 from ....skeleton import Array, Breach, Skeleton, Violation, start_configuration
 from ..nlp.features import limits
@@ -31,19 +33,20 @@ class Why(StrEnum):
     IN_THE_WAY = "in the way"
     LIMIT = "limit"
     RING = "ring"
+    HELD = "held"
     REACH = "reach"
 
 
 @dataclass(frozen=True, slots=True)
 class Cause:
     """Why a posture is refused, and the row of its literals that is missed least by all means but for that; what is
-    `at` fault: the parts that are in the way, the joint and by how much it would have to go past its limit, the modules
-    of a ring."""
+    `at` fault: the parts that are in the way, the joint and by how much it would have to go past its limit; or the
+    `names` of the modules of a ring, or of a literal that keeps where it is what would have to move."""
 
     why: Why
     missed: Violation
     at: tuple[Violation, ...] = ()
-    ring: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()
 
 
 class _Yielding(SwitchProgram):
@@ -99,7 +102,20 @@ def cause(
         past = _past_limits(unbound, settings.tolerance)
         return Cause(Why.LIMIT, bound.missed, past) if past else None
     ring = looped(skeleton.problem, skeleton.phases[last].mode) & involved(skeleton, last)
-    return Cause(Why.RING if ring else Why.REACH, bound.missed, ring=tuple(sorted(ring)))
+    held = _holding(skeleton.problem, skeleton.phases[last].mode)
+    why = Why.RING if ring else Why.HELD if held else Why.REACH
+    return Cause(why, bound.missed, names=tuple(sorted(ring)) or held)
+
+
+def _holding(problem: Problem, mode: frozenset[Fact]) -> Fact:
+    """A literal that keeps what robots carry to what rests; empty where there is none."""
+    carried = followers(problem, mode)
+    resting = problem.world.bodies.keys() - carried
+    for literal in sorted(mode):
+        pair = keeps_pose(problem, literal)
+        if pair and any(own in carried and other in resting for own, other in (pair, pair[::-1])):
+            return literal
+    return ()
 
 
 def _past_limits(nearest: _Nearest, tolerance: float) -> tuple[Violation, ...]:
