@@ -288,6 +288,9 @@ CODES: dict[str, CodeInfo] = {
     "W0018": CodeInfo("no mass stated", "warning",
         "`physics` is on, and a part states neither mass nor density: it counts as solid, of the density of water, "
         "1000 kg/m^3."),
+    "W0019": CodeInfo("left out of a file of others", "warning",
+        "What is imported holds this too, for which there is no counterpart, or takes it over as something else. The "
+        "program is written without it."),
 }
 
 

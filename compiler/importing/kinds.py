@@ -27,6 +27,7 @@ class FileKind:
 
 
 _NOT_YET = "no import reads it yet: write its modules and bodies as a program, or take them from a URDF"
+_MODELS = "tamplang import FILE -o NAME.tamp makes a program of it"
 KINDS = {
     kind.key: kind
     for kind in (
@@ -34,7 +35,7 @@ KINDS = {
         FileKind("problem", "PDDL problem", "tamplang import DOMAIN.pddl FILE -o task.tamp makes a program of both"),
         FileKind("urdf", "URDF", 'a program takes it in: module arm from urdf "FILE" { effector A: "LINK" }'),
         FileKind("xacro", "xacro file", "a URDF is made of it by `xacro FILE > NAME.urdf`"),
-        FileKind("mjcf", "MuJoCo model (MJCF)", _NOT_YET),
+        FileKind("mjcf", "MuJoCo model (MJCF)", _MODELS),
         FileKind("sdf", "SDF", _NOT_YET),
         FileKind("rai", "rai scene", _NOT_YET),
         FileKind("modules", "catalogue of modules (JSON)", _NOT_YET),

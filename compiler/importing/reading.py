@@ -6,27 +6,63 @@ from collections.abc import Sequence
 
 from ...langs.diagnostics import Diagnostic, SourceError
 from ...langs.formatter import format_source
+from ...langs.frozen import dataclass
 from ...langs.reader import read_bytes
 from ...langs.source import Source
 from .kinds import KINDS, FileKind, kind_of_text
+from .models import Models, program, urdf
+from .names import plain_name
 
-IMPORTED = frozenset(("domain", "problem"))
+PDDL = frozenset(("domain", "problem"))
+MODELS = frozenset(("mjcf",))
+"""Kinds that hold robots and bodies."""
+IMPORTED = PDDL | MODELS
 """Kinds that programs are made of."""
 
 
-def import_files(paths: Sequence[str]) -> str:
-    """The program of a PDDL domain and problem. Raises SourceError with all faults."""
+@dataclass(frozen=True, slots=True)
+class Imported:
+    """The text of a program, the files that go beside it, by name, and what has no counterpart."""
+
+    text: str
+    beside: dict[str, str]
+    told: tuple[Diagnostic, ...] = ()
+
+
+def import_files(paths: Sequence[str], stem: str = "imported") -> Imported:
+    """The program of a PDDL domain and problem, or of the models of one file. What goes beside the program is called
+    `stem` and what it is. Raises SourceError with all faults."""
     found = [_source(path) for path in paths]
-    if {kind.key for _, kind in found} <= IMPORTED:
+    if {kind.key for _, kind in found} <= PDDL:
         from .pddl import import_pddl
 
-        return format_source(Source("", import_pddl([source for source, _ in found]).text))
+        return Imported(format_source(Source("", import_pddl([source for source, _ in found]).text)), {})
     if len(found) > 1:
         raise _refusal("E0021", "these are not one program: only a domain and a problem of PDDL go together",
                        "import each file by itself")  # fmt: skip
-    kind = found[0][1]
-    help = kind.help.replace("FILE", paths[0])
-    raise _refusal("E0021", f"`{paths[0]}` is a {kind.name}, which is not imported", help)
+    source, kind = found[0]
+    if kind.key not in MODELS:
+        help = kind.help.replace("FILE", paths[0])
+        raise _refusal("E0021", f"`{paths[0]}` is a {kind.name}, which is not imported", help)
+    return _imported(_models(source, kind.key), stem, source)
+
+
+def _models(source: Source, key: str) -> Models:
+    from .mjcf import import_mjcf
+
+    return {"mjcf": import_mjcf}[key](source)
+
+
+def _imported(models: Models, stem: str, source: Source) -> Imported:
+    if not models.robots and not models.things and not models.declarations:
+        raise _refusal("E0020", f"`{source.path}` holds no robot and no body that others may hit")
+    names = {robot.name: f"{stem}_{robot.name}.urdf" for robot in models.robots}
+    texts = {names[robot.name]: urdf(robot) for robot in models.robots}
+    try:
+        text = format_source(Source("", program(models, names, plain_name(stem))))
+    except OverflowError as error:
+        raise _refusal("E0022", f"`{source.path}` puts something at {error}: that is no place in a scene") from None
+    return Imported(text, texts, tuple(models.told))
 
 
 def _source(path: str) -> tuple[Source, FileKind]:

@@ -8,7 +8,7 @@ import click
 
 from .limits import limit_options, limited
 from .outputs import checked_output
-from .sources import reading_sources
+from .sources import reading_sources, show_diagnostics
 
 
 @click.command("import")
@@ -23,5 +23,13 @@ def import_command(files: tuple[Path, ...], out: Path | None, seconds: float, me
         from ..compiler.importing.reading import import_files
         from ..langs.writer import write_atomically
 
-        write_atomically(target, import_files([str(file) for file in files]).encode())
-    click.echo(f"wrote {target}; next: tamplang check {target}", err=True)
+        found = import_files([str(file) for file in files], target.name.partition(".")[0] or "imported")
+        for name in found.beside:
+            checked_output(target.with_name(name), files)
+        for name, text in found.beside.items():
+            write_atomically(target.with_name(name), text.encode())
+        write_atomically(target, found.text.encode())
+        if found.told:
+            show_diagnostics(found.told)
+    more = "".join(f", {name}" for name in found.beside)
+    click.echo(f"wrote {target}{more}; next: tamplang check {target}", err=True)
