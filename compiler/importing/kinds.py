@@ -14,6 +14,7 @@ HEAD = 64_000
 """Bytes that are looked at: comments may stand before what tells the kind."""
 _BESIDE = re.compile(r"<!--.*?-->|<\?.*?\?>", re.DOTALL)
 _PDDL = re.compile(r"\(\s*define\s*\(\s*(domain|problem)\b", re.IGNORECASE)
+_CATALOGUE = re.compile(r'"(modules|joints|bodies|obstacles)"\s*:')
 _COMMENT = re.compile(r";[^\n]*")
 
 
@@ -36,9 +37,9 @@ KINDS = {
         FileKind("urdf", "URDF", 'a program takes it in: module arm from urdf "FILE" { effector A: "LINK" }'),
         FileKind("xacro", "xacro file", "a URDF is made of it by `xacro FILE > NAME.urdf`"),
         FileKind("mjcf", "MuJoCo model (MJCF)", _MODELS),
-        FileKind("sdf", "SDF", _NOT_YET),
+        FileKind("sdf", "SDF", _MODELS),
         FileKind("rai", "rai scene", _NOT_YET),
-        FileKind("modules", "catalogue of modules (JSON)", _NOT_YET),
+        FileKind("modules", "catalogue of modules or scene of CoBRA (JSON)", _MODELS),
         FileKind("mesh", "mesh", 'a program takes it in as a body: object b: hull("FILE", 1 m) at (0, 0, 0)'),
     )
 }
@@ -74,7 +75,7 @@ def kind_of_text(path: str, head: str) -> FileKind | None:
         return KINDS.get(key or _ENDINGS.get(ending, ""))
     if match := _PDDL.match(_COMMENT.sub("", head).lstrip()):
         return KINDS[match[1].lower()]
-    if text.startswith(("{", "[")) and re.search(r'"(modules|joints|bodies)"\s*:', text) and '"tracks"' not in text:
+    if text.startswith(("{", "[")) and _CATALOGUE.search(text) and '"tracks"' not in text:
         return KINDS["modules"]
     return KINDS.get(_ENDINGS.get(ending, ""))
 

@@ -166,6 +166,8 @@ class Reader:
 
     def _name(self, element: Element) -> str:
         name = element.get("name")
+        if name and '"' in name:
+            self.fault(element, "a name has quotes in it")
         if not name:
             number = len(self.named)
             name = f"{element.tag}_{number}"

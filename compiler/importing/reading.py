@@ -14,7 +14,7 @@ from .models import Models, program, urdf
 from .names import plain_name
 
 PDDL = frozenset(("domain", "problem"))
-MODELS = frozenset(("mjcf",))
+MODELS = frozenset(("mjcf", "sdf", "modules"))
 """Kinds that hold robots and bodies."""
 IMPORTED = PDDL | MODELS
 """Kinds that programs are made of."""
@@ -48,9 +48,17 @@ def import_files(paths: Sequence[str], stem: str = "imported") -> Imported:
 
 
 def _models(source: Source, key: str) -> Models:
+    if key == "sdf":
+        from .sdf import import_sdf
+
+        return import_sdf(source)
+    if key == "modules":
+        from .catalogues import import_catalogue
+
+        return import_catalogue(source)
     from .mjcf import import_mjcf
 
-    return {"mjcf": import_mjcf}[key](source)
+    return import_mjcf(source)
 
 
 def _imported(models: Models, stem: str, source: Source) -> Imported:

@@ -1,0 +1,392 @@
+"""Models and worlds of SDF: models with joints that move become modules, all others bodies.
+
+Poses are those of SDF 1.5 and later: relative to the model, or to what `relative_to` names; a joint lies at its child's
+frame unless it says otherwise; an axis is given in the frame of its joint, or of what `expressed_in` names.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+from ...langs.source import Source
+from ..ir import IDENTITY, Pose, Vec3
+from ..poses import compose, inverse, make, orientation, roll_pitch_yaw, rotate, unit
+from .models import Form, Hinge, Models, Part, Robot, Stood, Thing, Weight, plain_ends, set_upright
+from .names import GivenNames
+from .xml_trees import Element, XmlFaults
+
+STRAIGHT = (0.0, 0.0, 0.0, 1.0)
+FAR = 10.0
+"""Metres: how far a sliding joint without limits moves each way, and half the edge of a plane."""
+SPOKEN = 1e15
+"""From here on a limit stands for none: files say 1e16."""
+SILENT = frozenset(("light", "physics", "scene", "gui", "gravity", "magnetic_field", "atmosphere", "wind", "audio"))
+KNOWN = frozenset((
+    "pose", "link", "joint", "frame", "static", "model", "self_collide", "allow_auto_disable", "enable_wind",
+))  # fmt: skip
+KINDS = {"revolute": "revolute", "continuous": "continuous", "prismatic": "prismatic", "fixed": "fixed"}
+
+
+@dataclass(slots=True)
+class _Frame:
+    """A frame of a model: the element, its own pose, what that is relative to, and what it is called there."""
+
+    element: Element
+    relative: str
+    pose: Pose
+    place: Pose | None = None
+    open: bool = False
+
+
+@dataclass(slots=True)
+class _Model:
+    """A model with those nested in it, whose names have `OTHER::` in front."""
+
+    element: Element
+    links: dict[str, Element] = field(default_factory=dict)
+    joints: dict[str, Element] = field(default_factory=dict)
+    frames: dict[str, _Frame] = field(default_factory=dict)
+    scopes: dict[str, str] = field(default_factory=dict)
+
+
+def import_sdf(source: Source) -> Models:
+    """The modules and bodies of a file. Raises SourceError."""
+    return _Reading(XmlFaults(source)).all()
+
+
+class _Reading:
+    def __init__(self, faults: XmlFaults) -> None:
+        self.faults, self.models, self.names = faults, Models(), GivenNames()
+
+    def all(self) -> Models:
+        root = self.faults.root()
+        if root.tag not in ("sdf", "gazebo"):
+            self.faults.fault(root, f"an SDF file is one `sdf`, not `{root.tag}`", code="E0019")
+        for element in root:
+            if element.tag == "world":
+                for inner in element:
+                    self._top(inner)
+            else:
+                self._top(element)
+        self.faults.end()
+        self.models.told += sorted(self.faults.told, key=lambda d: d.span.start if d.span is not None else 0)
+        return self.models
+
+    def _top(self, element: Element) -> None:
+        if element.tag == "model":
+            self._model(element)
+        elif element.tag not in SILENT:
+            what = f" of `{(element.findtext('uri') or '').strip()}`" if element.tag == "include" else ""
+            self.faults.leave(element, f"`{element.tag}`{what} is left out")
+
+    def _model(self, element: Element) -> None:
+        model = _Model(element)
+        self._collect(model, element, "")
+        place = self._pose(element.find("pose"))
+        if place is None or self.faults.faults:
+            return
+        for name in model.frames:
+            self._resolve(model, name)
+        if self.faults.faults:
+            return
+        static = (element.findtext("static") or "").strip() in ("true", "1")
+        moving = any(j.get("type") != "fixed" for j in model.joints.values())
+        if static or not moving:
+            self._things(model, place, static)
+        elif self._check_tree(model):
+            self._robot(model, place)
+
+    def _collect(self, model: _Model, element: Element, scope: str) -> None:
+        """All links, joints and frames of a model and of those nested in it."""
+        for child in element:
+            name = scope + child.get("name", "")
+            if child.tag in ("link", "joint", "frame", "model"):
+                if not child.get("name") or '"' in name:
+                    self.faults.fault(child, f"a `{child.tag}` has no name, or one with quotes in it")
+                elif name in model.frames:
+                    self.faults.fault(child, f"`{name}` is declared twice")
+                self._frame(model, child, name, scope)
+            if child.tag == "link":
+                model.links.setdefault(name, child)
+            elif child.tag == "joint":
+                model.joints.setdefault(name, child)
+                model.scopes[name] = scope
+            elif child.tag == "model":
+                self._collect(model, child, f"{name}::")
+            elif child.tag not in KNOWN:
+                self.faults.leave(child, f"`{child.tag}` of model `{element.get('name', '')}` is left out")
+
+    def _frame(self, model: _Model, child: Element, name: str, scope: str) -> None:
+        pose = child.find("pose")
+        relative = "" if pose is None else pose.get("relative_to", "")
+        if not relative and child.tag == "joint":
+            relative = (child.findtext("child") or "").strip()
+        if not relative and child.tag == "frame":
+            relative = child.get("attached_to", "")
+        within = "" if relative in ("", "__model__") else scope + relative
+        found = self._pose(pose)
+        if found is not None:
+            model.frames[name] = _Frame(child, within or scope.removesuffix("::"), found)
+
+    def _resolve(self, model: _Model, name: str) -> Pose:
+        """Where a frame is in the model's own."""
+        if name == "":
+            return IDENTITY
+        frame = model.frames.get(name)
+        if frame is None:
+            return IDENTITY
+        if frame.place is None:
+            if frame.open:
+                self.faults.fault(frame.element, f"the place of `{name}` is given by itself")
+                return IDENTITY
+            frame.open = True
+            if frame.relative and frame.relative not in model.frames:
+                message = f"the pose of `{name}` is relative to `{frame.relative}`, which is not there"
+                self.faults.fault(frame.element, message)
+            frame.place = compose(self._resolve(model, frame.relative), frame.pose)
+        return frame.place
+
+    def _check_tree(self, model: _Model) -> bool:
+        """Whether links hang on each other as a tree; what closes a loop is left out."""
+        above: dict[str, str] = {}
+        for name, joint in list(model.joints.items()):
+            scope = model.scopes[name]
+            ends = [scope + (joint.findtext(e) or "").strip() for e in ("parent", "child")]
+            ends = [scope + "world" if e in ("world", scope + "world") else e for e in ends]
+            for end in ends:
+                if end not in model.links and end != f"{scope}world":
+                    self.faults.fault(joint, f"joint `{name}` names the link `{end}`, which is not there")
+            if ends[1] in above:
+                self.faults.leave(joint, f"joint `{name}` closes a loop, and is left out")
+                del model.joints[name]
+                continue
+            way = ends[0]
+            while way in above and way != ends[1]:
+                way = above[way]
+            if way == ends[1]:
+                self.faults.fault(joint, f"link `{ends[1]}` hangs on itself")
+            above[ends[1]] = ends[0]
+        return not self.faults.faults
+
+    def _robot(self, model: _Model, place: Pose) -> None:
+        names, given = GivenNames(), model.element.get("name", "robot")
+        places = {name: self._resolve(model, name) for name in model.links}
+        hangs: dict[str, tuple[str, str]] = {}
+        for name, joint in model.joints.items():
+            parent, child = ((model.scopes[name] + (joint.findtext(e) or "").strip()) for e in ("parent", "child"))
+            hangs[child] = (name, parent if parent in model.links else "world")
+        roots = [n for n in model.links if n not in hangs]
+        grounded = any(p == "world" for _, p in hangs.values())
+        tops = [*(["world"] if grounded else []), *roots]
+        for top in tops:
+            reached = [top]
+            for link in reached:
+                reached += [c for c, (_, p) in hangs.items() if p == link]
+            base = IDENTITY if top == "world" else places[top]
+            parts: list[Part] = []
+            hinges: list[Hinge] = []
+            frames = {top: base}
+            for link in reached:
+                if link != top:
+                    self._hinge(model, hangs[link], link, frames, places, parts, hinges)
+                else:
+                    frames[link] = base
+                if link == "world":
+                    parts.append(Part("world"))
+                else:
+                    parts.append(self._part(model, link, compose(inverse(frames[link]), places[link])))
+            if len(tops) > 1 and not hinges:
+                self._things_of(model, [top], place, "base")
+                continue
+            name = self.names.fresh(given)
+            ends = plain_ends(names, parts, hinges)
+            facts = tuple(f"(linked {ends[0].name} {e.name})" for e in ends[1:2])
+            robot, stands = set_upright(Robot(name, tuple(parts), tuple(hinges), ends, facts), compose(place, base))
+            self.models.robots.append(robot)
+            self.models.stood.append(Stood(name, self.names.fresh(f"{name}_1"), stands))
+
+    def _hinge(
+        self, model: _Model, hang: tuple[str, str], link: str, frames: dict[str, Pose], places: dict[str, Pose],
+        parts: list[Part], hinges: list[Hinge],
+    ) -> None:  # fmt: skip
+        """The joint above a link, whose frame in the URDF is that of the link; a frame between lies at the joint."""
+        name, parent = hang
+        joint = model.joints[name]
+        kind = joint.get("type", "")
+        at = self._resolve(model, name)
+        frames[link] = places[link]
+        up = inverse(frames[parent])
+        if kind not in KINDS:
+            if kind == "ball":
+                self.faults.leave(joint, f"joint `{name}` is a ball, and becomes three joints, yaw, pitch and roll")
+                self._three(name, parent, link, compose(up, at), compose(inverse(at), places[link]), parts, hinges)
+                return
+            self.faults.leave(joint, f"joint `{name}` is of type `{kind}`, which has no counterpart, and is held")
+            kind = "fixed"
+        if kind == "fixed":
+            hinges.append(Hinge(name, "fixed", parent, link, compose(up, places[link])))
+            return
+        axis = self._axis(model, joint, name, at)
+        if axis is None:
+            return
+        lower, upper, speed, effort, kind = self._limits(joint, name, kind)
+        middle = f"{link}_{name}"
+        parts.append(Part(middle))
+        leader = self._mimic(model, joint, name)
+        hinges.append(Hinge(name, kind, parent, middle, compose(up, at), axis, lower, upper, speed, effort, leader))
+        hinges.append(Hinge(f"{name}_to_{link}", "fixed", middle, link, compose(inverse(at), places[link])))
+
+    def _three(
+        self, name: str, parent: str, link: str, first: Pose, last: Pose, parts: list[Part], hinges: list[Hinge]
+    ) -> None:
+        for word, axis in zip(("yaw", "pitch", "roll"), ((0, 0, 1.0), (0, 1.0, 0), (1.0, 0, 0)), strict=True):
+            below = f"{link}_{name}.{word}"
+            parts.append(Part(below))
+            hinges.append(Hinge(f"{name}.{word}", "revolute", parent, below, first, axis, -math.pi, math.pi))
+            parent, first = below, IDENTITY
+        hinges.append(Hinge(f"{name}_to_{link}", "fixed", parent, link, last))
+
+    def _axis(self, model: _Model, joint: Element, name: str, at: Pose) -> Vec3 | None:
+        given = joint.find("axis/xyz")
+        values = self.faults.numbers(joint, "0 0 1" if given is None else given.text, 3, f"the axis of `{name}`")
+        axis = None if values is None else unit((values[0], values[1], values[2]))
+        if values is not None and axis is None:
+            self.faults.fault(joint, f"the axis of joint `{name}` is the zero vector")
+        if axis is None or given is None:
+            return axis
+        old = (joint.findtext("axis/use_parent_model_frame") or "").strip() in ("true", "1")
+        frame = "__model__" if old else given.get("expressed_in", "")
+        if not frame:
+            return axis
+        scope = model.scopes[name]
+        known = scope + frame if frame != "__model__" else scope.removesuffix("::")
+        if known and known not in model.frames:
+            self.faults.fault(given, f"the axis of joint `{name}` is expressed in `{frame}`, which is not there")
+            return None
+        turned = rotate(orientation(self._resolve(model, known)), axis)
+        return rotate(orientation(inverse(at)), turned)
+
+    def _limits(self, joint: Element, name: str, kind: str) -> tuple[float, float, float, float, str]:
+        def value(key: str, default: float) -> float:
+            text = joint.findtext(f"axis/limit/{key}")
+            if text is None:
+                return default
+            try:
+                return float(text)
+            except ValueError:
+                shown = f"`{key}` of joint `{name}` is not a number: `{text.strip()[:40]}`"
+                self.faults.fault(joint, shown, code="E0019")
+                return default
+
+        lower, upper = value("lower", -math.inf), value("upper", math.inf)
+        speed, effort = (v if 0 < v < SPOKEN else 0.0 for v in (value("velocity", 0.0), value("effort", 0.0)))
+        if kind == "revolute" and (lower < -SPOKEN or upper > SPOKEN):
+            return 0.0, 0.0, speed, effort, "continuous"
+        if kind == "prismatic" and (lower < -SPOKEN or upper > SPOKEN):
+            self.faults.leave(joint, f"joint `{name}` has no limits: it moves {FAR:g} m each way")
+            lower, upper = max(lower, -FAR), min(upper, FAR)
+        if lower > upper or math.isnan(lower) or math.isnan(upper):
+            self.faults.fault(joint, f"the limits of joint `{name}` are empty: {lower:g} .. {upper:g}")
+        return lower, upper, speed, effort, kind
+
+    def _mimic(self, model: _Model, joint: Element, name: str) -> tuple[str, float, float] | None:
+        mimic = joint.find("axis/mimic")
+        if mimic is None:
+            return None
+        leader = model.scopes[name] + mimic.get("joint", "")
+        if leader not in model.joints:
+            self.faults.fault(mimic, f"joint `{name}` follows `{leader}`, which is not there")
+            return None
+        found = []
+        for key, default in (("multiplier", "1"), ("offset", "0"), ("reference", "0")):
+            values = self.faults.numbers(mimic, mimic.findtext(key) or default, 1, f"`{key}` of `{name}`")
+            found.append(0.0 if values is None else values[0])
+        return leader, found[0], found[1] - found[0] * found[2]
+
+    def _part(self, model: _Model, link: str, shift: Pose) -> Part:
+        element = model.links[link]
+        forms = tuple(Form(f.kind, f.size, compose(shift, f.place)) for f in self._forms(element))
+        return Part(link, forms, self._weight(element, shift))
+
+    def _weight(self, link: Element, shift: Pose) -> Weight | None:
+        element = link.find("inertial")
+        if element is None or element.find("mass") is None:
+            return None
+        mass = self.faults.numbers(element, element.findtext("mass"), 1, "`mass`")
+        place = self._pose(element.find("pose"))
+        moments = [
+            self.faults.numbers(element, element.findtext(f"inertia/{key}") or default, 1, f"`{key}`")
+            for key, default in zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "100101", strict=True)
+        ]
+        if mass is None or place is None or mass[0] <= 0:
+            return None
+        a, b, c, d, e, f = (0.0 if m is None else m[0] for m in moments)
+        return Weight(mass[0], compose(shift, place), (a, b, c, d, e, f))
+
+    def _things(self, model: _Model, place: Pose, static: bool) -> None:
+        self._things_of(model, list(model.links), place, "base" if static else "object")
+
+    def _things_of(self, model: _Model, links: Sequence[str], place: Pose, kind: str) -> None:
+        """Bodies of links. One that moves freely is one body: what has several shapes is a module without joints."""
+        found = [(n, f) for n in links for f in self._forms(model.links[n])]
+        name = model.element.get("name", "body")
+        if kind == "object" and len(found) > 1:
+            shown = model.element
+            self.faults.leave(shown, f"`{name}` moves freely and has {len(found)} shapes: it stands still here")
+            kind = "base"
+        for link, form in found:
+            whole = compose(place, compose(self._resolve(model, link), form.place))
+            weight = self._weight(model.links[link], IDENTITY) if kind == "object" else None
+            mass = 0.0 if weight is None else weight.mass
+            fresh = self.names.fresh(name)
+            self.models.things.append(Thing(kind, fresh, Form(form.kind, form.size, whole), mass))
+            self.models.facts += [f"(grippable {fresh})"] if kind == "object" else []
+
+    def _forms(self, link: Element) -> Iterator[Form]:
+        for collision in link.findall("collision"):
+            place = self._pose(collision.find("pose"))
+            geometry = collision.find("geometry")
+            for shape in [] if geometry is None else list(geometry):
+                found = self._form(shape)
+                if found is not None and place is not None:
+                    yield Form(found.kind, found.size, compose(place, found.place))
+
+    def _form(self, shape: Element) -> Form | None:
+        round_ = ("radius", "length")
+        sizes = {"box": ("size",), "sphere": ("radius",), "cylinder": round_, "capsule": round_}
+        if shape.tag == "plane":
+            self.faults.leave(shape, f"a plane becomes a plate of {2 * FAR:g} m")
+            return Form("box", (2 * FAR, 2 * FAR, 0.1), make((0.0, 0.0, -0.05), STRAIGHT))
+        if shape.tag not in sizes:
+            self.faults.leave(shape, f"a shape `{shape.tag}` has no counterpart, and is left out")
+            return None
+        found: list[float] = []
+        for key in sizes[shape.tag]:
+            values = self.faults.numbers(shape, shape.findtext(key), 3 if key == "size" else 1, f"`{key}`")
+            found += values or ()
+        if len(found) != (3 if shape.tag == "box" else len(sizes[shape.tag])):
+            return None
+        if min(found) <= 0:
+            self.faults.leave(shape, f"a {shape.tag} without volume is left out")
+            return None
+        return Form(shape.tag, tuple(found))
+
+    def _pose(self, element: Element | None) -> Pose | None:
+        """A pose in metres, and roll, pitch and yaw or a quaternion; None after a fault."""
+        if element is None or not (element.text or "").strip():
+            return IDENTITY
+        quaternion = element.get("rotation_format") == "quat_xyzw"
+        values = self.faults.numbers(element, element.text, 7 if quaternion else 6, "a pose")
+        if values is None:
+            return None
+        if quaternion:
+            norm = math.hypot(*values[3:])
+            if norm == 0:
+                self.faults.fault(element, "the quaternion of a pose is 0")
+                return None
+            x, y, z, w = (v / norm for v in values[3:])
+            return make((values[0], values[1], values[2]), (x, y, z, w))
+        scale = math.pi / 180 if element.get("degrees") in ("true", "1") else 1.0
+        return make((values[0], values[1], values[2]), roll_pitch_yaw(*(scale * v for v in values[3:])))
