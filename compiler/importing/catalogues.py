@@ -16,7 +16,7 @@ from ...langs.diagnostics import Diagnostic, SourceError
 from ...langs.source import Source, Span
 from ..ir import IDENTITY, Pose
 from ..poses import compose, make
-from .models import End, Form, Hinge, Models, Part, Robot, Thing, Weight
+from .models import Form, Hinge, Models, PartWeight, RobotEnd, RobotModel, RobotPart, Thing
 from .names import GivenNames
 from .nodes import Faults
 
@@ -34,7 +34,7 @@ NEAR = 1e-6
 
 def import_catalogue(source: Source) -> Models:
     """The modules, or the scene, of a file. Raises SourceError."""
-    reading = _Reading(source)
+    reading = _CatalogueReading(source)
     reading.read()
     if reading.found:
         raise SourceError(reading.found)
@@ -45,7 +45,7 @@ class _Unfit(Exception):
     """A value is not what it should be; the message says which."""
 
 
-class _Reading:
+class _CatalogueReading:
     def __init__(self, source: Source) -> None:
         self.faults, self.models, self.names = Faults(source), Models(), GivenNames()
         self.found: list[Diagnostic] = []
@@ -128,15 +128,15 @@ class _Reading:
             order += [child for child, parent in below.items() if parent == body]
         if len(order) < len(bodies):
             raise _Unfit("some of its bodies hang on themselves")
-        parts: list[Part] = [self._part(b, bodies[b]) for b in order]
+        parts: list[RobotPart] = [self._part(b, bodies[b]) for b in order]
         hinges = [h for key, joint in joints.items() for h in self._hinges(key, joint, parts)]
         ends, facts = self._ends(item, bodies, order)
         if ends:
-            self.models.robots.append(Robot(name, tuple(parts), tuple(hinges), tuple(ends), tuple(facts)))
+            self.models.robots.append(RobotModel(name, tuple(parts), tuple(hinges), tuple(ends), tuple(facts)))
         else:
             self._leave(item, f"module `{_id(item)}` has no connector, and is left out")
 
-    def _part(self, name: str, body: dict[str, Any]) -> Part:
+    def _part(self, name: str, body: dict[str, Any]) -> RobotPart:
         mass = float(body.get("mass", 0.0))
         weight = None
         if 0 < mass < math.inf:
@@ -145,11 +145,11 @@ class _Reading:
             moments = (rows[0][0], rows[0][1], rows[0][2], rows[1][1], rows[1][2], rows[2][2])
             place = make((com[0], com[1], com[2]), (0.0, 0.0, 0.0, 1.0))
             _check([*com, *moments], "an inertia")
-            weight = Weight(mass, place, moments)
+            weight = PartWeight(mass, place, moments)
         forms = [f for c in _list(body, "collision") for f in self._forms(body, c, IDENTITY)]
-        return Part(name, tuple(forms), weight)
+        return RobotPart(name, tuple(forms), weight)
 
-    def _hinges(self, key: str, joint: dict[str, Any], parts: list[Part]) -> list[Hinge]:
+    def _hinges(self, key: str, joint: dict[str, Any], parts: list[RobotPart]) -> list[Hinge]:
         kind = KINDS.get(str(joint.get("type", "revolute")))
         if kind is None:
             raise _Unfit(f"joint `{key}` is of type `{joint.get('type')}`")
@@ -172,7 +172,7 @@ class _Reading:
             for value in (float(limits.get(k, math.inf)) for k in ("velocity", "peakTorque", "acceleration"))
         )
         middle = f"{key}.frame"
-        parts.append(Part(middle))
+        parts.append(RobotPart(middle))
         axis = (0.0, 0.0, 1.0)
         return [
             Hinge(key, kind, parent, middle, first, axis, lower, upper, speed, effort, None, growth),
@@ -181,7 +181,7 @@ class _Reading:
 
     def _ends(
         self, item: dict[str, Any], bodies: Mapping[str, dict[str, Any]], order: Sequence[str]
-    ) -> tuple[list[End], list[str]]:
+    ) -> tuple[list[RobotEnd], list[str]]:
         names, ends, facts = GivenNames(), [], []
         for body in order:
             for connector in _list(bodies[body], "connectors"):
@@ -189,7 +189,7 @@ class _Reading:
                 if gender is None:
                     raise _Unfit(f"connector `{_id(connector)}` is of gender `{connector['gender']}`")
                 name = names.fresh(_id(connector))
-                ends.append(End(name, "connector", body, _pose(connector.get("pose"))))
+                ends.append(RobotEnd(name, "connector", body, _pose(connector.get("pose"))))
                 size = json.dumps([connector.get("type", ""), connector.get("size", [])])
                 number = self.sizes.setdefault(size, len(self.sizes) + 1)
                 facts.append(f"({gender} {name})")

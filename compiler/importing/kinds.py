@@ -27,7 +27,6 @@ class FileKind:
     help: str
 
 
-_NOT_YET = "no import reads it yet: write its modules and bodies as a program, or take them from a URDF"
 _MODELS = "tamplang import FILE -o NAME.tamp makes a program of it"
 KINDS = {
     kind.key: kind
@@ -38,7 +37,7 @@ KINDS = {
         FileKind("xacro", "xacro file", "a URDF is made of it by `xacro FILE > NAME.urdf`"),
         FileKind("mjcf", "MuJoCo model (MJCF)", _MODELS),
         FileKind("sdf", "SDF", _MODELS),
-        FileKind("rai", "rai scene", _NOT_YET),
+        FileKind("rai", "rai scene", _MODELS),
         FileKind("modules", "catalogue of modules or scene of CoBRA (JSON)", _MODELS),
         FileKind("mesh", "mesh", 'a program takes it in as a body: object b: hull("FILE", 1 m) at (0, 0, 0)'),
     )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ...langs.frozen import dataclass
 from ..ir import IDENTITY, Pose, Vec3
 from ..poses import about, compose, make
-from .models import Form, Hinge, Models, Part, Robot, Stood, Thing, Weight, plain_ends, set_upright
+from .models import Form, Hinge, Models, PartWeight, RobotModel, RobotPart, Stood, Thing, plain_ends, set_upright
 from .names import GivenNames
 
 if TYPE_CHECKING:
@@ -123,14 +123,14 @@ class _Builder:
 
     def _robot(self, top: int, tree: list[int], place: Pose) -> None:
         name = self.names.fresh(self.m.bodies[top] or "robot")
-        parts: list[Part] = []
+        parts: list[RobotPart] = []
         hinges: list[Hinge] = []
         moved = [j for j in self._joints(top) if self.v["jnt_type"][j] != FREE]
         for joint in set(self._joints(top)) - set(moved):
             shown = self.m.joints[joint]
             self._leave("joint", shown, f"`{name}` floats by `{shown}`: it stands where the scene puts it instead")
         if moved:
-            parts.append(Part(f"{self.m.bodies[top]}_stand"))
+            parts.append(RobotPart(f"{self.m.bodies[top]}_stand"))
         for body in tree:
             if body != top or moved:
                 upper = parts[0].name if body == top else self.m.bodies[self.v["body_parentid"][body]]
@@ -139,11 +139,11 @@ class _Builder:
         hinges = [self._coupled(h, {x.name for x in hinges}) for h in hinges]
         ends = plain_ends(GivenNames(), parts, hinges)
         facts = tuple(f"(linked {ends[0].name} {e.name})" for e in ends[1:2])
-        robot, stands = set_upright(Robot(name, tuple(parts), tuple(hinges), ends, facts), place)
+        robot, stands = set_upright(RobotModel(name, tuple(parts), tuple(hinges), ends, facts), place)
         self.models.robots.append(robot)
         self.models.stood.append(Stood(name, self.names.fresh(f"{name}_1"), stands))
 
-    def _chain(self, body: int, upper: str, frame: Pose, parts: list[Part], hinges: list[Hinge]) -> None:
+    def _chain(self, body: int, upper: str, frame: Pose, parts: list[RobotPart], hinges: list[Hinge]) -> None:
         """The joints of a body, one after the other, each about its own point."""
         own, pending = self.m.bodies[body], frame
         steps = [s for j in self._joints(body) for s in self._steps(j)]
@@ -155,7 +155,7 @@ class _Builder:
             effort = self._effort(joint)
             hinges.append(Hinge(name, kind, upper, below, origin, axis, lower, upper_limit, 0.0, effort))
             if not last:
-                parts.append(Part(below))
+                parts.append(RobotPart(below))
             upper, pending = below, make((-at[0], -at[1], -at[2]), STRAIGHT)
         if upper != own:
             hinges.append(Hinge(f"{own}_fixed", "fixed", upper, own, pending))
@@ -209,11 +209,11 @@ class _Builder:
             return replace(hinge, leader=follows)
         return hinge
 
-    def _part(self, body: int) -> Part:
+    def _part(self, body: int) -> RobotPart:
         forms = [f for f in map(self._form, self._geoms(body)) if f is not None]
         mass, (a, b, c) = self.v["body_mass"][body], self.v["body_inertia"][body]
-        weight = Weight(mass, self.m.pose("body", body, "i"), (a, 0.0, 0.0, b, 0.0, c)) if mass > 0 else None
-        return Part(self.m.bodies[body], tuple(forms), weight)
+        weight = PartWeight(mass, self.m.pose("body", body, "i"), (a, 0.0, 0.0, b, 0.0, c)) if mass > 0 else None
+        return RobotPart(self.m.bodies[body], tuple(forms), weight)
 
     def _form(self, geom: int) -> Form | None:
         kind, (a, b, c) = self.v["geom_type"][geom], self.v["geom_size"][geom]

@@ -32,7 +32,7 @@ class Form:
 
 
 @dataclass(frozen=True, slots=True)
-class Weight:
+class PartWeight:
     """A mass, kg, with its centre at `place`, and about it ixx, ixy, ixz, iyy, iyz, izz in the axes of `place`."""
 
     mass: float
@@ -41,12 +41,12 @@ class Weight:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class RobotPart:
     """A rigid part with the shapes that others may hit."""
 
     name: str
     forms: tuple[Form, ...] = ()
-    weight: Weight | None = None
+    weight: PartWeight | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +69,7 @@ class Hinge:
 
 
 @dataclass(frozen=True, slots=True)
-class End:
+class RobotEnd:
     """An effector at `place` in the frame of a part; its z-axis is the outward normal."""
 
     name: str
@@ -79,13 +79,13 @@ class End:
 
 
 @dataclass(frozen=True, slots=True)
-class Robot:
+class RobotModel:
     """A module type; its first part is the root of the tree."""
 
     name: str
-    parts: tuple[Part, ...]
+    parts: tuple[RobotPart, ...]
     hinges: tuple[Hinge, ...]
-    ends: tuple[End, ...] = ()
+    ends: tuple[RobotEnd, ...] = ()
     facts: tuple[str, ...] = ()
 
 
@@ -114,7 +114,7 @@ class Models:
 
     imports: tuple[str, ...] = ("std.rules",)
     declarations: list[str] = field(default_factory=list)
-    robots: list[Robot] = field(default_factory=list)
+    robots: list[RobotModel] = field(default_factory=list)
     things: list[Thing] = field(default_factory=list)
     stood: list[Stood] = field(default_factory=list)
     facts: list[str] = field(default_factory=list)
@@ -122,12 +122,12 @@ class Models:
     told: list[Diagnostic] = field(default_factory=list)
 
 
-def plain_ends(names: GivenNames, parts: Sequence[Part], hinges: Sequence[Hinge]) -> tuple[End, ...]:
+def plain_ends(names: GivenNames, parts: Sequence[RobotPart], hinges: Sequence[Hinge]) -> tuple[RobotEnd, ...]:
     """An end at the root, that faces away from the module, and one at each part on which no other hangs."""
     above = {h.parent for h in hinges}
     leaves = [p.name for p in parts if p.name not in above and p.name != parts[0].name]
-    root = End(names.fresh("root"), "gripper", parts[0].name, make((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)))
-    return (root, *(End(names.fresh("tip" if len(leaves) == 1 else leaf), "gripper", leaf) for leaf in leaves))
+    root = RobotEnd(names.fresh("root"), "gripper", parts[0].name, make((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)))
+    return (root, *(RobotEnd(names.fresh("tip" if len(leaves) == 1 else leaf), "gripper", leaf) for leaf in leaves))
 
 
 def upright(place: Pose) -> bool:
@@ -135,11 +135,11 @@ def upright(place: Pose) -> bool:
     return abs(rotate(orientation(place), (0.0, 0.0, 1.0))[2] - 1.0) < 1e-12
 
 
-def set_upright(robot: Robot, place: Pose) -> tuple[Robot, Pose]:
+def set_upright(robot: RobotModel, place: Pose) -> tuple[RobotModel, Pose]:
     """The robot with an upright root where `place` leans: the leaning goes into a fixed joint of its own."""
     if upright(place):
         return robot, place
-    base = Part(f"{robot.name}_stand")
+    base = RobotPart(f"{robot.name}_stand")
     leaning = make((0.0, 0.0, 0.0), orientation(place))
     lean = Hinge(f"{robot.name}_lean", "fixed", base.name, robot.parts[0].name, leaning)
     stood = replace(robot, parts=(base, *robot.parts), hinges=(lean, *robot.hinges))
@@ -163,7 +163,7 @@ def program(models: Models, files: dict[str, str], scene: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _end(end: End) -> str:
+def _end(end: RobotEnd) -> str:
     where = "" if end.place[:3] == (0.0, 0.0, 0.0) else f" at {_vector(end.place[:3])}"
     normal = rotate(orientation(end.place), (0.0, 0.0, 1.0))
     facing = "" if normal == (0.0, 0.0, 1.0) else f" normal ({', '.join(map(_number, normal))})"
@@ -213,7 +213,7 @@ ROUND = 16
 """Corners of what stands around something round that leans: 2 % farther out."""
 
 
-def urdf(robot: Robot) -> str:
+def urdf(robot: RobotModel) -> str:
     """The text of a URDF 1.1: quaternions keep turns to the last digit."""
     lines = ['<?xml version="1.0"?>', f'<robot name={_quoted(robot.name)} version="1.1">']
     for part in robot.parts:

@@ -14,7 +14,7 @@ from .models import Models, program, urdf
 from .names import plain_name
 
 PDDL = frozenset(("domain", "problem"))
-MODELS = frozenset(("mjcf", "sdf", "modules"))
+MODELS = frozenset(("mjcf", "sdf", "modules", "rai"))
 """Kinds that hold robots and bodies."""
 IMPORTED = PDDL | MODELS
 """Kinds that programs are made of."""
@@ -56,6 +56,10 @@ def _models(source: Source, key: str) -> Models:
         from .catalogues import import_catalogue
 
         return import_catalogue(source)
+    if key == "rai":
+        from .rai_texts import import_rai
+
+        return import_rai(source)
     from .mjcf import import_mjcf
 
     return import_mjcf(source)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from ...langs.source import Source
 from ..ir import IDENTITY, Pose, Vec3
 from ..poses import compose, inverse, make, orientation, roll_pitch_yaw, rotate, unit
-from .models import Form, Hinge, Models, Part, Robot, Stood, Thing, Weight, plain_ends, set_upright
+from .models import Form, Hinge, Models, PartWeight, RobotModel, RobotPart, Stood, Thing, plain_ends, set_upright
 from .names import GivenNames
 from .xml_trees import Element, XmlFaults
 
@@ -53,10 +53,10 @@ class _Model:
 
 def import_sdf(source: Source) -> Models:
     """The modules and bodies of a file. Raises SourceError."""
-    return _Reading(XmlFaults(source)).all()
+    return _SdfReading(XmlFaults(source)).all()
 
 
-class _Reading:
+class _SdfReading:
     def __init__(self, faults: XmlFaults) -> None:
         self.faults, self.models, self.names = faults, Models(), GivenNames()
 
@@ -185,7 +185,7 @@ class _Reading:
             for link in reached:
                 reached += [c for c, (_, p) in hangs.items() if p == link]
             base = IDENTITY if top == "world" else places[top]
-            parts: list[Part] = []
+            parts: list[RobotPart] = []
             hinges: list[Hinge] = []
             frames = {top: base}
             for link in reached:
@@ -194,7 +194,7 @@ class _Reading:
                 else:
                     frames[link] = base
                 if link == "world":
-                    parts.append(Part("world"))
+                    parts.append(RobotPart("world"))
                 else:
                     parts.append(self._part(model, link, compose(inverse(frames[link]), places[link])))
             if len(tops) > 1 and not hinges:
@@ -203,13 +203,14 @@ class _Reading:
             name = self.names.fresh(given)
             ends = plain_ends(names, parts, hinges)
             facts = tuple(f"(linked {ends[0].name} {e.name})" for e in ends[1:2])
-            robot, stands = set_upright(Robot(name, tuple(parts), tuple(hinges), ends, facts), compose(place, base))
+            made = RobotModel(name, tuple(parts), tuple(hinges), ends, facts)
+            robot, stands = set_upright(made, compose(place, base))
             self.models.robots.append(robot)
             self.models.stood.append(Stood(name, self.names.fresh(f"{name}_1"), stands))
 
     def _hinge(
         self, model: _Model, hang: tuple[str, str], link: str, frames: dict[str, Pose], places: dict[str, Pose],
-        parts: list[Part], hinges: list[Hinge],
+        parts: list[RobotPart], hinges: list[Hinge],
     ) -> None:  # fmt: skip
         """The joint above a link, whose frame in the URDF is that of the link; a frame between lies at the joint."""
         name, parent = hang
@@ -233,17 +234,17 @@ class _Reading:
             return
         lower, upper, speed, effort, kind = self._limits(joint, name, kind)
         middle = f"{link}_{name}"
-        parts.append(Part(middle))
+        parts.append(RobotPart(middle))
         leader = self._mimic(model, joint, name)
         hinges.append(Hinge(name, kind, parent, middle, compose(up, at), axis, lower, upper, speed, effort, leader))
         hinges.append(Hinge(f"{name}_to_{link}", "fixed", middle, link, compose(inverse(at), places[link])))
 
     def _three(
-        self, name: str, parent: str, link: str, first: Pose, last: Pose, parts: list[Part], hinges: list[Hinge]
+        self, name: str, parent: str, link: str, first: Pose, last: Pose, parts: list[RobotPart], hinges: list[Hinge]
     ) -> None:
         for word, axis in zip(("yaw", "pitch", "roll"), ((0, 0, 1.0), (0, 1.0, 0), (1.0, 0, 0)), strict=True):
             below = f"{link}_{name}.{word}"
-            parts.append(Part(below))
+            parts.append(RobotPart(below))
             hinges.append(Hinge(f"{name}.{word}", "revolute", parent, below, first, axis, -math.pi, math.pi))
             parent, first = below, IDENTITY
         hinges.append(Hinge(f"{name}_to_{link}", "fixed", parent, link, last))
@@ -305,12 +306,12 @@ class _Reading:
             found.append(0.0 if values is None else values[0])
         return leader, found[0], found[1] - found[0] * found[2]
 
-    def _part(self, model: _Model, link: str, shift: Pose) -> Part:
+    def _part(self, model: _Model, link: str, shift: Pose) -> RobotPart:
         element = model.links[link]
         forms = tuple(Form(f.kind, f.size, compose(shift, f.place)) for f in self._forms(element))
-        return Part(link, forms, self._weight(element, shift))
+        return RobotPart(link, forms, self._weight(element, shift))
 
-    def _weight(self, link: Element, shift: Pose) -> Weight | None:
+    def _weight(self, link: Element, shift: Pose) -> PartWeight | None:
         element = link.find("inertial")
         if element is None or element.find("mass") is None:
             return None
@@ -323,7 +324,7 @@ class _Reading:
         if mass is None or place is None or mass[0] <= 0:
             return None
         a, b, c, d, e, f = (0.0 if m is None else m[0] for m in moments)
-        return Weight(mass[0], compose(shift, place), (a, b, c, d, e, f))
+        return PartWeight(mass[0], compose(shift, place), (a, b, c, d, e, f))
 
     def _things(self, model: _Model, place: Pose, static: bool) -> None:
         self._things_of(model, list(model.links), place, "base" if static else "object")

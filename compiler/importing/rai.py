@@ -1,0 +1,285 @@
+"""Scenes of rai (`.g`): frames that hang on each other, of which some are joints, as modules and bodies.
+
+A frame lies at `Q` in its parent, or at `X` in the world; quaternions have their scalar first. A joint moves behind its
+`pre`. A `ssBox` has its rounding within its size.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from ...langs.diagnostics import Diagnostic, SourceError
+from ...langs.source import Span
+from ..ir import IDENTITY, Pose, Vec3
+from ..poses import about, compose, inverse, make
+from .models import (
+    Form,
+    Hinge,
+    Models,
+    PartWeight,
+    RobotModel,
+    RobotPart,
+    Stood,
+    Thing,
+    plain_ends,
+    relative,
+    set_upright,
+)
+from .names import GivenNames
+
+if TYPE_CHECKING:
+    from .rai_texts import RaiAttribute, RaiEntry
+
+STRAIGHT = (0.0, 0.0, 0.0, 1.0)
+FAR = 10.0
+"""Metres: how far a sliding joint without limits moves each way."""
+MOVES: dict[str, tuple[str, Vec3]] = {
+    "hingeX": ("revolute", (1.0, 0.0, 0.0)), "hingeY": ("revolute", (0.0, 1.0, 0.0)),
+    "hingeZ": ("revolute", (0.0, 0.0, 1.0)), "transX": ("prismatic", (1.0, 0.0, 0.0)),
+    "transY": ("prismatic", (0.0, 1.0, 0.0)), "transZ": ("prismatic", (0.0, 0.0, 1.0)),
+}  # fmt: skip
+LOOSE = ("rigid", "free")
+SIZES = {"ssBox": 3, "box": 3, "sphere": 1, "capsule": 2, "cylinder": 2}
+SILENT = ("marker", "camera", "none")
+
+
+@dataclass(slots=True)
+class RaiFrame:
+    """A frame of the scene: what says it, its attributes and its parent."""
+
+    name: str
+    span: Span
+    given: dict[str, RaiAttribute]
+    parent: str | None
+    place: Pose | None = None
+    origin: Pose = IDENTITY
+    below: list[str] = field(default_factory=list)
+
+
+class RaiScene:
+    """Makes modules and bodies of the entries of a file and what it includes."""
+
+    def __init__(self) -> None:
+        self.frames: dict[str, RaiFrame] = {}
+        self.faults: list[Diagnostic] = []
+        self.models, self.names = Models(), GivenNames()
+
+    def add(self, entry: RaiEntry) -> None:
+        """Take in a frame, a change of one, or the end of one."""
+        known = next((n for n in (entry.name, entry.prefix + entry.name) if n in self.frames), None)
+        if entry.edits or entry.deletes:
+            if known is None:
+                self._fault(entry.span, f"there is no frame `{entry.name}` to change")
+            elif entry.deletes:
+                del self.frames[known]
+            else:
+                frame = self.frames[known]
+                frame.given |= entry.given
+                frame.parent = self._parent(entry) if entry.parents else frame.parent
+            return
+        name = entry.prefix + entry.name
+        if name in self.frames:
+            self._fault(entry.span, f"two frames are called `{name}`")
+            return
+        self.frames[name] = RaiFrame(name, entry.span, dict(entry.given), self._parent(entry))
+
+    def _parent(self, entry: RaiEntry) -> str | None:
+        if len(entry.parents) > 1:
+            self._fault(entry.span, f"`{entry.name}` hangs on {len(entry.parents)} frames; write one in its brackets")
+        for parent in entry.parents[:1]:
+            known = next((n for n in (entry.prefix + parent, parent) if n in self.frames), None)
+            if known is None:
+                self._fault(entry.span, f"`{entry.name}` hangs on `{parent}`, which is not there")
+            return known
+        return None
+
+    def build(self) -> Models:
+        """The modules and bodies. Raises SourceError."""
+        for frame in self.frames.values():
+            if frame.parent is not None and frame.parent not in self.frames:
+                self._fault(frame.span, f"`{frame.name}` hangs on `{frame.parent}`, which is not there")
+        self._end()
+        for name in self.frames:
+            self._resolve(name, set())
+        self._end()
+        for frame in self.frames.values():
+            if frame.parent is not None:
+                self.frames[frame.parent].below.append(frame.name)
+        taken: set[str] = set()
+        for frame in self.frames.values():
+            if self._moves(frame) and frame.name not in taken:
+                taken |= self._robot(frame)
+        for frame in self.frames.values():
+            if frame.name not in taken:
+                self._body(frame)
+        self._end()
+        return self.models
+
+    def _resolve(self, name: str, way: set[str]) -> Pose:
+        frame = self.frames[name]
+        if frame.place is not None:
+            return frame.place
+        if name in way:
+            self._fault(frame.span, f"`{name}` hangs on itself")
+            frame.place = IDENTITY
+            return IDENTITY
+        way.add(name)
+        parent = IDENTITY if frame.parent is None else self._resolve(frame.parent, way)
+        absolute = "X" in frame.given
+        own = compose(inverse(parent), self._pose(frame, "X")) if absolute else self._pose(frame, "Q")
+        frame.origin = self._pose(frame, "pre")
+        kind = self._kind(frame)
+        if kind in MOVES and "q" in frame.given:
+            own = self._motion(kind, self._numbers(frame, "q", 1)[0])
+        frame.place = compose(parent, compose(frame.origin, own))
+        return frame.place
+
+    def _motion(self, kind: str, value: float) -> Pose:
+        turn, (x, y, z) = MOVES[kind]
+        if turn == "revolute":
+            return make((0.0, 0.0, 0.0), about((x, y, z), value))
+        return make((value * x, value * y, value * z), STRAIGHT)
+
+    def _kind(self, frame: RaiFrame) -> str:
+        given = frame.given.get("joint")
+        return "none" if given is None else str(given.value)
+
+    def _moves(self, frame: RaiFrame) -> bool:
+        kind = self._kind(frame)
+        if kind in MOVES:
+            return frame.parent is not None
+        if kind not in ("none", "None", *LOOSE):
+            self._leave(frame, f"joint `{frame.name}` is of kind `{kind}`, which has no counterpart, and is held")
+            frame.given.pop("joint")
+        return False
+
+    def _robot(self, joint: RaiFrame) -> set[str]:
+        """The module that a joint belongs to: all that hangs on the frame which carries it."""
+        assert joint.parent is not None
+        carrier = self.frames[joint.parent]
+        own = carrier.parent is not None and self.frames[carrier.parent].parent is not None
+        whole = {name for name in self._below(carrier.name)} if own else set()
+        moved = [n for n in self._below(joint.name)]
+        members = [carrier.name, *(n for n in self.frames if n in (whole or set(moved)) and n != carrier.name)]
+        place = carrier.place or IDENTITY
+        world = {n: self.frames[n].place or IDENTITY for n in members}
+        parts = [self._part(self.frames[n], own or n != carrier.name) for n in members]
+        hinges = [h for n in members[1:] for h in self._hinges(self.frames[n], world, parts)]
+        name = self.names.fresh(carrier.name if own else joint.name)
+        ends = plain_ends(GivenNames(), parts, hinges)
+        facts = tuple(f"(linked {ends[0].name} {e.name})" for e in ends[1:2])
+        robot, stands = set_upright(RobotModel(name, tuple(parts), tuple(hinges), ends, facts), place)
+        self.models.robots.append(robot)
+        self.models.stood.append(Stood(name, self.names.fresh(f"{name}_1"), stands))
+        return set(members if own else members[1:])
+
+    def _below(self, name: str) -> Iterator[str]:
+        waiting = [name]
+        while waiting:
+            found = waiting.pop(0)
+            yield found
+            waiting += self.frames[found].below
+
+    def _hinges(self, frame: RaiFrame, world: dict[str, Pose], parts: list[RobotPart]) -> list[Hinge]:
+        assert frame.parent is not None
+        own, kind = relative(world, frame.parent, frame.name), self._kind(frame)
+        if kind not in MOVES:
+            return [Hinge(f"{frame.name}.fixed", "fixed", frame.parent, frame.name, own)]
+        turn, axis = MOVES[kind]
+        inner = compose(inverse(frame.origin), own)
+        if turn == "revolute":
+            along = sum(a * b for a, b in zip(axis, inner[3:6], strict=True))
+            start = 2 * math.atan2(along, inner[6])
+        else:
+            start = sum(a * b for a, b in zip(axis, inner[:3], strict=True))
+        start = math.remainder(start, 2 * math.pi) if turn == "revolute" else start
+        origin = compose(own, inverse(self._motion(kind, start)))
+        if any(abs(a - b) > 1e-9 for a, b in zip(origin[:3], frame.origin[:3], strict=True)):
+            message = f"joint `{frame.name}` is off its parent by its `Q`, which rai drops when it moves: use `pre`"
+            self._leave(frame, message)
+        lower, upper = -math.inf, math.inf
+        if "limits" in frame.given:
+            values = self._numbers(frame, "limits", 2, more=True)
+            lower, upper = values[0], values[1]
+        if lower >= upper:  # rai takes empty limits for none
+            lower, upper = -math.inf, math.inf
+        if math.isinf(lower):
+            if turn == "prismatic":
+                self._leave(frame, f"joint `{frame.name}` has no limits: it moves {FAR:g} m each way")
+            lower, upper = (0.0, 0.0) if turn == "revolute" else (-FAR, FAR)
+            turn = "continuous" if turn == "revolute" else turn
+        return [Hinge(frame.name, turn, frame.parent, frame.name, origin, axis, lower, upper)]
+
+    def _part(self, frame: RaiFrame, formed: bool) -> RobotPart:
+        form = self._form(frame) if formed else None
+        mass = self._numbers(frame, "mass", 1)[0] if "mass" in frame.given and formed else 0.0
+        weight = PartWeight(mass, IDENTITY, (0.0,) * 6) if mass > 0 else None
+        return RobotPart(frame.name, () if form is None else (form,), weight)
+
+    def _body(self, frame: RaiFrame) -> None:
+        form = self._form(frame)
+        if form is None:
+            return
+        above, loose = frame, False
+        while above.parent is not None and not loose:
+            loose, above = self._kind(above) in LOOSE, self.frames[above.parent]
+        whole = Form(form.kind, form.size, frame.place or IDENTITY)
+        name = self.names.fresh(frame.name)
+        mass = self._numbers(frame, "mass", 1)[0] if loose and "mass" in frame.given else 0.0
+        self.models.things.append(Thing("object" if loose else "base", name, whole, mass))
+        self.models.facts += [f"(grippable {name})"] if loose else []
+
+    def _form(self, frame: RaiFrame) -> Form | None:
+        given = frame.given.get("shape")
+        if given is None or str(given.value) in SILENT:
+            return None
+        kind = str(given.value)
+        if kind not in SIZES:
+            self._leave(frame, f"`{frame.name}` has a shape `{kind}`, which has no counterpart, and is left out")
+            return None
+        size = self._numbers(frame, "size", SIZES[kind], more=True)
+        if kind in ("ssBox", "box"):
+            size = size[:3]
+        elif kind == "sphere":
+            size = size[-1:]
+        else:
+            size = size[-1], size[-2]
+        if min(size) <= 0:
+            self._leave(frame, f"`{frame.name}` has no volume, and its shape is left out")
+            return None
+        return Form("box" if kind == "ssBox" else kind, size)
+
+    def _numbers(self, frame: RaiFrame, key: str, count: int, more: bool = False) -> tuple[float, ...]:
+        given = frame.given.get(key)
+        values = () if given is None else given.numbers()
+        if len(values) < count or (len(values) > count and not more) or not all(map(math.isfinite, values)):
+            self._fault(frame.span, f"`{key}` of `{frame.name}` is not {count} finite number{'s' * (count > 1)}")
+            return (1.0,) * count
+        return values
+
+    def _pose(self, frame: RaiFrame, key: str) -> Pose:
+        given = frame.given.get(key)
+        if given is None:
+            return IDENTITY
+        try:
+            return given.pose()
+        except ValueError as reason:
+            self._fault(given.span, f"`{key}` of `{frame.name}` is no pose: {reason}", "E0019")
+            return IDENTITY
+
+    def _leave(self, frame: RaiFrame, message: str) -> None:
+        self.models.told.append(Diagnostic("W0019", message, frame.span))
+
+    def _fault(self, span: Span, message: str, code: str = "E0022") -> None:
+        self.faults.append(Diagnostic(code, message, span))
+        if len(self.faults) >= 50:
+            self._end()
+
+    def _end(self) -> None:
+        if self.faults:
+            raise SourceError(self.faults)
+
+
