@@ -34,6 +34,12 @@ def import_hint(code: str, name: str) -> str | None:
     return "the standard library declares it: " + " or ".join(f"`import {STANDARD}.{stem}`" for stem in found)
 
 
+def declared(*stems: str) -> frozenset[str]:
+    """The names of all that some files declare."""
+    pattern = re.compile(rf"^(?:{'|'.join(_DECLARATIONS.values())})(\w+)", re.MULTILINE)
+    return frozenset(name for stem in stems for name in pattern.findall(_texts()[stem]))
+
+
 @cache
 def _texts() -> dict[str, str]:
     """The files of the standard library by name."""

@@ -17,7 +17,7 @@ from ...langs.source import Source, Span
 from ..ir import IDENTITY, Pose
 from ..poses import compose, make
 from .models import Form, Hinge, Models, PartWeight, RobotEnd, RobotModel, RobotPart, Thing
-from .names import GivenNames
+from .names import STANDARD, GivenNames
 from .nodes import Faults
 
 GENDERS = {"m": "male", "male": "male", "f": "female", "female": "female", "h": "hermaphrodite", "": "hermaphrodite",
@@ -47,7 +47,7 @@ class _Unfit(Exception):
 
 class _CatalogueReading:
     def __init__(self, source: Source) -> None:
-        self.faults, self.models, self.names = Faults(source), Models(), GivenNames()
+        self.faults, self.models, self.names = Faults(source), Models(), GivenNames(STANDARD)
         self.found: list[Diagnostic] = []
         self.sizes: dict[str, int] = {}
         self.at = 0

@@ -41,6 +41,8 @@ NUMBERS = frozenset((
 """Attributes that hold numbers, which must be finite."""
 MESHES = (".stl", ".obj", ".msh")
 MOST_INCLUDES = 100
+MOST_COPIES = 1000
+"""Of one element: for each more, MuJoCo takes longer than for the last."""
 _LINE = re.compile(r"line (\d+)")
 
 
@@ -71,7 +73,7 @@ class Reader:
                     self.folders[name] = compiler.attrib.pop(name)
             compiler.attrib["discardvisual"] = "false"
             compiler.attrib["fusestatic"] = "false"
-        self._clean(root, "")
+        self._clean(root, "", 1)
         self.faults.end()
         return root
 
@@ -119,8 +121,8 @@ class Reader:
     def fault(self, element: Element, message: str, code: str = "E0022") -> None:
         self.faults.faults.append(Diagnostic(code, message, self.place(element)))
 
-    def _clean(self, element: Element, within: str) -> None:
-        """Take out what has no counterpart, and give names to what has none."""
+    def _clean(self, element: Element, within: str, copies: int) -> None:
+        """Take out what has no counterpart, and give names to what has none. There will be `copies` of the element."""
         for child in list(element):
             if self._passed_over(child, within):
                 element.remove(child)
@@ -128,12 +130,23 @@ class Reader:
             for name in LOST:
                 child.attrib.pop(name, None)
             self._check_finite(child)
+            number = self._copies(child, copies)
             if child.tag == "mesh" and within == "asset":
                 self._mesh(child)
             if child.tag in NAMED and within in ("worldbody", "body"):
                 self.named[child.tag.replace("freejoint", "joint"), self._name(child)] = child
             inner = within if child.tag in ("frame", "replicate") else child.tag
-            self._clean(child, "default" if within == "default" else inner)
+            self._clean(child, "default" if within == "default" else inner, number)
+
+    def _copies(self, element: Element, copies: int) -> int:
+        """How many there will be of an element, and that it is not too many."""
+        if element.tag != "replicate":
+            return copies
+        text = element.get("count", "1").strip()
+        number = copies * (int(text) if re.fullmatch(r"[0-9]{1,9}", text) else 1)
+        if number > MOST_COPIES:
+            self._refuse(element, f"this makes {number} copies; a model may have {MOST_COPIES}")
+        return number
 
     def _check_finite(self, element: Element) -> None:
         for name in NUMBERS & element.attrib.keys():

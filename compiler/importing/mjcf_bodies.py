@@ -10,7 +10,7 @@ from ...langs.frozen import dataclass
 from ..ir import IDENTITY, Pose, Vec3
 from ..poses import about, compose, make
 from .models import Form, Hinge, Models, PartWeight, RobotModel, RobotPart, Stood, Thing, plain_ends, set_upright
-from .names import GivenNames
+from .names import STANDARD, GivenNames
 
 if TYPE_CHECKING:
     from .mjcf import Reader
@@ -62,7 +62,7 @@ def models_of(reader: Reader, compiled: Compiled) -> Models:
 class _Builder:
     def __init__(self, reader: Reader, compiled: Compiled) -> None:
         self.reader, self.m, self.v = reader, compiled, compiled.values
-        self.models, self.names = Models(), GivenNames()
+        self.models, self.names = Models(), GivenNames(STANDARD)
         self.below: dict[int, list[int]] = {}
         for body, parent in enumerate(self.v["body_parentid"]):
             if body:

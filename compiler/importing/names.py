@@ -7,10 +7,13 @@ from collections.abc import Collection, Iterable
 
 from ...langs.words import JOINTS, RESERVED, SHAPES, TYPES, WORDS
 from ..builtins import FUNCTIONS
+from ..standard import declared
 
 TAKEN = frozenset({*RESERVED, *WORDS, *TYPES, *SHAPES, *JOINTS, *FUNCTIONS})
 NO_PREDICATES = frozenset({*RESERVED, "min", "max", "sum", "previous"})
 """Behind an opening bracket all other words of the language are names."""
+STANDARD = declared("docking", "logic", "motion", "rules")
+"""What the texts declare that importers name: a module or body has another name."""
 
 
 def plain_name(text: str, words: Collection[str] = TAKEN) -> str:

@@ -28,7 +28,7 @@ from .models import (
     relative,
     set_upright,
 )
-from .names import GivenNames
+from .names import STANDARD, GivenNames
 
 if TYPE_CHECKING:
     from .rai_texts import RaiAttribute, RaiEntry
@@ -65,7 +65,7 @@ class RaiScene:
     def __init__(self) -> None:
         self.frames: dict[str, RaiFrame] = {}
         self.faults: list[Diagnostic] = []
-        self.models, self.names = Models(), GivenNames()
+        self.models, self.names = Models(), GivenNames(STANDARD)
 
     def add(self, entry: RaiEntry) -> None:
         """Take in a frame, a change of one, or the end of one."""

@@ -14,7 +14,7 @@ from ...langs.source import Source
 from ..ir import IDENTITY, Pose, Vec3
 from ..poses import compose, inverse, make, orientation, roll_pitch_yaw, rotate, unit
 from .models import Form, Hinge, Models, PartWeight, RobotModel, RobotPart, Stood, Thing, plain_ends, set_upright
-from .names import GivenNames
+from .names import STANDARD, GivenNames
 from .xml_trees import Element, XmlFaults
 
 STRAIGHT = (0.0, 0.0, 0.0, 1.0)
@@ -58,7 +58,7 @@ def import_sdf(source: Source) -> Models:
 
 class _SdfReading:
     def __init__(self, faults: XmlFaults) -> None:
-        self.faults, self.models, self.names = faults, Models(), GivenNames()
+        self.faults, self.models, self.names = faults, Models(), GivenNames(STANDARD)
 
     def all(self) -> Models:
         root = self.faults.root()

@@ -106,7 +106,7 @@ def same(one: Pose, other: Pose) -> None:
         ('<mujoco><worldbody><body pos="nan 0 0"><joint/><geom size="1"/></body></worldbody></mujoco>', "E0019"),
         ('<mujoco><worldbody><joint/><geom size="1"/></worldbody></mujoco>', "E0019"),
         ('<mujoco><compiler nonsense="1"/><worldbody><geom size="1"/></worldbody></mujoco>', "E0019"),
-        ('<mujoco><worldbody><replicate count="1000000000"><geom size="1"/></replicate></worldbody></mujoco>', "E0020"),
+        ('<mujoco><worldbody><replicate count="999999999"><geom size="1"/></replicate></worldbody></mujoco>', "E0022"),
     ],
 )  # fmt: skip
 def test_bad_models_are_refused_with_their_place(command: Command, text: str, code: str) -> None:
