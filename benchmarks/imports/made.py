@@ -53,7 +53,8 @@ def sdf(random: Random) -> str:
     for k in range(1, LINKS):
         pose = f"{numbers(random)} {numbers(random, 3.0)}"
         lines.append(f"<link name='l{k}'><pose relative_to='l{k - 1}'>{pose}</pose></link>")
-        lines.append(f"<joint name='j{k}' type='{random.choice(KINDS[:2])}'><parent>l{k - 1}</parent><child>l{k}</child>")
+        kind = random.choice(KINDS[:2])
+        lines.append(f"<joint name='j{k}' type='{kind}'><parent>l{k - 1}</parent><child>l{k}</child>")
         limit = "<limit><lower>-1</lower><upper>1</upper></limit>"
         lines.append(f"<axis><xyz>{numbers(random)}</xyz>{limit}</axis></joint>")
     return "\n".join([*lines, "</model></sdf>"])
