@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from ...langs.trees import parts
 from ..ir import Action, Chain, Fact, Formula, Function, Object, Problem, Value, Var, effects_of
@@ -154,6 +154,8 @@ class Renaming:
         self._shapes: dict[int, dict[str, int]] = {}
         """Colours by the flags alone: they come first, so that few flag words stand for all."""
         self._links: dict[int, Linked] = {}
+        self._alone: dict[tuple[int, tuple[tuple[int, ...], ...]], list[int]] = {}
+        """Colours of modules without links, by the number of steps and what holds of them."""
         self._known: dict[int, int] = {}
 
     def canonical(self, state: int) -> int:
@@ -208,15 +210,35 @@ class Renaming:
     def _colours(self, values: Mapping[str, tuple[int, ...]], links: Linked) -> dict[str, int]:
         """A number per object that depends on what holds of it and, step by step, of its neighbours."""
         facts, around = links
-        colours = {o: hash(value) for o, value in values.items()}
-        for _ in range(min(len(facts), len(self.objects)) + 1):
+        steps = min(len(facts), len(self.objects)) + 1
+        colours: dict[str, int] = {}
+        linked: list[list[str]] = []
+        for group in self.groups:
+            for module in group:
+                if any(around[o] for o in module):
+                    linked.append(module)
+                    continue
+                key = (steps, tuple([values[o] for o in module]))
+                alone = self._alone.get(key)
+                if alone is None:
+                    found = self._refined([module], {o: hash(values[o]) for o in module}, around, steps)
+                    alone = self._alone[key] = [found[o] for o in module]
+                colours.update(zip(module, alone, strict=True))
+        together = {o: hash(values[o]) for module in linked for o in module}
+        return colours | self._refined(linked, together, around, steps)
+
+    def _refined(
+        self, modules: Sequence[list[str]], colours: dict[str, int],
+        around: Mapping[str, list[tuple[int, str]]], steps: int,
+    ) -> dict[str, int]:  # fmt: skip
+        """Colours after so many steps to neighbours; modules of no group, which keep their names, count as 0."""
+        for _ in range(steps if modules else 0):
             fresh = {}
-            for group in self.groups:
-                for module in group:
-                    whole = hash(tuple(sorted([colours[o] for o in module])))
-                    for o in module:
-                        near = sorted([hash((k, colours.get(there, 0))) for k, there in around[o]])
-                        fresh[o] = hash((colours[o], whole, tuple(near)))
+            for module in modules:
+                whole = hash(tuple(sorted([colours[o] for o in module])))
+                for o in module:
+                    near = sorted([hash((k, colours.get(there, 0))) for k, there in around[o]])
+                    fresh[o] = hash((colours[o], whole, tuple(near)))
             colours = fresh
         return colours
 

@@ -18,6 +18,11 @@ class SymbolicSettings:
         "So many single lengths from an object are looked up one by one before all of them are computed at once.",
     )
     single_values: int = setting(4, "values", "Up to so many values of a variable are compared one by one.")
+    compiled_from: int = setting(
+        32, "calls",
+        "Successors of states with the same flags are compiled as one function after so many calls.",
+        "compiling takes some 6 ms with 8 robots, where a search meets 530 words in 320 nodes",
+    )
     most_alternatives: int = setting(
         16, "alternatives",
         "Alternatives of a condition that are split into flat rules at most.",

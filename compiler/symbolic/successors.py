@@ -1,8 +1,9 @@
-"""Back end: successor functions on packed states, one generated Python function per flag word.
+"""Back end: successor functions on packed states, one generated Python function per flag word that is met often.
 
 The input is any problem of the IR; nothing here knows a rule or predicate by name. A state is one int (`layout`). The
 function of a flag word holds only the blocks whose conditions on the flags hold there, with all small variables and
-chains bound; everything that depends on locations is a row looked up by the value of a field (`blocks`).
+chains bound; everything that depends on locations is a row looked up by the value of a field (`blocks`). Words that are
+met a few times only go through functions of their blocks, which they share: to compile one for each would take longer.
 """
 
 from __future__ import annotations
@@ -20,10 +21,12 @@ from .geometry import SceneLengths
 from .guards import Environment, Guards
 from .layout import Layout
 from .normal_form import NormalForm
+from .settings import SYMBOLIC
 from .steps import Step
 
 Successor = tuple[int, int]
 Expander = Callable[[int], list[Successor]]
+BlockExpander = Callable[[int, list[Successor]], None]
 
 
 class Successors:
@@ -42,7 +45,10 @@ class Successors:
         self._ids: dict[Action, int] = {}
         self._blocks = BlockMaker(self.guards, self._action_id)
         self._expanders: dict[int, Expander] = {}
-        self._sources: dict[int, str] = {}
+        self._calls: dict[int, int] = {}
+        self._several: dict[int, Expander] = {}
+        """Expanders of words that were met a few times."""
+        self._by_block: dict[int, BlockExpander] = {}
         self._blocks_of: dict[int, list[Block]] = {}
         self._words: dict[int, KnownFacts] = {}
         self._goal = self.normal.normal(problem.goal, {}, False)
@@ -54,7 +60,10 @@ class Successors:
         word = state & self.layout.flag_mask
         expander = self._expanders.get(word)
         if expander is None:
-            expander = self._expander(word)
+            calls = self._calls[word] = self._calls.get(word, 0) + 1
+            expander = self._blockwise(word) if calls == 1 else self._several[word]
+            if calls > SYMBOLIC.compiled_from:
+                expander = self._expanders[word] = self._expander(word)
         return expander(state)
 
     def after(self, state: int, number: int) -> int:
@@ -110,7 +119,7 @@ class Successors:
 
     def source(self) -> str:
         """The Python text generated so far."""
-        return "\n".join(self._sources.values())
+        return "\n".join(self._source(word)[0] for word in self._calls)
 
     def _action_id(self, flat: FlatRule, env: Environment) -> int:
         args: tuple[Value, ...] = tuple(env[v.name] for v in flat.rule.variables)
@@ -121,7 +130,39 @@ class Successors:
             self._costs.append(float(self.guards.number(flat.rule.cost, env)))
         return self._ids[action]
 
+    def _blockwise(self, word: int) -> Expander:
+        """An expander that asks one block after the other."""
+        blocks = self.blocks(word)
+        repeating = _repeating(blocks)
+        asked = [(self._block_expander(block), id(block) in repeating) for block in blocks]
+
+        def expand(state: int) -> list[Successor]:
+            out: list[Successor] = []
+            again: list[Successor] = []
+            for block, repeats in asked:
+                block(state, again if repeats else out)
+            out += dict.fromkeys(again)
+            return out
+
+        self._several[word] = expand
+        return expand
+
+    def _block_expander(self, block: Block) -> BlockExpander:
+        found = self._by_block.get(id(block))
+        if found is None:
+            names: dict[str, Any] = {"apply": apply, "rows_0": block.rows}
+            exec("\n".join(["def expand(s, out):", *_block_lines(block, 0, "out")]), names)
+            found = self._by_block[id(block)] = names["expand"]
+        return found
+
     def _expander(self, word: int) -> Expander:
+        text, names = self._source(word)
+        exec(compile(text, f"<successors {word:x}>", "exec"), names)
+        expander: Expander = names[f"expand_{word:x}"]
+        return expander
+
+    def _source(self, word: int) -> tuple[str, dict[str, Any]]:
+        """The text of the expander of a word, and what it names."""
         blocks = self.blocks(word)
         repeating = _repeating(blocks)
         names: dict[str, Any] = {"apply": apply}
@@ -135,12 +176,7 @@ class Successors:
             lines[1:2] = ["    out, again = [], []"]
             lines.append("    out += dict.fromkeys(again)")
         lines.append("    return out")
-        text = "\n".join(lines) + "\n"
-        exec(compile(text, f"<successors {word:x}>", "exec"), names)
-        self._sources[word] = text
-        expander: Expander = names[f"expand_{word:x}"]
-        self._expanders[word] = expander
-        return expander
+        return "\n".join(lines) + "\n", names
 
 
 def apply(s: int, row: tuple[Step, ...], out: list[Successor]) -> None:
