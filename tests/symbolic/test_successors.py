@@ -8,6 +8,7 @@ from collections.abc import Callable
 import pytest
 
 from tamplang.compiler.ir import Problem
+from tamplang.compiler.symbolic.settings import SYMBOLIC
 from tamplang.compiler.symbolic.successors import Successors
 
 from . import variants
@@ -41,3 +42,15 @@ def test_agrees_with_the_interpreter_on_random_walks(name: str) -> None:
             state, facts = successors.initial, problem.init
             continue
         state, facts = found[chance.choice(sorted(found, key=str))]
+
+
+@pytest.mark.parametrize("name", ["two crawlers", "three crawlers", "items"])
+def test_flags_that_are_met_often_give_the_same_successors_as_before_they_were_compiled(name: str) -> None:
+    problem = PROBLEMS[name]()
+    successors, chance = Successors(problem), random.Random(2)
+    state = successors.initial
+    for _ in range(12):
+        first = successors.expand(state)
+        for _ in range(SYMBOLIC.compiled_from + 1):
+            assert successors.expand(state) == first
+        state = chance.choice(first)[0] if first else successors.initial
