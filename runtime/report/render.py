@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import gzip
 import hashlib
 from functools import cache
 from pathlib import Path
@@ -14,6 +15,7 @@ from markupsafe import Markup
 
 from ...langs.writer import write_atomically
 from ..plan import Plan
+from .clearance import build_clearance
 from .ending import Ending
 from .rates import build_rates
 from .replay import replay_data
@@ -55,6 +57,12 @@ def meshcat_script() -> tuple[Markup, str]:
 
 
 @cache
+def packed_viewer() -> str:
+    """meshcat's script, compressed, in base64: a third of its size. The page unpacks it and runs what has its hash."""
+    return base64.b64encode(gzip.compress(meshcat_script()[0].encode(), mtime=0)).decode("ascii")
+
+
+@cache
 def environment() -> Environment:
     result = Environment(
         loader=FileSystemLoader(FOLDER),
@@ -72,17 +80,28 @@ def render_report(plan: Plan, checked: bool = True, ending: Ending | None = None
     """The whole page as text: HTML with style, scripts, scene and motion inside. Same plan, same text. Unless it was
     `checked`, the page says that its verdict is only what the file holds. `ending` tells how a solve ended that found
     no plan; then `plan` is the scene at the start."""
-    script, licences = meshcat_script()
-    scripts = [script, *(script_text((FOLDER / name).read_text(encoding="utf-8")) for name in SCRIPTS)]
-    return environment().get_template("report.html.j2").render(
-        view=build_view(plan, checked),
-        ending=ending,
-        rates=build_rates(plan),
+    return _page(
+        "report.html.j2", plan, view=build_view(plan, checked), ending=ending, rates=build_rates(plan),
+        clearances=build_clearance(plan),
+    )  # fmt: skip
+
+
+def render_replay(plan: Plan) -> str:
+    """A page with nothing but the replay of `plan`, for a frame in a notebook; it works offline too."""
+    return _page("alone.html.j2", plan, view=build_view(plan, checked=True), ending=None)
+
+
+def _page(template: str, plan: Plan, **content: Any) -> str:
+    viewer, licences = meshcat_script()
+    scripts = [script_text((FOLDER / name).read_text(encoding="utf-8")) for name in SCRIPTS]
+    return environment().get_template(template).render(
         style=Markup((FOLDER / "report.css").read_text(encoding="utf-8")),
         scripts=scripts,
-        hashes=[script_hash(s) for s in scripts],
+        hashes=[script_hash(s) for s in (viewer, *scripts)],
+        viewer=Markup(packed_viewer()),
         replay=script_json(replay_data(plan)),
         licences=licences,
+        **content,
     )
 
 

@@ -182,7 +182,7 @@ def test_joined_modules_take_one_hue(open_report: Opener, tmp_path: Path) -> Non
 def test_joint_plots_follow_the_clock(opened: Opened) -> None:
     plan = climb_plan()
     opened.seek(plan.times[20])
-    figure = opened.page.locator(".plot").nth(3)
+    figure = opened.page.locator("#joints .plot").nth(3)
     assert figure.locator(".value").inner_text() == f"{plan.tracks[0].joints[20][3]:.2f} rad"
     assert float(figure.locator("line.cursor").get_attribute("x1") or "nan") == pytest.approx(100.0)
     box = figure.locator("svg").bounding_box()
@@ -199,6 +199,15 @@ def test_link_to_a_source_opens_it(opened: Opened) -> None:
     line = opened.page.locator(f"[id='{anchor}']")
     line.wait_for(state="visible")
     assert "rule step(A B: effector, X Y: base) {" in line.inner_text()
+
+
+def test_a_moment_has_an_address(opened: Opened) -> None:
+    opened.seek(1.25)
+    opened.page.click("#moment")
+    assert opened.page.evaluate("location.hash") == "#t=1.25"
+    opened.seek(0.0)
+    opened.page.evaluate("location.hash = 't=0.5'")
+    opened.wait("window.tamplang.time() === 0.5")
 
 
 def test_search_tree_filters(opened: Opened) -> None:

@@ -100,7 +100,7 @@ def test_needs_nothing_from_outside() -> None:
 
 
 def test_size_of_nine_phases() -> None:
-    assert len(render_report(climb_plan(7))) < 3_000_000
+    assert len(render_report(climb_plan(7))) < 1_000_000
 
 
 def poison(value: object) -> object:

@@ -1,5 +1,5 @@
 "use strict";
-(() => {
+(async () => {
   const data = JSON.parse(document.getElementById("replay-data").textContent);
   const get = (id) => document.getElementById(id);
   const all = (selector) => [...document.querySelectorAll(selector)];
@@ -7,9 +7,10 @@
   const player = new Player(data, Number(scrub.max));
   let scene = null;
 
-  function startScene() {
+  async function startScene() {
     try {
-      scene = new ReplayScene(data, get("pane"));
+      await loadViewer();
+      scene = new ReplayScene(data, get("pane"), await unpackPoses(data.poses));
     } catch (error) {
       get("trouble").hidden = false;
       get("trouble").textContent = "The 3-D view needs WebGL, which this browser does not offer: " + error.message;
@@ -59,6 +60,16 @@
       get("caption").textContent = action + (robots ? "  ·  joined: " + robots : "");
       if (get("cursor")) get("cursor").style.left = (player.duration ? (100 * player.now) / player.duration : 0) + "%";
     });
+  }
+
+  function startMoment() {
+    const button = get("moment");
+    button.addEventListener("click", () => {
+      const link = location.href.replace(/#.*$/, "") + "#t=" + player.now.toFixed(2);
+      if (location.protocol !== "about:") location.hash = "t=" + player.now.toFixed(2);
+      if (navigator.clipboard) navigator.clipboard.writeText(link).then(() => { button.textContent = "Copied"; }, () => {});
+    });
+    player.listen(() => { button.textContent = "Link here"; });
   }
 
   function startKeys() {
@@ -161,7 +172,15 @@
     if (rows.length > 60 && document.querySelector(".tree li.chosen")) aroundPlan(); else draw();
   }
 
+  /* `#t=12.5` is a moment of the replay. */
   function openTarget() {
+    const moment = /^#t=(\d+(?:\.\d*)?)$/.exec(location.hash);
+    if (moment) {
+      player.pause();
+      player.seek(moment[1]);
+      get("replay").scrollIntoView({ block: "start" });
+      return;
+    }
     const target = location.hash.length > 1 ? document.getElementById(decodeURIComponent(location.hash.slice(1))) : null;
     if (!target) return;
     const closed = target.closest("details:not([open])");
@@ -169,8 +188,9 @@
     target.scrollIntoView({ block: target.matches(".row") ? "center" : "start" });
   }
 
-  startScene();
+  await startScene();
   startControls();
+  startMoment();
   startKeys();
   startHighlights();
   startPlots();

@@ -8,6 +8,35 @@ function decodeBytes(text) {
   return bytes;
 }
 
+function unzipped(text) {
+  if (typeof DecompressionStream === "undefined") throw new Error("this browser cannot unpack what is drawn");
+  return new Response(new Blob([decodeBytes(text)]).stream().pipeThrough(new DecompressionStream("gzip")));
+}
+
+/* Poses, frame by frame and sample by sample, from their differences in steps. */
+async function unpackPoses({ steps, rows }) {
+  if (!rows) return new Float32Array(0);
+  const sizes = new Float64Array(decodeBytes(steps).buffer);
+  const bytes = new Uint8Array(await unzipped(rows).arrayBuffer());
+  const count = bytes.length / 4, perFrame = count / (sizes.length / 7);
+  const poses = new Float32Array(count), sums = new Int32Array(7);
+  for (let i = 0; i < count; i++) {
+    const column = i % 7;
+    if (i % perFrame < 7) sums[column] = 0;
+    sums[column] += bytes[i] | (bytes[count + i] << 8) | (bytes[2 * count + i] << 16) | (bytes[3 * count + i] << 24);
+    poses[i] = sums[column] * sizes[7 * Math.floor(i / perFrame) + column];
+  }
+  return poses;
+}
+
+/* Unpacks meshcat's viewer and runs it; the policy of the page lets this very script pass. */
+async function loadViewer() {
+  const script = document.createElement("script");
+  script.textContent = await unzipped(document.getElementById("viewer-code").textContent).text();
+  document.head.append(script);
+  if (typeof MeshCat === "undefined") throw new Error("the viewer did not start");
+}
+
 function mixWithWhite(colour, share) {
   const part = (at) => {
     const value = parseInt(colour.slice(at, at + 2), 16);
@@ -29,11 +58,11 @@ function locate(times, time) {
 }
 
 class ReplayScene {
-  constructor(data, pane) {
+  constructor(data, pane, poses) {
     this.data = data;
     this.pane = pane;
     this.times = new Float64Array(decodeBytes(data.times).buffer);
-    this.poses = new Float32Array(decodeBytes(data.poses).buffer);
+    this.poses = poses;
     this.viewer = new MeshCat.Viewer(pane);
     window.onload = null;
     const resize = this.viewer.set_3d_pane_size.bind(this.viewer);
