@@ -247,6 +247,9 @@ CODES: dict[str, CodeInfo] = {
         "means nothing. It is no word on the plan."),
     "S0014": CodeInfo("no display", "outcome",
         "`simulate --view` opens a window, which needs a display."),
+    "S0015": CodeInfo("missing extra", "outcome",
+        "What was asked for needs a library that tamplang does without elsewhere. The hint names the extra that brings "
+        "it: `notebook` for tables and figures, `ros` for bags, `pictures` for images and videos."),
     "W0001": CodeInfo("deletes what nothing adds", "warning",
         "No rule, fact or placement ever adds a literal that fits."),
     "W0002": CodeInfo("never read", "warning", "No condition, goal or derived predicate reads this predicate."),

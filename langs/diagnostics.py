@@ -36,6 +36,21 @@ class Diagnostic:
     def is_error(self) -> bool:
         return self.code.startswith("E")
 
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the message as on a terminal, with its lines where the file can be read."""
+        from html import escape
+
+        from .reader import read_source
+        from .render import render
+
+        sources = {}
+        for file in {s.file for s in (self.span, *(x.span for x in self.labels)) if s is not None}:
+            try:
+                sources[file] = read_source(file)
+            except Error:
+                continue
+        return f"<pre>{escape(render([self], sources))}</pre>"
+
 
 class Error(Exception):
     """The base of all that tamplang raises for what a user can mend."""

@@ -17,11 +17,11 @@ _PACKAGES = {"libgomp.so": "libgomp1", "libGL.so": "libgl1", "libstdc++.so": "li
 class MissingLibrary(Error):
     """A compiled library cannot be loaded; `hint` says what to install."""
 
-    def __init__(self, library: str, reason: str, hint: str) -> None:
+    def __init__(self, library: str, reason: str, hint: str, code: str | None = None) -> None:
         self.library = library
         self.reason = reason
         self.hint = hint
-        super().__init__(f"cannot load {library}: {reason}")
+        super().__init__(f"{'' if code is None else code + ': '}cannot load {library}: {reason}")
 
 
 @cache
@@ -37,6 +37,16 @@ def load_native(name: str, distribution: str) -> ModuleType:
         else:
             hint = f"install it again: pip install --force-reinstall {distribution}"
         raise MissingLibrary(name, reason, hint) from error
+
+
+def load_extra(name: str, extra: str) -> ModuleType:
+    """Import the module `name` that the optional `extra` brings. Raises MissingLibrary."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        package = name.partition(".")[0]
+        hint = f"install the extra: pip install 'tamplang[{extra}]'"
+        raise MissingLibrary(package, str(error), hint, "S0015") from error
 
 
 def load_pinocchio() -> ModuleType:

@@ -14,10 +14,12 @@ if TYPE_CHECKING:
     from .runtime.native import MissingLibrary
     from .runtime.parallel import ClusterUnavailable
     from .runtime.plan_files import PlanFileError
+    from .texts import Text, degrees, fill, metres, radians
 
 __all__ = [
     "ClusterUnavailable", "Error", "MissingLibrary", "OutOfTime", "Plan", "PlanFileError", "Result", "RunResult",
-    "SourceError", "Task", "UsageError", "__version__", "load", "loads", "read_plan",
+    "SourceError", "Task", "Text", "UsageError", "__version__", "degrees", "fill", "load", "loads", "metres", "radians",
+    "read_plan",
 ]  # fmt: skip
 _HOMES = {
     "ClusterUnavailable": ".runtime.parallel",
@@ -26,7 +28,12 @@ _HOMES = {
     "OutOfTime": ".runtime.budget",
     "PlanFileError": ".runtime.plan_files",
     "SourceError": ".langs.diagnostics",
+    "Text": ".texts",
     "UsageError": ".langs.diagnostics",
+    "degrees": ".texts",
+    "fill": ".texts",
+    "metres": ".texts",
+    "radians": ".texts",
 }
 """Where names are that `api` has not."""
 __version__ = "0.1.0"

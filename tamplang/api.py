@@ -7,21 +7,25 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from os import PathLike, fspath
-from typing import TYPE_CHECKING
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+from .plans import Plan, read_plan, record_of
 
 if TYPE_CHECKING:
     from .compiler.ir import Problem
     from .langs.diagnostics import Diagnostic
+    from .plans import PlanLike
     from .runtime.budget import Status
-    from .runtime.export.motion import Array, Trajectory
     from .runtime.plan import Plan as PlanRecord
-    from .runtime.plan import StatisticsRecord, TimingRecord, VerdictRecord
+    from .runtime.plan import StatisticsRecord, TimingRecord
     from .runtime.planner.lgp import Outcome, Progress, SolveOptions
     from .runtime.simulation.actuators import Noise
     from .runtime.simulation.results import RunProgress
     from .runtime.simulation.tracking import Deviations
 
+
+__all__ = ["Plan", "Result", "RunResult", "Task", "load", "loads", "read_plan", "task_of_plan"]
 
 BESIDE_OPTIONS = ("horizon", "jobs", "cluster", "progress", "found")
 """What `Task.solve` takes besides the planner's options."""
@@ -57,7 +61,7 @@ def loads(text: str, /, task: str | None = None, seed: int = 0, **parameters: st
 
     prefer_one_thread()
     texts = {name: str(value) for name, value in parameters.items()}
-    return Task(*compile_text(text, "<text>", task, texts, seed))
+    return Task(*compile_text(str(text), "<text>", task, texts, seed))
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -70,6 +74,12 @@ class Task:
     def __repr__(self) -> str:
         world = self.problem.world
         return f"<Task {self.problem.task}: {len(world.modules)} modules, {len(world.bodies)} bodies>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: what there is, the goal, and the scene at the start in 3-D."""
+        from .showing import task_html
+
+        return task_html(self)
 
     def solve(
         self,
@@ -85,7 +95,7 @@ class Task:
         horizon: int | str | None = None,
         jobs: int = 1,
         cluster: str | None = None,
-        progress: Callable[[Progress], None] | None = None,
+        progress: Callable[[Progress], None] | Any = None,
         found: Callable[[Plan], None] | None = None,
         **unknown: object,
     ) -> Result:
@@ -97,7 +107,8 @@ class Task:
         `minimise` an objective such as "makespan + 0.1 * travel"; `horizon`
         plans the motion of so many actions at a time, "auto" as many as seem wise. With `jobs` above 1, so many
         processes work side by side, or this one and the workers of the `cluster` at tcp://HOST:PORT: the result is the
-        same. `found` gets every verified plan as soon as it stands.
+        same. `progress` is called with where the run stands, or is a bar as tqdm's: what has `update` and `total`.
+        `found` gets every verified plan as soon as it stands.
 
         The loops of search, motion and verifier look at the time; reading and compiling are `load`, which has no limit.
         Around whatever there is, `tamplang.runtime.guard.guarded(seconds, memory)` raises
@@ -113,6 +124,7 @@ class Task:
             "slices": slices, "minimise": minimise,
         }  # fmt: skip
         check_given("python", chosen | unknown, BESIDE_OPTIONS)
+        from .bars import callback
         from .runtime.planner.bounds.speculation import opened
         from .runtime.planner.lgp import options_of
 
@@ -124,7 +136,7 @@ class Task:
 
         with opened(jobs, cluster) as ahead:
             outcome = _solved(
-                self.problem, replace(options, ahead=ahead), horizon, progress, hand_on
+                self.problem, replace(options, ahead=ahead), horizon, callback(progress), hand_on
             )
         return Result(
             outcome.status,
@@ -140,23 +152,25 @@ class Task:
     def run(
         self,
         *,
-        plan: Plan | PlanRecord | None = None,
+        plan: PlanLike | None = None,
         horizon: int | str | None = None,
         noise: Noise | None = None,
         latency: float | None = None,
         time: float | None = None,
         seed: int = 0,
-        progress: Callable[[RunProgress], None] | None = None,
+        progress: Callable[[RunProgress], None] | Any = None,
     ) -> RunResult:
-        """Carry the task out in the simulated world, planning on the way; `plan`, if there is one, is followed as long
-        as the world allows it. `horizon` actions get their motion in one window, whose planning takes `latency`
-        simulated seconds (None: the default); `seed` steers the noise.
+        """Carry the task out in the simulated world, planning on the way; `plan`, a plan or the name of its file, is
+        followed as long as the world allows it. `horizon` actions get their motion in one window, whose planning takes
+        `latency` simulated seconds (None: the default); `seed` steers the noise. `progress` is as in `solve`.
         Raises `tamplang.runtime.native.MissingLibrary` when a system library is missing.
         """
+        from .bars import run_callback
         from .runtime.simulation.execution import execute
 
-        record = plan.record if isinstance(plan, Plan) else plan
-        return RunResult(*execute(self.problem, record, horizon, noise, time, seed, latency, progress))
+        record = None if plan is None else record_of(plan)
+        told = run_callback(progress)
+        return RunResult(*execute(self.problem, record, horizon, noise, time, seed, latency, told))
 
 
 def _solved(
@@ -195,6 +209,12 @@ class Result:
     def __repr__(self) -> str:
         return f"<Result {self.status}: {len(self.plans)} plans, cost {self.cost:g}>"
 
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the best plan, or what refused the task."""
+        from .showing import result_html
+
+        return result_html(self)
+
     @property
     def plan(self) -> Plan | None:
         """The best plan, or None."""
@@ -214,6 +234,12 @@ class RunResult:
 
     def __repr__(self) -> str:
         return f"<RunResult {self.status}: {len(self.record.phases)} actions, {self.replans} replans>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: how it ended, and what was carried out."""
+        from .showing import run_html
+
+        return run_html(self)
 
     @property
     def plan(self) -> Plan:
@@ -254,80 +280,3 @@ def task_of_plan(record: PlanRecord) -> Task:
     files = {f.path: f.data for f in record.task.files}
     texts = parameter_texts(record, sources)
     return Task(*compile_sources(sources, record.task.name, texts, record.task.seed, files))
-
-
-@dataclass(frozen=True, slots=True, repr=False)
-class Plan:
-    """A plan; `record` is what a plan file holds (`docs/plan-format.md`). The verdict in it is `fresh` when it was made
-    in this process, and not read from a file."""
-
-    record: PlanRecord
-    fresh: bool = False
-
-    def __repr__(self) -> str:
-        return f"<Plan of {self.record.task.name}: {len(self.record.phases)} actions, {self.record.times[-1]:.2f} s>"
-
-    def _repr_html_(self) -> str:
-        """What a notebook shows: the actions in order, with their times."""
-        from html import escape
-
-        rows = "".join(
-            f"<tr><td>{p.start:.2f} s</td><td><code>{escape(p.action)}</code></td></tr>" for p in self.record.phases
-        )
-        return f"<p>{escape(repr(self)[1:-1])}</p><table>{rows}</table>"
-
-    def trajectory(self, module: str, rate: float | None = None) -> Trajectory:
-        """The joint motion of a module such as "c[1]" at the samples of the plan, or at `rate` hertz: `joints` by name,
-        `t` (T,) in seconds, and `q`, `dq`, `ddq` (T, joints), in rad or m. Raises UsageError."""
-        from .runtime.export.motion import times, trajectory
-
-        return trajectory(self.record, module, times(self.record, rate))
-
-    def poses(self, name: str, rate: float | None = None) -> Array:
-        """Poses (T, 7) in the world, x, y, z, qx, qy, qz, qw, of a module, a body, or an effector such as "c[1].A", at
-        the samples of the plan or at `rate` hertz. Raises UsageError."""
-        from .runtime.export.motion import poses, times
-
-        return poses(self.record, name, times(self.record, rate))
-
-    @property
-    def actions(self) -> tuple[str, ...]:
-        """The actions in order."""
-        return tuple(phase.action for phase in self.record.phases)
-
-    def verify(self, time: float | None = None, against: Task | None = None) -> VerdictRecord:
-        """Check the plan anew, with none of the planner's code. Its own texts are what it is checked against; with
-        `against`, it is refused where that task says otherwise. Raises `tamplang.runtime.budget.OutOfTime` when `time`
-        seconds are not enough."""
-        from .runtime.budget import Budget
-        from .runtime.verify import verify
-
-        return verify(self.record, Budget(time), None if against is None else against.problem)
-
-    def report(self, path: str | PathLike[str], unchecked: bool = False, time: float | None = None) -> None:
-        """Write the report: one HTML file that works offline. A verdict that was read from a file is made anew, within
-        `time` seconds, or, with `unchecked`, shown as what it is. Raises OSError, and
-        `tamplang.runtime.budget.OutOfTime`."""
-        from msgspec.structs import replace as changed
-
-        from .runtime.report import write_report
-
-        record = self.record
-        if not self.fresh and not unchecked:
-            record = changed(record, verdict=self.verify(time))
-        write_report(record, fspath(path), checked=self.fresh or not unchecked)
-
-    def save(self, path: str | PathLike[str]) -> None:
-        """Write the plan file, atomically. Raises OSError."""
-        from .runtime.plan_files import write_plan
-
-        write_plan(self.record, fspath(path))
-
-
-def read_plan(path: str | PathLike[str]) -> Plan:
-    """Read a plan file. Raises `tamplang.runtime.plan_files.PlanFileError`."""
-    from .runtime.native import prefer_one_thread
-    from .runtime.plan_files import read_plan as read
-
-    prefer_one_thread()
-    return Plan(read(fspath(path)))

@@ -8,7 +8,7 @@ from pathlib import Path
 from ...compiler.ir import Problem
 from ..plan import Plan
 
-FORMS = ("csv", "npz", "ros2", "urdf", "mjcf", "pddl", "val")
+FORMS = ("csv", "npz", "ros2", "multidof", "mcap", "urdf", "mjcf", "pddl", "val")
 SYMBOLIC = ("pddl", "val")
 """Forms that need the plan's task."""
 
@@ -19,13 +19,16 @@ def write(
 ) -> None:  # fmt: skip
     """Write `plan` to `path` in one of FORMS. `rate`, hertz, is that of samples; None takes those of the plan. `urdf`
     is the robot that `module` (None: the first) is part of in `phase`. SYMBOLIC forms need the `problem`. Raises
-    langs.diagnostics.UsageError for what the plan lacks or a form cannot say, and OSError."""
+    langs.diagnostics.UsageError for what the plan lacks or a form cannot say,
+    runtime.native.MissingLibrary without the extra of a form, and OSError."""
     from . import mujoco, pddl, robots, ros2, tables
 
     makers: dict[str, Callable[[], dict[Path, bytes]]] = {
         "csv": lambda: {path: tables.csv_table(plan, rate)},
         "npz": lambda: {path: tables.arrays(plan, rate)},
         "ros2": lambda: {path: ros2.trajectories(plan, rate)},
+        "multidof": lambda: {path: ros2.multi_dof(plan, rate)},
+        "mcap": lambda: {path: ros2.bag(plan, rate)},
         "urdf": lambda: robots.robot(plan, path, module, phase),
         "mjcf": lambda: {path: mujoco.scene(plan)},
     }

@@ -171,7 +171,7 @@ def _joined(plan: Plan, phase: int) -> set[frozenset[Node]]:
     told: list[LiteralRecord] = []
     for record in plan.phases[max(0, phase - 1) : phase + 1]:
         told += [*record.mode, *record.added]
-    found = set()
+    found: set[frozenset[Node]] = set()
     for literal in told:
         named = [nodes[a] for a in literal.args if a in nodes]
         found |= {frozenset((a, b)) for one in named for other in named if one is not other for a in one for b in other}
@@ -181,7 +181,7 @@ def _joined(plan: Plan, phase: int) -> set[frozenset[Node]]:
 def _held(plan: Plan, phase: int) -> dict[str, str]:
     """Movable bodies that an effector holds in a phase, and the module whose it is."""
     owners, movable = effector_owners(plan), {b.name for b in plan.bodies if b.movable}
-    found = {}
+    found: dict[str, str] = {}
     for literal in plan.phases[phase].mode:
         ends = [plan.modules[owners[a]].name for a in literal.args if a in owners]
         found |= {a: ends[0] for a in literal.args if ends and a in movable}

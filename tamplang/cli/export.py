@@ -6,22 +6,24 @@ from pathlib import Path
 
 import click
 
+from .libraries import needing_libraries
 from .limits import limit_options, limited
 from .outputs import checked_output
 from .plans import read
 from .sources import reading_sources
 
-FORMS = ("csv", "npz", "ros2", "urdf", "mjcf", "pddl", "val")
 ENDINGS = {
-    "csv": ".csv", "npz": ".npz", "ros2": ".yaml", "urdf": ".urdf", "mjcf": ".xml", "pddl": ".pddl", "val": ".val",
+    "csv": ".csv", "npz": ".npz", "ros2": ".yaml", "multidof": ".poses.yaml", "mcap": ".mcap", "urdf": ".urdf",
+    "mjcf": ".xml", "pddl": ".pddl", "val": ".val",
 }  # fmt: skip
 
 
 @click.command()
 @click.argument("file", metavar="PLAN.json", type=click.Path(path_type=Path))
-@click.option("--to", "form", type=click.Choice(FORMS), required=True, help="The form to write.")
+@click.option("--to", "form", type=click.Choice(list(ENDINGS)), required=True, help="The form to write.")
 @click.option("-o", "--out", type=click.Path(path_type=Path), help="The file to write; beside the plan unless given.")
-@click.option("--rate", type=float, help="Samples a second, of csv, npz and ros2; those of the plan unless given.")
+@click.option("--rate", type=float,
+              help="Samples a second, of csv, npz and the forms of ROS 2; those of the plan unless given.")
 @click.option("--module", help="Of urdf: a module of the robot to write; the first one of the plan unless given.")
 @click.option("--phase", type=int, default=0, show_default=True, help="Of urdf: the phase to write it in.")
 @limit_options
@@ -32,7 +34,7 @@ def export(
     """Write a plan for other tools: tables, ROS 2, URDF, MuJoCo or PDDL."""
     plain = file.name.removesuffix(".json").removesuffix(".plan")
     target = file.with_name(plain + ENDINGS[form]) if out is None else out
-    with limited(seconds, memory, f"exporting {file}"), reading_sources():
+    with limited(seconds, memory, f"exporting {file}"), reading_sources(), needing_libraries():
         plan = read(file)
         checked_output(target)
         from ..api import task_of_plan

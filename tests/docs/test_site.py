@@ -95,6 +95,11 @@ def test_the_page_of_codes_is_that_of_the_table() -> None:
     assert written == _script("write_codes").text(), "python docs/write_codes.py writes it anew"
 
 
+def test_the_page_of_python_is_that_of_its_docstrings() -> None:
+    written = (DOCS / "python.md").read_text(encoding="utf-8")
+    assert written == _script("write_python").text(), "python docs/write_python.py writes it anew"
+
+
 def _script(name: str) -> ModuleType:
     """A script of the folder of pages, which is no package."""
     spec = importlib.util.spec_from_file_location(name, DOCS / f"{name}.py")

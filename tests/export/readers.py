@@ -9,8 +9,11 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pinocchio
+import pytest
 import yaml
-from numpy.typing import NDArray
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from numpy.typing import ArrayLike, NDArray
 
 from tamplang.runtime.export import write
 from tamplang.runtime.export.motion import module_of, moved, poses, times, trajectory
@@ -19,7 +22,7 @@ from tamplang.runtime.plan import Plan
 Array = NDArray[np.float64]
 
 
-def placed(pose: Array) -> pinocchio.SE3:
+def placed(pose: ArrayLike) -> pinocchio.SE3:
     return pinocchio.XYZQUATToSE3(np.asarray(pose, dtype=float))
 
 
@@ -73,6 +76,39 @@ def check_ros2(plan: Plan, folder: Path) -> None:
         motion = trajectory(plan, message["module"], np.array(stamps) + message["start"])
         assert np.abs(motion.q - [p["positions"] for p in points]).max() < 1e-6
         assert abs(stamps[-1] - (plan.phases[message["phase"]].end - message["start"])) < 1e-8
+
+
+def check_bag(plan: Plan, folder: Path) -> None:
+    """A bag as the reader of MCAP decodes it by the definitions in it, and poses as YAML: both are the motion."""
+    write(plan, "mcap", folder / "a.mcap", rate=20.0)
+    write(plan, "multidof", folder / "a.poses.yaml", rate=20.0)
+    documents = list(yaml.safe_load_all((folder / "a.poses.yaml").read_text()))
+    assert [d["phase"] for d in documents] == list(range(len(plan.phases)))
+    told: dict[str, int] = {}
+    with (folder / "a.mcap").open("rb") as stream:
+        found = make_reader(stream, decoder_factories=[DecoderFactory()]).iter_decoded_messages()
+        for schema, channel, message, decoded in found:
+            start = message.log_time * 1e-9
+            stamps = np.array([p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in decoded.points])
+            assert stamps[0] > 0 and (np.diff(stamps) > 0).all()
+            if schema.name == "trajectory_msgs/msg/JointTrajectory":
+                module = decoded.joint_names[0].rpartition(".")[0]
+                motion = trajectory(plan, module, stamps + start)
+                assert np.abs(motion.q - [p.positions for p in decoded.points]).max() < 1e-6
+                assert not any(decoded.points[-1].velocities)
+                continue
+            assert schema.name == "trajectory_msgs/msg/MultiDOFJointTrajectory" and decoded.header.frame_id == "world"
+            document = documents[told.get(channel.topic, 0)]["trajectory"]
+            assert list(decoded.joint_names) == document["joint_names"]
+            for k, name in enumerate(decoded.joint_names):
+                wanted = poses(plan, name, stamps + start)
+                for point, written, pose in zip(decoded.points, document["points"], wanted, strict=True):
+                    t, r = point.transforms[k].translation, point.transforms[k].rotation
+                    assert apart(placed([t.x, t.y, t.z, r.x, r.y, r.z, r.w]), placed(pose)) < 1e-6
+                    t, r = written["transforms"][k]["translation"], written["transforms"][k]["rotation"]
+                    assert [*t.values(), *r.values()] == pytest.approx(pose.tolist(), abs=1e-6)
+            told[channel.topic] = told.get(channel.topic, 0) + 1
+    assert told == {"/poses": len(plan.phases)}
 
 
 def check_urdf(plan: Plan, folder: Path, phase: int) -> int:

@@ -15,7 +15,7 @@ import tamplang
 from tamplang.cli.app import application
 from tamplang.runtime.plan import Plan
 
-from .readers import check_mjcf, check_rates, check_ros2, check_tables, check_urdf
+from .readers import check_bag, check_mjcf, check_rates, check_ros2, check_tables, check_urdf
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
@@ -60,6 +60,7 @@ def test_others_read_the_exports_of(kind: str, tmp_path: Path) -> None:
     check_tables(plan, tmp_path)
     check_rates(plan)
     check_ros2(plan, tmp_path)
+    check_bag(plan, tmp_path)
     assert check_mjcf(plan, tmp_path) == WELDS[kind]
     sizes = [check_urdf(plan, tmp_path, phase) for phase in range(len(plan.phases) + 1)]
     assert max(sizes) == ROBOTS[kind]

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import doctest
+import math
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
+import pandas
 import pytest
 
 import tamplang
-from tamplang import api
+from tamplang import api, texts
 from tamplang.runtime.plan_files import PlanFileError
 
 PLAN = Path(__file__).resolve().parents[1] / "verify" / "format_1.plan.json"
@@ -76,3 +78,52 @@ def test_motion_comes_as_arrays() -> None:
     poses = plan.poses(module.name, rate=20.0)
     assert poses.shape == (len(motion.t), 7) and np.allclose(np.linalg.norm(poses[:, 3:], axis=1), 1.0)
     assert plan.poses(f"{module.name}.{module.effectors[0].name}").shape[1] == 7
+
+
+def test_texts_are_made_from_values() -> None:
+    assert doctest.testmod(texts).failed == 0
+    assert tamplang.fill("$a and $b", a=np.array([1.5, 2.0]), b="c[1].A") == "(1.5, 2.0) and c[1].A"
+    for template, values in (
+        ("$a", {}), ("$a", {"b": 1}), ("$a", {"a": 1, "b": 2}), ("$a", {"a": "x) (y"}), ("$a", {"a": math.nan}),
+        ("$a", {"a": True}), ("$a", {"a": None}), ("$a", {"a": {"x": 1}}),
+    ):  # fmt: skip
+        with pytest.raises(tamplang.UsageError):
+            tamplang.fill(template, **values)
+    with pytest.raises(tamplang.UsageError, match="did you mean `size`"):
+        tamplang.fill("$sise", size=1)
+
+
+def test_plans_are_taken_from_files_and_written_for_others(tmp_path: Path) -> None:
+    plan = tamplang.read_plan(PLAN)
+    plan.compare(str(PLAN), tmp_path / "both.html", unchecked=True)
+    assert (tmp_path / "both.html").read_text().count("<iframe") == 2
+    with pytest.raises(tamplang.PlanFileError):
+        plan.compare(tmp_path / "lost.json", tmp_path / "both.html")
+    plan.export("csv", tmp_path / "a.csv", rate=10.0)
+    frame = plan.to_dataframe(rate=10.0)
+    read = pandas.read_csv(tmp_path / "a.csv", index_col="time")
+    pandas.testing.assert_frame_equal(read, frame)
+    with pytest.raises(tamplang.UsageError, match="did you mean `csv`"):
+        plan.export("csf", tmp_path / "a.csf")
+
+
+def test_a_missing_extra_is_told_with_its_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(tamplang.MissingLibrary, match=r"S0015.*pandas") as raised:
+        tamplang.read_plan(PLAN).to_dataframe()
+    assert "tamplang[notebook]" in raised.value.hint
+
+
+def test_progress_goes_to_functions_and_to_bars() -> None:
+    class Bar:
+        n, total = 0.0, None
+
+        def update(self, more: float) -> None:
+            self.n += more
+
+    bar, steps = Bar(), []
+    tamplang.loads(LAMP).solve(time=20.0, progress=bar)
+    tamplang.loads(LAMP).solve(progress=steps.append)
+    assert bar.total == 20.0 and 0.0 < bar.n < 20.0 and steps
+    with pytest.raises(tamplang.UsageError, match="progress"):
+        tamplang.loads(LAMP).solve(progress=3)
