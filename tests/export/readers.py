@@ -85,6 +85,7 @@ def check_bag(plan: Plan, folder: Path) -> None:
     documents = list(yaml.safe_load_all((folder / "a.poses.yaml").read_text()))
     assert [d["phase"] for d in documents] == list(range(len(plan.phases)))
     told: dict[str, int] = {}
+    first = {f"{m.name}.{m.joints[0].name}": m.name for m in plan.modules if m.joints}
     with (folder / "a.mcap").open("rb") as stream:
         found = make_reader(stream, decoder_factories=[DecoderFactory()]).iter_decoded_messages()
         for schema, channel, message, decoded in found:
@@ -92,7 +93,7 @@ def check_bag(plan: Plan, folder: Path) -> None:
             stamps = np.array([p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in decoded.points])
             assert stamps[0] > 0 and (np.diff(stamps) > 0).all()
             if schema.name == "trajectory_msgs/msg/JointTrajectory":
-                module = decoded.joint_names[0].rpartition(".")[0]
+                module = first[decoded.joint_names[0]]
                 motion = trajectory(plan, module, stamps + start)
                 assert np.abs(motion.q - [p.positions for p in decoded.points]).max() < 1e-6
                 assert not any(decoded.points[-1].velocities)
