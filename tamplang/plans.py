@@ -111,16 +111,21 @@ class Plan:
 
     def export(
         self, form: str, path: str | PathLike[str], rate: float | None = None, module: str | None = None,
-        phase: int = 0,
+        phase: int = 0, at: float | None = None,
     ) -> None:  # fmt: skip
         """Write the plan for another tool, in a form of `tamplang export --to`, with the same meaning. Raises
         UsageError, MissingLibrary and OSError."""
         from .api import task_of_plan
         from .langs.diagnostics import UsageError, did_you_mean
         from .runtime.export import FORMS, SYMBOLIC, write
+        from .runtime.report import pictures
 
-        if form not in FORMS:
-            raise UsageError(f"there is no form `{form}` to export", help=did_you_mean(form, FORMS) or ", ".join(FORMS))
+        known = (*FORMS, *pictures.FORMS)
+        if form not in known:
+            raise UsageError(f"there is no form `{form}` to export", help=did_you_mean(form, known) or ", ".join(known))
+        if form in pictures.FORMS:
+            pictures.write_picture(self.record, form, Path(path), rate, at)
+            return
         problem = task_of_plan(self.record).problem if form in SYMBOLIC else None
         write(self.record, form, Path(path), rate, module, phase, problem)
 

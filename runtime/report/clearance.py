@@ -45,7 +45,7 @@ class Clearance:
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
+class _Moving:
     """A shape that moves as one: its poses (T, 7), and whether it is there at each time (T,)."""
 
     name: str
@@ -116,7 +116,7 @@ def clearances(plan: Plan) -> list[Clearance]:
 
 
 def _least(
-    pairs: Sequence[tuple[_Part, _Part]], inside: NDArray[np.intp], forms: Forms, form: dict[Shape, int],
+    pairs: Sequence[tuple[_Moving, _Moving]], inside: NDArray[np.intp], forms: Forms, form: dict[Shape, int],
     distance: Array, between: list[tuple[str, str]],
 ) -> None:  # fmt: skip
     """Enter the least distance of the pairs at each of the instants `inside`."""
@@ -144,7 +144,7 @@ def _measured(posed: Sequence[Posed], which: NDArray[np.intp]) -> Distances:
     return distances(posed[0][which], posed[1][which], np.full(len(which), math.inf))
 
 
-def _posed(parts: Sequence[_Part], inside: NDArray[np.intp], forms: Forms, form: dict[Shape, int]) -> Posed:
+def _posed(parts: Sequence[_Moving], inside: NDArray[np.intp], forms: Forms, form: dict[Shape, int]) -> Posed:
     poses = np.concatenate([p.poses[inside] for p in parts])
     turned = rotate(poses[:, None, 3:], np.eye(3)[None]).transpose(0, 2, 1)
     kinds = np.repeat([form[p.shape] for p in parts], len(inside))
@@ -188,7 +188,7 @@ def _held(plan: Plan, phase: int) -> dict[str, str]:
     return found
 
 
-def _module_parts(plan: Plan, chosen: NDArray[np.intp], times: Array) -> Iterator[_Part]:
+def _module_parts(plan: Plan, chosen: NDArray[np.intp], times: Array) -> Iterator[_Moving]:
     tracks = {t.name: t for t in plan.tracks}
     for module in plan.modules:
         track = tracks.get(module.name)
@@ -206,17 +206,17 @@ def _module_parts(plan: Plan, chosen: NDArray[np.intp], times: Array) -> Iterato
             if shape is not None:
                 frame = frames[min(max(joint + 1, 0), len(frames) - 1)]
                 place = np.broadcast_to(pose_rows([placement])[0], frame.shape)
-                yield _Part(name, (module.name, joint), shape, compose(frame, place), there)
+                yield _Moving(name, (module.name, joint), shape, compose(frame, place), there)
 
 
-def _body_parts(plan: Plan, chosen: NDArray[np.intp]) -> Iterator[_Part]:
+def _body_parts(plan: Plan, chosen: NDArray[np.intp]) -> Iterator[_Moving]:
     tracks, there = body_rows(plan), np.ones(len(chosen), dtype=bool)
     for body in plan.bodies:
         shape = _shape(body.shape) if body.collides else None
         if shape is not None:
             rows = tracks.get(body.name) or [body.pose]
             poses = pose_rows([rows[min(int(i), len(rows) - 1)] for i in chosen])
-            yield _Part(body.name, (body.name, BODY), shape, poses, there)
+            yield _Moving(body.name, (body.name, BODY), shape, poses, there)
 
 
 def _shape(record: ShapeRecord | None) -> Shape | None:

@@ -14,7 +14,7 @@ from .sources import reading_sources
 
 ENDINGS = {
     "csv": ".csv", "npz": ".npz", "ros2": ".yaml", "multidof": ".poses.yaml", "mcap": ".mcap", "urdf": ".urdf",
-    "mjcf": ".xml", "pddl": ".pddl", "val": ".val",
+    "mjcf": ".xml", "pddl": ".pddl", "val": ".val", "png": ".png", "gif": ".gif", "mp4": ".mp4",
 }  # fmt: skip
 
 
@@ -23,15 +23,16 @@ ENDINGS = {
 @click.option("--to", "form", type=click.Choice(list(ENDINGS)), required=True, help="The form to write.")
 @click.option("-o", "--out", type=click.Path(path_type=Path), help="The file to write; beside the plan unless given.")
 @click.option("--rate", type=float,
-              help="Samples a second, of csv, npz and the forms of ROS 2; those of the plan unless given.")
+              help="Samples a second, of csv, npz and the forms of ROS 2 ; of gif and mp4, 10 unless given.")
 @click.option("--module", help="Of urdf: a module of the robot to write; the first one of the plan unless given.")
 @click.option("--phase", type=int, default=0, show_default=True, help="Of urdf: the phase to write it in.")
+@click.option("--at", type=float, help="Of png: the moment to draw, seconds; the end unless given.")
 @limit_options
 def export(
     file: Path, form: str, out: Path | None, rate: float | None, module: str | None, phase: int,
-    seconds: float, memory: int | None,
+    at: float | None, seconds: float, memory: int | None,
 ) -> None:  # fmt: skip
-    """Write a plan for other tools: tables, ROS 2, URDF, MuJoCo or PDDL."""
+    """Write a plan for other tools: tables, ROS 2, URDF, MuJoCo or PDDL; or as pictures."""
     plain = file.name.removesuffix(".json").removesuffix(".plan")
     target = file.with_name(plain + ENDINGS[form]) if out is None else out
     with limited(seconds, memory, f"exporting {file}"), reading_sources(), needing_libraries():
@@ -39,7 +40,12 @@ def export(
         checked_output(target)
         from ..api import task_of_plan
         from ..runtime.export import SYMBOLIC, write
+        from ..runtime.report.pictures import FORMS, write_picture
 
+        if form in FORMS:
+            write_picture(plan, form, target, rate, at)
+            click.echo(f"wrote {target}", err=True)
+            return
         problem = task_of_plan(plan).problem if form in SYMBOLIC else None
         write(plan, form, target, rate, module, phase, problem)
     click.echo(f"wrote {target}", err=True)
