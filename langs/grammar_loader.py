@@ -6,6 +6,7 @@ import hashlib
 import io
 import os
 import pickle
+import stat
 import sys
 from contextlib import suppress
 from functools import cache
@@ -27,6 +28,10 @@ def grammar_text() -> str:
 def build(text: str, strict: bool = False) -> lark.Lark:
     """The parser for grammar `text`; `strict` makes Lark refuse every ambiguity between terminals."""
     return lark.Lark(text, parser="lalr", lexer="contextual", propagate_positions=True, strict=strict)
+
+
+DIGEST = hashlib.sha256().digest_size
+"""Bytes of the digest with which a file of tables begins."""
 
 
 @cache
@@ -51,12 +56,17 @@ def cache_folder() -> Path:
 
 
 def load_cached(file: Path) -> lark.Lark | None:
-    """The cached parser, or None. The file is unpickled, so only one that this user owns is opened."""
+    """The cached parser, or None. The file is unpickled, so only a plain one that this user owns is opened, and only
+    tables that are whole by their digest are used: damaged ones may load and read texts wrongly."""
     try:
-        if hasattr(os, "getuid") and file.stat().st_uid != os.getuid():
+        known = file.stat()
+        if not stat.S_ISREG(known.st_mode) or (hasattr(os, "getuid") and known.st_uid != os.getuid()):
             return None
-        with file.open("rb") as stream:
-            return lark.Lark.load(stream)
+        content = file.read_bytes()
+        digest, tables = content[:DIGEST], content[DIGEST:]
+        if hashlib.sha256(tables).digest() != digest:
+            return None
+        return lark.Lark.load(io.BytesIO(tables))
     except (
         OSError,
         pickle.UnpicklingError,
@@ -77,4 +87,4 @@ def store(built: lark.Lark, file: Path) -> None:
     built.save(content)
     with suppress(OSError):
         file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        write_atomically(file, content.getvalue())
+        write_atomically(file, hashlib.sha256(content.getvalue()).digest() + content.getvalue())

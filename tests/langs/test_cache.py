@@ -3,6 +3,8 @@
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -39,12 +41,32 @@ def test_folder_that_cannot_be_written(tmp_path: Path) -> None:
     parse_alone(tmp_path / "file")
 
 
+def flipped(sound: bytes) -> Iterator[bytes]:
+    """The file with one byte that is another, here and there."""
+    for k in range(1, 8):
+        at = k * len(sound) // 8
+        yield sound[:at] + bytes([sound[at] ^ 1]) + sound[at + 1 :]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+def test_pipe_in_the_place_of_the_file_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "grammar.bin")
+    assert grammar_loader.load_cached(tmp_path / "grammar.bin") is None
+
+
+def test_written_by_two_processes_at_once(tmp_path: Path) -> None:
+    with ThreadPoolExecutor() as pool:
+        list(pool.map(parse_alone, [tmp_path, tmp_path]))
+    (file,) = (tmp_path / "tamplang").iterdir()
+    assert grammar_loader.load_cached(file) is not None
+
+
 def test_damaged_file_is_not_used(tmp_path: Path) -> None:
     file = tmp_path / "grammar.bin"
     grammar_loader.store(grammar_loader.parser(), file)
     assert grammar_loader.load_cached(file) is not None
     sound = file.read_bytes()
-    for damage in (b"", b"nonsense", b"\x80\x04N.", sound[: len(sound) // 2], b"\0" + sound):
+    for damage in (b"", b"nonsense", b"\x80\x04N.", sound[: len(sound) // 2], b"\0" + sound, *flipped(sound)):
         file.write_bytes(damage)
         assert grammar_loader.load_cached(file) is None
 
