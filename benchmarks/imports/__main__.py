@@ -180,7 +180,8 @@ def _as_pinocchio(program: Path, file: Path, links: list[str]) -> bool:
         frames = joint_frames(module, IDENTITY, [values[name] for name in names])
         for effector in module.effectors:
             ours = compose(frames[effector.joint], effector.placement)
-            theirs = pinocchio.SE3ToXYZQUAT(data.oMf[model.getFrameId(links[int(effector.name[1:])])])
+            frame = model.getFrameId(links[int(effector.name[1:])], pinocchio.FrameType.BODY)
+            theirs = pinocchio.SE3ToXYZQUAT(data.oMf[frame])
             if _off(ours, tuple(theirs.tolist())) > CLOSE:
                 return False
     return True

@@ -128,8 +128,8 @@ class RaiScene:
             return IDENTITY
         way.add(name)
         parent = IDENTITY if frame.parent is None else self._resolve(frame.parent, way)
-        absolute = "X" in frame.given
-        own = compose(inverse(parent), self._pose(frame, "X")) if absolute else self._pose(frame, "Q")
+        absolute, key = "X" in frame.given, "pose" if "pose" in frame.given else "Q"
+        own = compose(inverse(parent), self._pose(frame, "X")) if absolute else self._pose(frame, key)
         frame.origin = self._pose(frame, "pre")
         kind = self._kind(frame)
         if kind in MOVES and "q" in frame.given:

@@ -19,8 +19,8 @@ from .rai import RaiScene
 
 MOST_INCLUDES = 100
 DEEPEST = 100
-_TOKEN = re.compile(r"\s+|#[^\n]*|\"[^\"\n]*\"|'[^'\n]*'|<[^>\n]*>|[(){}\[\]:,!]|[^\s(){}\[\]:,!\"'<>#]+")
-_STEP = re.compile(r"\s*([tdqrE])\(([^()]*)\)\s*")
+_TOKEN = re.compile(r"\s+|#[^\n]*|\"[^\"\n]*\"|'[^'\n]*'|<[^>\n]*>|[(){}\[\]:,!=]|[^\s(){}\[\]:,!=\"'<#]+")
+_STEP = re.compile(r"\s*([tdqrE])\s*\(([^()]*)\)\s*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +105,7 @@ class RaiEntry:
 def import_rai(source: Source) -> Models:
     """The modules and bodies of a scene. Raises SourceError."""
     scene = RaiScene()
-    for entry in _Text(source, "", (source.path,), [0]).entries():
+    for entry in _Text(source, "", (source.path,), [0, 0]).entries():
         scene.add(entry)
     return scene.build()
 
@@ -179,8 +179,8 @@ class _Text:
             reason = f"`{name}` includes itself"
         elif self.count[0] > MOST_INCLUDES or len(self.way) > DEEPEST:
             reason = f"more than {MOST_INCLUDES} files are included"
-        elif not path.endswith(".g"):
-            reason = f"`{name}` is not included: only files that end with .g are"
+        elif not path.endswith((".g", ".yml")):
+            reason = f"`{name}` is not included: only files that end with .g or .yml are"
         if reason is not None:
             raise SourceError([Diagnostic("E0022", reason, span)])
         try:
@@ -192,13 +192,19 @@ class _Text:
 
     def _entry(self, first: RaiWord) -> RaiEntry:
         edits, deletes = (first.text == w and not first.quoted and self._named() for w in ("Edit", "Delete"))
+        if deletes:
+            self._skip(":")
         name = self._next() if edits or deletes else first
+        if name.text == "(" and not name.quoted and not edits:  # a frame without name
+            self.at -= 1
+            self.count[1] += 1
+            name = RaiWord(f"frame_{self.count[1]}", name.start, name.end)
         if name.text in ("(", ")", "{", "}", "[", "]", ":", "!") and not name.quoted:
             raise self._broken(name.start, f"a frame has a name, not `{name.text}`")
         if '"' in name.text:
             raise self._broken(name.start, "a name has quotes in it")
         if self._peek() not in ("(", "{", ":", "") and not deletes:  # older files say `body NAME` and `frame NAME`
-            if name.text not in ("body", "frame", "shape", "joint"):
+            if name.text.lower() not in ("body", "frame", "shape", "joint"):
                 raise self._broken(name.start, f"`{name.text}` is followed by its parent in brackets, or by `{{`")
             name = self._next()
         parents = tuple(self._group("(", ")")) if self._skip("(") else ()
@@ -208,7 +214,8 @@ class _Text:
         return RaiEntry(name.text, parents, given, self.prefix + self.own, span, bool(edits), bool(deletes))
 
     def _named(self) -> bool:
-        return self._peek() not in ("(", "{", ":", "")
+        after = self.words[self.at + 1].text if self.at + 1 < len(self.words) else ""
+        return self._peek() not in ("(", "{", "=", ":", "") or (self._peek() == ":" and after not in ("{", "("))
 
     def _group(self, opening: str, closing: str) -> Iterator[str]:
         """The words up to the bracket that closes."""
