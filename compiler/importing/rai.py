@@ -133,7 +133,7 @@ class RaiScene:
         frame.origin = self._pose(frame, "pre")
         kind = self._kind(frame)
         if kind in MOVES and "q" in frame.given:
-            own = self._motion(kind, self._numbers(frame, "q", 1)[0])
+            own = self._motion(kind, self._numbers(frame, "q", 1)[0] * self._sign(frame))
         frame.place = compose(parent, compose(frame.origin, own))
         return frame.place
 
@@ -211,7 +211,30 @@ class RaiScene:
                 self._leave(frame, f"joint `{frame.name}` has no limits: it moves {FAR:g} m each way")
             lower, upper = (0.0, 0.0) if turn == "revolute" else (-FAR, FAR)
             turn = "continuous" if turn == "revolute" else turn
-        return [Hinge(frame.name, turn, frame.parent, frame.name, origin, axis, lower, upper)]
+        leader, sign = self._leader(frame, world), self._sign(frame)
+        axis = (sign * axis[0], sign * axis[1], sign * axis[2])
+        return [Hinge(frame.name, turn, frame.parent, frame.name, origin, axis, lower, upper, leader=leader)]
+
+    def _sign(self, frame: RaiFrame) -> float:
+        """1, or -1 for a joint whose `joint_scale` turns it round."""
+        if "joint_scale" not in frame.given:
+            return 1.0
+        scale = self._numbers(frame, "joint_scale", 1)[0]
+        if abs(scale) != 1.0:
+            self._fault(frame.span, f"`joint_scale` of `{frame.name}` is {scale:g}: only 1 and -1 are known", "E0020")
+        return math.copysign(1.0, scale)
+
+    def _leader(self, frame: RaiFrame, world: dict[str, Pose]) -> tuple[str, float, float] | None:
+        """The joint that a `mimic` follows one to one, where its module has it."""
+        if "mimic" not in frame.given:
+            return None
+        wanted = str(frame.given["mimic"].value)
+        prefixes = [frame.name[:k] for k in range(len(frame.name) + 1)]
+        known = next((p + wanted for p in prefixes if p + wanted in world and p + wanted != frame.name), None)
+        if known is None or self._kind(self.frames[known]) not in MOVES:
+            self._leave(frame, f"joint `{frame.name}` follows `{wanted}`, which its module lacks: it moves by itself")
+            return None
+        return known, 1.0, 0.0
 
     def _part(self, frame: RaiFrame, formed: bool) -> RobotPart:
         form = self._form(frame) if formed else None
