@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import imageio_ffmpeg
 import pytest
 from click.testing import CliRunner
 from PIL import Image, ImageChops
@@ -31,6 +32,12 @@ def test_a_film_shows_the_motion(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         moved = ImageChops.difference(first, film.convert("RGB")).getbbox()
     assert moved is not None and moved[2] - moved[0] > 20
     assert len(first.getcolors(1_000_000) or []) > 50
+
+
+def test_ffmpeg_counts_the_pictures_of_a_video(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TAMPLANG_CHROMIUM", chromium_path())
+    assert exported(tmp_path, "--to", "mp4", "--rate", "1").startswith("0 ")
+    assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4")) == (4, 4.0)
 
 
 @pytest.mark.parametrize(
