@@ -53,12 +53,13 @@ class Landmark:
 
 
 class Estimate:
-    """A lower bound on the cost from a state to the goal; infinite where the goal is out of reach."""
+    """A lower bound on the cost from a state to the goal; infinite where the goal is out of reach. What an action of a
+    rule costs at least is read from the rules, or told by `costs`."""
 
-    def __init__(self, successors: Successors) -> None:
+    def __init__(self, successors: Successors, costs: Mapping[str, float] | None = None) -> None:
         self.successors = successors
         self.layout = successors.layout
-        self.costs = {f.rule.name: self._least_cost(f) for f in self.layout.domains.rules}
+        self.costs = costs or {f.rule.name: self._least_cost(f) for f in self.layout.domains.rules}
         self.landmarks: list[Landmark] = []
         self._known: dict[frozenset[Fact], int] = {}
         self.achievers = Achievers(successors)

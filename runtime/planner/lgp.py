@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import field, replace
 from functools import partial
 from typing import Any
@@ -35,7 +36,9 @@ from .candidate_loop import CandidateLoop
 from .conflicts.infeasibility import Refusals, distrust, fewer, unverified
 from .motion.settings import MotionSettings
 from .schedule.at_once import AtOnce
-from .schedule.objective_value import valued
+from .schedule.improvement import Improvement
+from .schedule.objective_value import bounded, valued
+from .schedule.settings import SCHEDULE
 from .search.best_first import Candidate, SkeletonSearch
 from .search.slack_maximisation import maximise_slack
 
@@ -136,6 +139,7 @@ class _SolveRun:
         settings, seed = motion_settings(problem, options), Seed(options.seed)
         self.bounds = MultiBound(problem, settings, options.bound, seed, self.budget, self._tell, options.ahead)
         self.refusals = Refusals(problem, self.bounds.cause)
+        self.improvement = Improvement(problem, options.minimise)
         self.at_once = AtOnce(problem, settings, seed, self.budget, self._tell)
         self.search: SkeletonSearch | None = None
 
@@ -151,8 +155,26 @@ class _SolveRun:
             if candidate is not None:
                 self._take(loop, candidate)
             if len(self.accepted) >= self.options.solutions:
+                self._improve(loop)
                 return Status.SOLVED
         return loop.search.status
+
+    def _improve(self, loop: CandidateLoop) -> None:
+        """Try candidates that promise to be better by the objective, and tell below what none falls."""
+        if self.options.minimise == ACTIONS or not self.plans:
+            return
+        bound: float | None = None
+        with suppress(OutOfTime):
+            for tried in range(SCHEDULE.better + 1):
+                self._tell("search", "searching for what is better")
+                with self.bounds.clock("search"):
+                    clocked = self.improvement.better(loop.search)
+                bound = clocked.bound
+                if clocked.candidate is None or tried == SCHEDULE.better:
+                    break
+                self._take(loop, clocked.candidate)
+        if bound is not None:
+            self.plans = [bounded(plan, bound) for plan in self.plans]
 
     def _propose(self, loop: CandidateLoop) -> Candidate | None:
         self._tell("search", "searching for a skeleton")
@@ -205,10 +227,13 @@ class _SolveRun:
         if objective == ACTIONS:
             return plan
         critical: float | None = None
+        sequence = plan
+        taken: Sequence[float] = [path.duration for path in paths]
         if objective.timed:
             with self.bounds.clock("schedule"):
                 known = None if self.search is None else self.search.successors
-                plan, critical = self.at_once.shorter(skeleton, candidate.actions, paths, plan, known)
+                plan, critical, taken = self.at_once.shorter(skeleton, candidate.actions, paths, plan, known)
+        self.improvement.learn(candidate, sequence, taken)
         value = valued(self.problem, objective, plan, candidate.cost, self.first_bound or 0.0, critical)
         statistics = msgspec.structs.replace(plan.statistics, objective=value)
         return msgspec.structs.replace(plan, statistics=statistics)
@@ -234,7 +259,7 @@ class _SolveRun:
 
     def _outcome(self, status: Status) -> Outcome:
         statistics, timing = self._statistics(), self._timing()
-        order = sorted(range(len(self.accepted)), key=self._worth)
+        order = sorted(range(len(self.accepted)), key=self._worth)[: self.options.solutions]
         self.accepted = [self.accepted[i] for i in order]
         plans = [_with_statistics(self.plans[i], statistics, timing, self.accepted[k].cost)
                  for k, i in enumerate(order) if i < len(self.plans)]  # fmt: skip

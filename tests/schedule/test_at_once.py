@@ -10,7 +10,7 @@ import pytest
 from msgspec.structs import replace
 
 from benchmarks.trust.checker import judge, read
-from tamplang.api import Plan, load
+from tamplang.api import Plan, load, loads
 from tamplang.runtime.plan import Plan as PlanRecord
 from tamplang.runtime.verify import verify
 
@@ -107,3 +107,36 @@ def test_the_report_tells_what_moves_at_once_and_who_waits(mounted: PlanRecord, 
     write_report(mounted, str(file), checked=True)
     text = file.read_text(encoding="utf-8")
     assert "block thin critical" in text and "waits: " in text and "makespan: " in text
+
+
+PRESS = """
+import std.crawler
+import std.rules
+motion [press A: gripper, X: object] { at switch gap(A, X) <= 20 mm at switch gap(A, X) >= 8 mm }
+predicate (pressed X: object)
+rule press(A: gripper, X: object) {
+    pre (free A), (reachable A X), not (pressed X)
+    post (pressed X), [press A X]
+}
+task two() {
+    object table: cylinder(0.3 m, 0.04 m) at (0, 0, 0.02 m)
+    for k in 1 .. 2 {
+        base stand[k]: box(0.3 m, 0.3 m, 0.05 m) at (0.65 m * cos(180 deg * k), 0, 0)
+        crawler c[k]: A on stand[k]
+    }
+    for i in 1 .. 2 {
+        object thing[i]: box(5 cm, 5 cm, 5 cm) on table at (-0.06 m, -0.36 m + 0.24 m * i)
+    }
+    goal forall i in 1 .. 2 { (pressed thing[i]) }
+}
+"""
+
+
+def test_the_planner_chooses_who_does_what() -> None:
+    """Both things are nearer to one arm, which the cheapest plan of least strain takes for both."""
+    result = loads(PRESS).solve(time=300, minimise="makespan")
+    assert result.plan is not None and len(result.plans) == 1
+    assert {action.split("[")[1][0] for action in result.actions} == {"1", "2"}
+    told = result.plan.record.statistics.objective
+    alike = told.bounds["any actions, none below those here"]
+    assert 0.0 < alike <= told.value < 0.7 * sum(s.knots[-1] - s.knots[0] for s in result.plan.record.splines)

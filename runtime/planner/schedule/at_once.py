@@ -30,20 +30,21 @@ class AtOnce:
     def shorter(
         self, skeleton: Skeleton, actions: Sequence[Action], paths: Sequence[PhasePath], plan: Plan,
         successors: Successors | None = None,
-    ) -> tuple[Plan, float | None]:  # fmt: skip
-        """The first shorter plan with these motions that is verified, else the one that stands, and the seconds below
-        which none of them ends. A plan is never lost: where time runs out, or no schedule can be made, the one that
-        stands is given back."""
+    ) -> tuple[Plan, float | None, Sequence[float]]:  # fmt: skip
+        """The first shorter plan with these motions that is verified, else the one that stands; the seconds below which
+        none of them ends; and those of each action's motion. A plan is never lost: where time runs out, or no schedule
+        can be made, the one that stands is given back."""
         bound: float | None = None
+        seconds: Sequence[float] = [path.duration for path in paths]
         try:
             self._tell("schedule", f"letting robots work at once in {len(actions)} actions")
             for timed in self._scheduler.plans(skeleton, actions, paths, plan.statistics, successors):
-                bound = timed.bound
+                bound, seconds = timed.bound, timed.seconds
                 if timed.makespan >= plan.times[-1]:
                     break
                 verdict = verify(timed.plan, self._budget.whole)
                 if verdict.verified:
-                    return msgspec.structs.replace(timed.plan, verdict=verdict, timing=plan.timing), bound
+                    return msgspec.structs.replace(timed.plan, verdict=verdict, timing=plan.timing), bound, seconds
         except (OutOfTime, ValueError):  # no time, an order that the rules refuse, or numbers without a solution
             pass
-        return plan, bound
+        return plan, bound, seconds

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ....compiler.ir import Fact, Problem
+from ....compiler.remembering import remembered
 from ....langs.frozen import dataclass
 from ...geometry.attachments import carrier, next_mode
 from ...skeleton import PhasePath, Skeleton
@@ -48,6 +49,7 @@ class Precedence:
         return len(self.segments)
 
 
+@remembered(256)
 def hanging_together(problem: Problem, mode: frozenset[Fact]) -> list[Things]:
     """The things that literals of a mode keep to each other, or bind as long as they hold, in groups; a thing that
     none does is alone."""
@@ -71,12 +73,16 @@ def _closed(groups: Iterable[Things], named: Iterable[str]) -> Things:
 
 def bound_by(skeleton: Skeleton, phase: int) -> Things:
     """The things that the switch of a phase binds."""
-    problem, here = skeleton.problem, skeleton.phases[phase]
-    after = next_mode(skeleton, phase)
-    literals = (here.mode ^ after) | here.added
+    here = skeleton.phases[phase]
+    return bound_between(skeleton.problem, here.mode, here.added, next_mode(skeleton, phase))
+
+
+def bound_between(problem: Problem, mode: frozenset[Fact], added: frozenset[Fact], after: frozenset[Fact]) -> Things:
+    """The things that a switch from one mode to another binds, which adds some literals."""
+    literals = (mode ^ after) | added
     named = {carrier(problem, a) for literal in literals for a in literal[1:]}
     known = problem.world.modules.keys() | {n for n, b in problem.world.bodies.items() if b.movable}
-    before = _closed(hanging_together(problem, here.mode), named & known)
+    before = _closed(hanging_together(problem, mode), named & known)
     return before | _closed(hanging_together(problem, after), named & known)
 
 

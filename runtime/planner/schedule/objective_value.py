@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
+import msgspec
 import numpy as np
 
 from ....compiler.ir import Joint, Problem
@@ -17,8 +18,9 @@ from ...skeleton import Array
 from ...tracks import body_rows
 from .profiles import STILL
 
-THESE, ANY = "these actions", "any actions"
-"""What a bound holds for."""
+THESE, ANY, ALIKE = "these actions", "any actions", "any actions, none below those here"
+"""What a bound holds for. Of the last, no action takes less than the least one of its rule in the plans that were made,
+and one of a rule that was never used no less than the least of all."""
 
 
 def valued(
@@ -37,6 +39,35 @@ def valued(
         {THESE: min(objective.value(least), objective.value(measures)),
          ANY: objective.value(dict.fromkeys(least, 0.0) | {"actions": least_cost})},
     )  # fmt: skip
+
+
+def bounded(plan: Plan, bound: float) -> Plan:
+    """The plan, which tells as well what no plan of other actions falls below, as long as none of them takes less than
+    those that were met."""
+    told = plan.statistics.objective
+    if not isinstance(told, ObjectiveRecord):
+        return plan
+    told = msgspec.structs.replace(told, bounds={**told.bounds, ALIKE: min(bound, told.value)})
+    return msgspec.structs.replace(plan, statistics=msgspec.structs.replace(plan.statistics, objective=told))
+
+
+def shares(
+    problem: Problem, objective: Objective, plan: Plan, seconds: Sequence[float]
+) -> list[tuple[str, float, float]]:
+    """By action of a plan in sequence its rule, the `seconds` of its motion, and what the objective adds up over
+    actions beside their cost."""
+    weights = dict(objective.weights)
+    found = []
+    for (phase, span), own in zip(_spans(plan), seconds, strict=True):
+        more = weights.get("duration", 0.0) * own
+        if "travel" in weights:
+            rows = (np.asarray(t.joints[span], dtype=float) for t in plan.tracks)
+            ways = (float(np.linalg.norm(np.diff(r, axis=0), axis=1).sum()) for r in rows if r.size)
+            more += weights["travel"] * sum(ways)
+        if "energy" in weights:
+            more += weights["energy"] * _work(problem, plan, phase, span)
+        found.append((phase.rule, own, more))
+    return found
 
 
 def _measured(problem: Problem, plan: Plan, name: str, cost: float) -> float:

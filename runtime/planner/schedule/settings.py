@@ -39,6 +39,18 @@ class ScheduleSettings:
     touch: float = setting(
         3e-4, "m", "How much nearer than at the switches two things may come; the verifier forbids three times as much."
     )
+    clocked_nodes: int = setting(
+        2000, "nodes", "How many nodes the search with clocks expands at most behind a plan.",
+        "0.2 to 2 s of CPU; two arms and four things take 60.",
+    )
+    better: int = setting(
+        1, "candidates", "How many candidates that may be better are taken to motion behind the first plan.",
+        "Each may cost as much as the plan itself; where the time is to be spent, `gap` says so.",
+    )
+    worthwhile: float = setting(
+        0.05, "1", "By so much of its value a candidate must be better, as far as is known, to be taken to motion.",
+        "Motions of one rule differ by more than this: what is gained on paper is lost in motion.",
+    )
     orders: int = setting(8, "orders", "How many orders of priority are tried where things are in each other's way.")
 
 

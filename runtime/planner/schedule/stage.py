@@ -29,12 +29,13 @@ from .settings import SCHEDULE
 @dataclass(frozen=True, slots=True)
 class Timed:
     """A plan in seconds: the plan, seconds until its last action, that none with these motions is shorter than `bound`
-    seconds, and whether its robots work at once."""
+    seconds, and whether its robots work at once; `seconds` of each action's motion, in the order of the search."""
 
     plan: Plan
     makespan: float
     bound: float
     at_once: bool
+    seconds: tuple[float, ...]
 
 
 class Scheduler:
@@ -57,6 +58,7 @@ class Scheduler:
         order = precedence(skeleton, faster, tick)
         sequence = _in_sequence(order)
         bound = _bound(order) * tick
+        seconds = tuple(0.0 if s is None else s.ticks * tick for s in order.segments)
         found = self._best(skeleton, actions, order, faster)
         if found is not None and found[0].end < sequence.end:
             line = plan_order(found[0])
@@ -64,9 +66,9 @@ class Scheduler:
             same = line == sorted(line)
             other = skeleton if same else build_skeleton(self._problem, done, successors)
             plan = scheduled_plan(self._problem, done, other, found[1], found[0], tick, statistics)
-            yield Timed(plan, found[0].end * tick, bound, True)
+            yield Timed(plan, found[0].end * tick, bound, True, seconds)
         plan = scheduled_plan(self._problem, actions, skeleton, order, sequence, tick, statistics)
-        yield Timed(plan, sequence.end * tick, bound, False)
+        yield Timed(plan, sequence.end * tick, bound, False, seconds)
 
     def _tick(self, paths: Sequence[PhasePath]) -> float:
         total = sum(path.duration for path in paths)

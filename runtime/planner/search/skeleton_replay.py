@@ -23,7 +23,7 @@ def build_skeleton(
     state = successors.initial
     phases = []
     for action in actions:
-        deleted, added = _motion_changes(problem, successors, state, action)
+        deleted, added = motion_changes(problem, successors, state, action)
         phases.append(Phase(action, mode, frozenset(added)))
         mode = left(problem.motions, mode, deleted) | frozenset(added)
         state = _after(successors, state, action)
@@ -37,7 +37,7 @@ def _after(successors: Successors, state: int, action: Action) -> int:
     raise ValueError(f"{action} cannot be done here")
 
 
-def _motion_changes(
+def motion_changes(
     problem: Problem, successors: Successors, state: int, action: Action
 ) -> tuple[list[Fact], list[Fact]]:
     """Patterns of deleted motion literals, with ANY, and added ones, in the order of the rule."""

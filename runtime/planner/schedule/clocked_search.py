@@ -1,0 +1,240 @@
+"""Search for actions by what an objective makes of them, with a clock for each module.
+
+An action lasts as long as its rule's motion takes at least. Its motion begins when the modules that it moves are done
+with the last switch that bound them; its own switch comes behind that motion and behind the switch before it, and binds
+whatever hangs together with what it changes. What is between two switches of a module is one motion's time only: this
+is what bounds the makespan from below, along with the work that is left.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Mapping
+
+from ....compiler.ir import Fact
+from ....compiler.symbolic.estimate import Estimate
+from ....langs.frozen import dataclass
+from ...geometry.attachments import carrier
+from ..conflicts.forbidden_sequences import EMPTY, LEAF
+from ..search.best_first import EQUAL, NOTHING, Candidate, Past, SkeletonSearch
+from ..search.skeleton_replay import motion_changes
+from ..search.stepper import left
+from .dependencies import bound_between
+from .settings import SCHEDULE
+
+Clocks = tuple[float, ...]
+"""By module, the last switch that bound it; then the last switch of all; then what was added up."""
+Mode = frozenset[Fact]
+
+
+@dataclass(frozen=True, slots=True)
+class Pace:
+    """What an action of a rule is worth at least: its `seconds` of motion, which makespan counts `makespan` times, and
+    `more`, what the objective adds up over actions, beside `cost` times the action's own cost."""
+
+    seconds: Mapping[str, float]
+    more: Mapping[str, float]
+    makespan: float
+    cost: float
+
+
+@dataclass(frozen=True, slots=True)
+class Clocked:
+    """What a search came to: the best candidate, with its value (None: none was found), and a value that no sequence
+    of actions falls below, those that motion refused included."""
+
+    candidate: Candidate | None
+    value: float
+    bound: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """One action in one state and mode: seconds, the modules that its motion waits for and those that its switch binds,
+    by number, and the mode behind it."""
+
+    seconds: float
+    waits: tuple[int, ...]
+    binds: tuple[int, ...]
+    mode: Mode
+
+
+@dataclass(frozen=True, slots=True)
+class _Node:
+    state: int
+    mode: Mode
+    clocks: Clocks
+    past: Past
+    before: _Node | None
+    number: int
+
+
+class ClockedSearch:
+    """Best-first over states, modes and clocks; of two ways to a state one that is nowhere later and costs no more is
+    enough. The no-goods and the budget of `search` are kept."""
+
+    def __init__(self, search: SkeletonSearch, pace: Pace) -> None:
+        self._search, self._pace = search, pace
+        self._problem, self._successors = search.problem, search.successors
+        self._modules = tuple(self._problem.world.modules)
+        self._number = {name: k for k, name in enumerate(self._modules)}
+        self._steps: dict[tuple[int, Mode, int], _Step] = {}
+        rules = self._problem.rules
+        least = search.estimate.costs
+        added = {r: pace.more.get(r, 0.0) + pace.cost * least.get(r, 0.0) for r in rules}
+        self._work = Estimate(self._successors, {r: pace.seconds.get(r, 0.0) for r in rules}) if pace.makespan else None
+        self._adds = Estimate(self._successors, added) if any(added.values()) else None
+        self._rest: dict[int, tuple[float, float]] = {}
+
+    def best(self, below: float = math.inf, most: int = SCHEDULE.clocked_nodes) -> Clocked:
+        """The best candidate of a value `below`, after at most so many nodes. Raises OutOfTime."""
+        search = self._search
+        start = (0.0,) * (len(self._modules) + 2)
+        root = _Node(self._successors.initial, self._problem.init_motion, start, (EMPTY, search.no_goods.root, None),
+                     None, -1)  # fmt: skip
+        queue: list[tuple[float, float, int, _Node]] = []
+        known: dict[object, list[Clocks]] = {}
+        refused = below
+        age = expanded = 0
+        heapq.heappush(queue, (self._value(root.state, start), 0.0, age, root))
+        while queue:
+            value, _, _, node = heapq.heappop(queue)
+            if node.before is not None and not self._stands(known, node):
+                continue
+            if value >= below - EQUAL:
+                return Clocked(None, math.inf, min(refused, below))
+            if self._successors.is_goal(node.state):
+                return Clocked(self._candidate(node, value), value, min(value, refused))
+            if expanded >= most or search.budget.full:
+                return Clocked(None, math.inf, min(value, refused))
+            expanded += 1
+            search.budget.check()
+            children = self._successors.expand(node.state)
+            search.budget.grown += len(children)
+            for following, number in children:
+                step = self._step(node.state, node.mode, number)
+                clocks = self._after(node.clocks, step, number)
+                child_value = max(value, self._value(following, clocks))
+                if child_value == math.inf or child_value >= below - EQUAL:
+                    continue
+                past = self._past(node, number)
+                if past is None:
+                    refused = min(refused, child_value)
+                    continue
+                child = _Node(following, step.mode, clocks, past, node, number)
+                if not self._is_new(known, child):
+                    continue
+                age += 1
+                heapq.heappush(queue, (child_value, sum(self._left(following)), age, child))
+        return Clocked(None, math.inf, refused)
+
+    # --- time ------------------------------------------------------------------------------------------------------
+
+    def _value(self, state: int, clocks: Clocks) -> float:
+        """What the objective comes to at least."""
+        *modules, last, added = clocks
+        work, adds = self._left(state)
+        busy = (work + sum(modules)) / len(modules) if modules else work + last
+        return self._pace.makespan * max(last, busy) + added + adds
+
+    def _left(self, state: int) -> tuple[float, float]:
+        known = self._rest.get(state)
+        if known is None:
+            if self._search.value(state) == math.inf:
+                known = math.inf, math.inf
+            else:
+                known = (0.0 if self._work is None else self._work.value(state),
+                         0.0 if self._adds is None else self._adds.value(state))  # fmt: skip
+            self._rest[state] = known
+        return known
+
+    def _after(self, clocks: Clocks, step: _Step, number: int) -> Clocks:
+        *modules, last, added = clocks
+        begin = max((modules[k] for k in step.waits), default=last)
+        last = max(last, begin + step.seconds)
+        for k in step.binds:
+            modules[k] = last
+        rule = self._successors.action(number).rule
+        more = self._pace.more.get(rule, 0.0) + self._pace.cost * self._successors.cost(number)
+        return *modules, last, added + more
+
+    def _step(self, state: int, mode: Mode, number: int) -> _Step:
+        key = state, mode, number
+        found = self._steps.get(key)
+        if found is None:
+            found = self._steps[key] = self._made(state, mode, number)
+        return found
+
+    def _made(self, state: int, mode: Mode, number: int) -> _Step:
+        problem, action = self._problem, self._successors.action(number)
+        deleted, told = motion_changes(problem, self._successors, state, action)
+        added = frozenset(told)
+        after = left(problem.motions, mode, deleted) | added
+        binds = {self._number[n] for n in bound_between(problem, mode, added, after) if n in self._number}
+        named = {carrier(problem, a) for literal in added for a in literal[1:]}
+        waits = {self._number[n] for n in named if n in self._number} or set(range(len(self._modules)))
+        return _Step(self._pace.seconds.get(action.rule, 0.0), tuple(sorted(waits)), tuple(sorted(binds | waits)),
+                     after)  # fmt: skip
+
+    # --- what was met ------------------------------------------------------------------------------------------------
+
+    def _is_new(self, known: dict[object, list[Clocks]], node: _Node) -> bool:
+        """Whether no way that is known leads here at least as early, and at no higher cost; it is known from now on."""
+        key, clocks = self._key(node)
+        before = known.setdefault(key, [])
+        if any(all(a <= b + EQUAL for a, b in zip(other, clocks, strict=True)) for other in before):
+            return False
+        before[:] = [o for o in before if not all(a <= b + EQUAL for a, b in zip(clocks, o, strict=True))]
+        before.append(clocks)
+        return True
+
+    def _stands(self, known: Mapping[object, list[Clocks]], node: _Node) -> bool:
+        """Whether no better way to the same was found meanwhile."""
+        key, clocks = self._key(node)
+        return clocks in known[key]
+
+    def _key(self, node: _Node) -> tuple[object, Clocks]:
+        """The state, up to names of modules that stand for each other, and the clocks in the order of these names."""
+        renaming = self._search.renaming
+        if node.past != NOTHING:
+            return (node.state, node.mode, node.past), node.clocks
+        if renaming is None:
+            return (node.state, node.mode), node.clocks
+        names = renaming.names(node.state)
+        mode = frozenset((f[0], *(names.get(o, o) for o in f[1:])) for f in node.mode)
+        clocks = list(node.clocks)
+        for old, k in self._number.items():
+            clocks[self._number[names.get(old, old)]] = node.clocks[k]
+        return (renaming.canonical(node.state), mode), tuple(clocks)
+
+    def _past(self, node: _Node, number: int) -> Past | None:
+        """What no-goods remember after one more action; None when one forbids it."""
+        no_goods = self._search.no_goods
+        if no_goods.active and not no_goods.allows(node.state, number):
+            return None
+        history, place, _ = node.past
+        following = no_goods.follow(history, node.state, number) if no_goods.watches else EMPTY
+        place = no_goods.descend(place, number)
+        return None if following is None or place == LEAF else (following, place, None)
+
+    def _candidate(self, node: _Node, value: float) -> Candidate:
+        numbers = []
+        at: _Node | None = node
+        while at is not None and at.before is not None:
+            numbers.append(at.number)
+            at = at.before
+        numbers.reverse()
+        actions = tuple(self._successors.action(n) for n in numbers)
+        cost = sum(self._successors.cost(n) for n in numbers)
+        return Candidate(tuple(numbers), actions, cost, False, min(cost, self._search.value(self._successors.initial)))
+
+    def valued(self, numbers: tuple[int, ...]) -> float:
+        """What the objective comes to at least for these actions."""
+        state, mode = self._successors.initial, self._problem.init_motion
+        clocks: Clocks = (0.0,) * (len(self._modules) + 2)
+        for number in numbers:
+            step = self._step(state, mode, number)
+            clocks = self._after(clocks, step, number)
+            state, mode = self._successors.after(state, number), step.mode
+        return self._pace.makespan * clocks[-2] + clocks[-1]

@@ -1,0 +1,44 @@
+"""Behind a verified plan: candidates that promise to be better, by what motions have taken so far."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ....compiler.ir import Problem
+from ....compiler.objectives import Objective
+from ...plan import Plan
+from ..search.best_first import Candidate, SkeletonSearch
+from .clocked_search import Clocked, ClockedSearch, Pace
+from .objective_value import shares
+from .settings import SCHEDULE
+
+
+class Improvement:
+    """Learns from the plans of a problem what actions of each rule are worth at least, and searches with that."""
+
+    def __init__(self, problem: Problem, objective: Objective) -> None:
+        self._problem, self._objective = problem, objective
+        self._seconds: dict[str, float] = {}
+        self._more: dict[str, float] = {}
+        self._met: list[Candidate] = []
+
+    def learn(self, candidate: Candidate, sequence: Plan, seconds: Sequence[float]) -> None:
+        """From a plan with one action after the other, and the seconds of each action's motion by the fastest law."""
+        self._met.append(candidate)
+        for rule, own, more in shares(self._problem, self._objective, sequence, seconds):
+            self._seconds[rule] = min(own, self._seconds.get(rule, own))
+            self._more[rule] = min(more, self._more.get(rule, more))
+
+    def better(self, search: SkeletonSearch) -> Clocked:
+        """The best candidate that promises to be worth more than those met by enough to be tried, and what no candidate
+        falls below by what was learnt. Raises OutOfTime."""
+        weights = dict(self._objective.weights)
+        rules = self._problem.rules
+        least = min(self._seconds.values(), default=0.0), min(self._more.values(), default=0.0)
+        pace = Pace(
+            {r: self._seconds.get(r, least[0]) for r in rules}, {r: self._more.get(r, least[1]) for r in rules},
+            weights.get("makespan", 0.0), weights.get("actions", 0.0),
+        )  # fmt: skip
+        clocked = ClockedSearch(search, pace)
+        known = min(clocked.valued(c.numbers) for c in self._met)
+        return clocked.best((1.0 - SCHEDULE.worthwhile) * known)
