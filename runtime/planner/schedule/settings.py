@@ -45,7 +45,7 @@ class ScheduleSettings:
     )
     better: int = setting(
         1, "candidates", "How many candidates that may be better are taken to motion behind the first plan.",
-        "Each may cost as much as the plan itself; where the time is to be spent, `gap` says so.",
+        "Each may cost as much as the plan itself.",
     )
     worthwhile: float = setting(
         0.05, "1", "By so much of its value a candidate must be better, as far as is known, to be taken to motion.",
