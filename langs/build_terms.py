@@ -18,7 +18,7 @@ Child: TypeAlias = Branch | Token | None
 
 MAX_DEPTH = 100
 _NUMBER = re.compile(
-    r"([0-9.]+(?:[eE][+-]?[0-9]+)?)[ \t]*(k?N m|k?N|kg/m\^3|kg m\^2|[a-z]*)(/s(?:\^[23])?)?", re.ASCII
+    r"([0-9.]+(?:[eE][+-]?[0-9]+)?)[ \t]*(k?N m|k?N|kg/m(?:\^3|³)|kg m(?:\^2|²)|[a-z]*)(/s(?:\^[23])?)?", re.ASCII
 )
 _UNITS = {
     "": (1.0, ""),
@@ -36,7 +36,9 @@ _UNITS = {
     "N m": (1.0, "torque"),
     "kN m": (1000.0, "torque"),
     "kg/m^3": (1.0, "density"),
+    "kg/m³": (1.0, "density"),
     "kg m^2": (1.0, "inertia"),
+    "kg m²": (1.0, "inertia"),
 }
 _RATES = {
     ("length", "/s"): "speed",

@@ -99,7 +99,7 @@ RESERVED = ("and", "or", "not", "if", "then", "else", "exists", "forall", "ANY")
 UNITS = {
     "m": "length", "cm": "length", "mm": "length", "rad": "angle", "deg": "angle", "s": "time", "min": "time",
     "kg": "mass", "g": "mass", "N": "force", "kN": "force", "N m": "torque", "kN m": "torque",
-    "kg/m^3": "density", "kg m^2": "inertia",
+    "kg/m^3": "density", "kg/m³": "density", "kg m^2": "inertia", "kg m²": "inertia",
 }  # fmt: skip
 TYPES: Mapping[str, str] = {
     "object": "anything with a pose and a shape",

@@ -132,7 +132,8 @@ LOADS = frozenset((Breach.TORQUE, Breach.BEARING, Breach.DOCK, Breach.FOOT))
 class Violation:
     """One row that a bound could not satisfy: the phase (from 0), what kind of row, the names that it concerns, the
     figure and unit. `span` is where a row of a motion literal is written. Of a clearance: how far apart the two were
-    asked to be, `asked` metres, and which `parts` of the two these are."""
+    asked to be, `asked` metres, and which `parts` of the two these are. Of a load: what is borne, the safety, and the
+    strength, in `unit`, and `when` in the phase."""
 
     phase: int
     kind: Breach
@@ -142,6 +143,8 @@ class Violation:
     span: Span | None = field(default=None, compare=False)
     asked: float = field(default=0.0, compare=False)
     parts: tuple[str, ...] = field(default=(), compare=False)
+    load: tuple[float, float, float] | None = field(default=None, compare=False)
+    when: str = field(default="", compare=False)
 
 
 @dataclass(slots=True)

@@ -19,10 +19,10 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "time": {"s": 1.0, "min": 60.0},
     "speed": {"m/s": 1.0, "cm/s": 0.01, "mm/s": 0.001},
     "mass": {"kg": 1.0, "g": 0.001},
-    "density": {"kg/m^3": 1.0},
+    "density": {"kg/m^3": 1.0, "kg/m³": 1.0},
     "force": {"N": 1.0, "kN": 1000.0},
     "torque": {"N m": 1.0, "Nm": 1.0, "kN m": 1000.0},
-    "inertia": {"kg m^2": 1.0},
+    "inertia": {"kg m^2": 1.0, "kg m²": 1.0},
     "int": {},
     "real": {},
 }
@@ -30,7 +30,7 @@ EXAMPLES = {"int": "8", "real": "0.5", "length": "20cm", "angle": "90deg", "time
             "mass": "2kg", "density": "300kg/m^3", "force": "110N", "torque": "38Nm",
             "inertia": "0.02kg m^2"}  # fmt: skip
 """A value of each type, as one types it."""
-UNIT = r"(?:[A-Za-z/]+(?:\^[23])?(?: m(?:\^2)?)?)?"
+UNIT = r"(?:[A-Za-z/]+(?:\^[23]|³)?(?: m(?:\^2|²)?)?)?"
 QUANTITY = re.compile(rf"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*({UNIT})\s*", re.ASCII)
 
 

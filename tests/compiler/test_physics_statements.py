@@ -31,6 +31,13 @@ task t(drive: torque = 38 N m) {
 """
 
 
+def test_powers_may_be_written_as_they_are_set() -> None:
+    text = TEXT.replace("kg m^2", "kg m²").replace("kg/m^3", "kg/m³")
+    kind, same = (compile_text(t)[0].world.modules["c"].type for t in (text, TEXT))
+    assert kind.joints[0].rotor == same.joints[0].rotor and module_mass(kind) == module_mass(same)
+    assert "kg m²" in format_source(Source("t.tamp", text))
+
+
 def test_stated_numbers_reach_the_problem_in_si_units() -> None:
     problem, told = compile_text(TEXT)
     kind = problem.world.modules["c"].type

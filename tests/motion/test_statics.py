@@ -1,6 +1,7 @@
 """Robots bear themselves: loads of the planner and of the verifier, and what the user is told."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -107,6 +108,9 @@ def test_what_is_too_heavy_is_refused_with_the_line_of_its_strength(changes: dic
     assert messages, [d.message for d in outcome.explanation]
     line = program.splitlines()[messages[0].span.line - 1]
     assert "torque drive" in line or "holds pad" in line
+    figures = r": [\d.e+]+ N m (at|right after) the switch, 1\.5 times, is more than (60|120|900|\d+) N m"
+    figures += r"|: 294 N after the action, 1\.5 times, is more than \d+ N"
+    assert any(re.search(figures, m.message) for m in messages), [m.message for m in messages]
 
 
 def test_no_physics_says_nothing_of_forces() -> None:

@@ -13,7 +13,7 @@ syn match tampType /[.(\[]\@1<!\<\(inertia\|length\|object\|region\|angle\|real\
 syn match tampFunction /\<\(prismatic\|cylinder\|revolute\|capsule\|planar\|sphere\|hull\|mesh\|box\)\>(\@=/
 syn match tampPredicate /(\@1<=\h\w*\%(\%(\s\+[A-Za-z0-9_.\[\]]\+\)*)\)\@=/
 syn match tampMotion /\[\@1<=\h\w*\%(\%(\s\+[A-Za-z0-9_.\[\]]\+\)\+\]\)\@=/
-syn match tampNumber /\<\d\+\%(\.\d\+\)\?\%([eE][+-]\?\d\+\)\?\%(\s*\%(kg m^2\|kg\/m^3\|kN m\|N m\|deg\|min\|rad\|cm\|kN\|kg\|mm\|N\|g\|m\|s\)\%(\/s\%(^[23]\)\?\)\?\>\)\?/
+syn match tampNumber /\<\d\+\%(\.\d\+\)\?\%([eE][+-]\?\d\+\)\?\%(\s*\%(kg m^2\|kg\/m^3\|kg m²\|kg\/m³\|kN m\|N m\|deg\|min\|rad\|cm\|kN\|kg\|mm\|N\|g\|m\|s\)\%(\/s\%(^[23]\)\?\)\?\>\)\?/
 syn region tampString start=/"/ end=/"/ oneline
 syn match tampComment /#.*$/ contains=tampTodo
 syn match tampDoc /##.*$/

@@ -221,4 +221,7 @@ class LengthUnit:
         long = violation.unit in ("m", "N m", "Nm")
         if not long:
             return violation
-        return replace(violation, amount=violation.amount * self.metres, asked=violation.asked * self.metres)
+        load = violation.load and (violation.load[0] * self.metres, violation.load[1], violation.load[2] * self.metres)
+        return replace(
+            violation, amount=violation.amount * self.metres, asked=violation.asked * self.metres, load=load
+        )

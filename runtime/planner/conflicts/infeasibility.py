@@ -233,7 +233,13 @@ def describe(violation: Violation) -> str:
     if violation.amount >= DIVERGED:
         who = f"[{' '.join(violation.names)}]" if violation.kind == Breach.ROW else f"the {violation.kind}"
         return f"the numbers of {who} diverge"
-    return f"{text} by {violation.amount:.3g} {'' if violation.unit == '1' else violation.unit}".rstrip()
+    unit = "" if violation.unit == "1" else f" {violation.unit}"
+    if violation.load is not None:
+        borne, safety, strength = violation.load
+        kept = "" if safety * borne > strength else "what is kept for between instants of "
+        more = f"{safety:g} times, is more than {kept}{strength:.3g}{unit}"
+        return f"{text}: {borne:.3g}{unit or ' of its strength'} {violation.when}, {more}"
+    return f"{text} by {violation.amount:.3g}{unit}"
 
 
 def told(cause: Cause | None) -> str:

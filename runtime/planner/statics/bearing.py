@@ -32,7 +32,8 @@ def asked(problem: Problem) -> bool:
     return problem.options.physics in ("statics", "dynamics")
 
 
-def _violations(problem: Problem, found: Sequence[Load], phase: int) -> list[Violation]:
+def _violations(problem: Problem, found: Sequence[Load], phase: int, moments: Sequence[str]) -> list[Violation]:
+    """`moments` tells when each sample is."""
     told = []
     for load in found:
         worst = int(np.argmax(load.ratio))
@@ -40,22 +41,29 @@ def _violations(problem: Problem, found: Sequence[Load], phase: int) -> list[Vio
             safety = safety_of(problem.options)
             excess = float(safety * load.amount[worst] - STATICS.kept * load.strength)
             names, span = load.edge.names, stated_at(problem, load.edge)
-            told.append(Violation(phase, BREACHES[load.kind], names, excess, load.unit or "1", span))
+            borne = float(load.amount[worst]), safety, load.strength
+            told.append(
+                Violation(phase, BREACHES[load.kind], names, excess, load.unit or "1", span, load=borne,
+                          when=moments[worst])
+            )  # fmt: skip
     return sorted(told, key=lambda v: (-v.amount, v.names, v.kind))
 
 
 def exceeded(
-    problem: Problem, mode: frozenset[Fact], modules: Mapping[str, Array], bodies: Mapping[str, Array], phase: int
-) -> list[Violation]:
-    """What is too heavily loaded at rest in these samples, largest excess first."""
+    problem: Problem, mode: frozenset[Fact], modules: Mapping[str, Array], bodies: Mapping[str, Array], phase: int,
+    moments: Sequence[str],
+) -> list[Violation]:  # fmt: skip
+    """What is too heavily loaded at rest in these samples, largest excess first. `moments` tells when each is."""
     at = poses(problem, modules, bodies)
-    return _violations(problem, loads(problem, mode, at, safety_of(problem.options)), phase)
+    return _violations(problem, loads(problem, mode, at, safety_of(problem.options)), phase, moments)
 
 
-def exceeded_at(problem: Problem, mode: frozenset[Fact], at: Configuration, phase: int) -> list[Violation]:
+def exceeded_at(
+    problem: Problem, mode: frozenset[Fact], at: Configuration, phase: int, moment: str
+) -> list[Violation]:
     """What is too heavily loaded in one configuration."""
     modules = {name: row[None] for name, row in at.modules.items()}
-    return exceeded(problem, mode, modules, {name: row[None] for name, row in at.bodies.items()}, phase)
+    return exceeded(problem, mode, modules, {name: row[None] for name, row in at.bodies.items()}, phase, [moment])
 
 
 def exceeded_switches(skeleton: Skeleton, first: int, slices: Sequence[Configuration], free: bool) -> list[Violation]:
@@ -64,17 +72,19 @@ def exceeded_switches(skeleton: Skeleton, first: int, slices: Sequence[Configura
     problem = skeleton.problem
     if not asked(problem):
         return []
-    found = exceeded_at(problem, skeleton.phases[first].mode, slices[0], first) if free else []
+    found = exceeded_at(problem, skeleton.phases[first].mode, slices[0], first, "at the start") if free else []
     for phase, switch in enumerate(slices[1:], start=first):
-        found += exceeded_at(problem, skeleton.phases[phase].mode, switch, phase)
-        found += exceeded_at(problem, next_mode(skeleton, phase), switch, phase)
+        found += exceeded_at(problem, skeleton.phases[phase].mode, switch, phase, "at the switch")
+        found += exceeded_at(problem, next_mode(skeleton, phase), switch, phase, "right after the switch")
     return sorted(found, key=lambda v: -v.amount)
 
 
 def exceeded_on(skeleton: Skeleton, phase: int, path: PhasePath, before: Configuration) -> list[Violation]:
     """What is too heavily loaded on the way through a phase."""
-    modules, bodies = _sampled(path, before, np.linspace(0.0, 1.0, STATICS.looked_at))
-    return exceeded(skeleton.problem, skeleton.phases[phase].mode, modules, bodies, phase)
+    shares = np.linspace(0.0, 1.0, STATICS.looked_at)
+    modules, bodies = _sampled(path, before, shares)
+    moments = [f"{share * path.duration:.3g} s into the motion" for share in shares]
+    return exceeded(skeleton.problem, skeleton.phases[phase].mode, modules, bodies, phase, moments)
 
 
 def borne(skeleton: Skeleton, result: BoundResult) -> BoundResult:
@@ -125,9 +135,8 @@ def _too_heavy(problem: Problem, mode: frozenset[Fact], phase: int) -> list[Viol
         masses[edge.parent] = masses.get(edge.parent, 0.0) + mass
         if edge.hold is None or edge.manner in CONTACTS:
             continue
-        excess = safety_of(problem.options) * mass * GRAVITY - _most(edge)
-        if excess > 0.0:
-            found.append(Violation(phase, Breach.DOCK, edge.names, excess, "N", stated_at(problem, edge)))
+        told = _overloaded(problem, edge, mass, _most(edge), phase)
+        found += [told] if told is not None else []
     return sorted(found, key=lambda v: (-v.amount, v.names))
 
 
@@ -138,12 +147,18 @@ def _hangs_on_too_little(problem: Problem, built: Structure, phase: int) -> list
         edges = [e for e in built.all if (name, -1) in (e.parent, e.child)]
         if not body.movable or not edges or any(e.hold is None or e.manner in CONTACTS for e in edges):
             continue
-        borne = sum(_most(e) for e in edges)
-        excess = safety_of(problem.options) * body_mass(body) * GRAVITY - borne
-        if excess > 0.0:
-            edge = edges[0]
-            found.append(Violation(phase, Breach.DOCK, edge.names, excess, "N", stated_at(problem, edge)))
+        told = _overloaded(problem, edges[0], body_mass(body), sum(_most(e) for e in edges), phase)
+        found += [told] if told is not None else []
     return found
+
+
+def _overloaded(problem: Problem, edge: Edge, mass: float, most: float, phase: int) -> Violation | None:
+    """That a pair, or it with others, bears `most`, N, and not so many kilograms."""
+    safety, weight = safety_of(problem.options), mass * GRAVITY
+    if safety * weight <= most:
+        return None
+    excess, span, load = safety * weight - most, stated_at(problem, edge), (weight, safety, most)
+    return Violation(phase, Breach.DOCK, edge.names, excess, "N", span, load=load, when="after the action")
 
 
 def _most(edge: Edge) -> float:
