@@ -12,7 +12,8 @@ COUPLINGS = "couplings"
 PASSIVE = "passive"
 JERK = "jerk"
 PLACES = "places"
-KNOWN_NEEDS = frozenset({COUPLINGS, PASSIVE, JERK, PLACES})
+STATICS = "statics"
+KNOWN_NEEDS = frozenset({COUPLINGS, PASSIVE, JERK, PLACES, STATICS})
 """The optional parts of the format that this version understands."""
 NO_LIMIT = 1e9
 """Stands for an infinite limit: JSON has no infinity."""
@@ -181,6 +182,46 @@ class SplineRecord(Record, frozen=True):
     values: list[list[float]]
 
 
+class WeightRecord(Record, frozen=True):
+    """What weighs in one rigid part, of a module the moving frame of joint `joint` (-1: the module frame) and of a body
+    the body (-1): kilograms, the centre there, and the inertia about it along the axes there: xx, xy, xz, yy, yz, zz,
+    kg m²."""
+
+    name: str
+    joint: int
+    mass: float
+    centre: list[float]
+    inertia: list[float]
+
+
+class DriveRecord(Record, frozen=True):
+    """How strong a joint is: the `torque` of its drive and the moment `bearing` across its axis, N m (N), and the
+    inertia `rotor` of its drive, kg m²."""
+
+    module: str
+    joint: str
+    torque: float
+    bearing: float
+    rotor: float
+
+
+class TorqueRecord(Record, frozen=True):
+    """What the drives of a module give in a phase, N m (N): one row per time, in the order of its joints, at
+    equidistant times from the start of the phase to its end."""
+
+    module: str
+    phase: int
+    values: list[list[float]]
+
+
+class StaticsRecord(Record, frozen=True):
+    """Weights, strengths, and the torques of feed-forward."""
+
+    weights: list[WeightRecord]
+    drives: list[DriveRecord]
+    torques: list[TorqueRecord]
+
+
 class BoundRecord(Record, frozen=True):
     bound: str
     solved: int
@@ -335,3 +376,5 @@ class Plan(Record, frozen=True):
     needs: list[str] = []
     """Optional parts of the format that a reader must understand."""
     timing: TimingRecord | None = None
+    statics: StaticsRecord | msgspec.UnsetType = msgspec.UNSET
+    """Where the task asks for physics."""

@@ -14,6 +14,7 @@ from ...compiler import ir
 from ...compiler.physics.frames import Poses, meeting, poses
 from ...compiler.physics.statics import drives, loads_of
 from ...compiler.physics.structure import WORLD, Edge, Node, structure
+from ..feed_forward import placed, torques_at
 from ..geometry.splines import ClampedSpline
 from ..plan import PhaseRecord, Plan
 from ..seeds import Seed
@@ -210,32 +211,22 @@ class _Playback:
         return np.tile(np.asarray(track.joints[first]), (len(times), 1))
 
     def _expected(
-        self, number: int, record: PhaseRecord, curves: dict[str, ClampedSpline]
+        self, number: int, record: PhaseRecord
     ) -> tuple[Array, dict[tuple[str, int], Array]]:
-        """The torques that the plan needs, at rest and by inertia, at some times of the phase."""
+        """The torques that the plan tells, or else those that it needs, at rest and by inertia, at some times of the
+        phase."""
+        told = torques_at(self.plan, number) if self.problem.options.physics == "dynamics" else None
+        if told is not None:
+            return told
         times = np.linspace(record.start, record.end, EXPECTED + 1)
-        own = np.asarray(self.plan.times)
-        inside = (own >= record.start - 1e-9) & (own <= record.end + 1e-9)
-        stamps, keep = np.unique(own[inside], return_index=True)
-        modules = {}
-        for track in self.plan.tracks:
-            base = np.asarray(track.poses)[inside][keep]
-            smooth = ClampedSpline(stamps, base)(times) if len(stamps) > 1 else np.repeat(base[:1], len(times), axis=0)
-            modules[track.name] = np.hstack([smooth, self._rows(track.name, curves, times, number)])
-        bodies = {b.name: np.repeat(np.array([b.pose]), len(times), axis=0) for b in self.plan.bodies}
-        first = int(np.flatnonzero(inside)[0])
-        for piece in self.plan.body_tracks:
-            at = np.clip(np.flatnonzero(inside)[keep] - piece.first, 0, len(piece.poses) - 1)
-            if piece.first <= first:
-                rows = np.asarray(piece.poses)[at]
-                bodies[piece.name] = ClampedSpline(stamps, rows)(times) if len(stamps) > 1 else bodies[piece.name]
-        return times, drives(self.problem, self.modes[number], poses(self.problem, modules, bodies, times))
+        here = placed(self.problem, self.plan, number, times, moving=True)
+        return times, drives(self.problem, self.modes[number], here)
 
     def _targets(self, number: int, record: PhaseRecord, times: Array) -> tuple[Array, Array]:
         """Where the joints should be at each step `(T, n)`, and what their drives are told: that, how fast, and the
         torque that the plan expects."""
         curves = self._curves(number)
-        ahead, torques = self._expected(number, record, curves)
+        ahead, torques = self._expected(number, record)
         values, rates, extra = [np.zeros((len(times), 0))], [np.zeros((len(times), 0))], []
         for name, module in self.problem.world.modules.items():
             own = self._rows(name, curves, times, number)

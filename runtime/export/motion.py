@@ -62,6 +62,22 @@ def trajectory(plan: Plan, name: str, at: Array | None = None) -> Trajectory:
     return Trajectory(tuple(j.name for j in module.joints), t, q, dq, ddq)
 
 
+def torques(plan: Plan, name: str, at: Array) -> Array | None:
+    """What the drives of a module give, N m (N), at times `at` (T, joints), zero where the plan tells none; None where
+    it tells of no forces at all."""
+    import msgspec
+
+    if isinstance(plan.statics, msgspec.UnsetType):
+        return None
+    found = np.zeros((len(at), len(module_of(plan, name).joints)))
+    for record in (t for t in plan.statics.torques if t.module == name):
+        phase, rows = plan.phases[record.phase], np.asarray(record.values)
+        own = np.linspace(phase.start, phase.end, len(rows))
+        inside = (at >= phase.start) & (at <= phase.end)
+        found[inside] = np.stack([np.interp(at[inside], own, column) for column in rows.T], axis=1)
+    return found
+
+
 def poses(plan: Plan, name: str, at: Array | None = None) -> Array:
     """Poses (T, 7) in the world, x, y, z, qx, qy, qz, qw, of a module, a body or an effector such as "c[1].A", at times
     `at` (None: those of the samples); between samples they are interpolated. Raises UsageError for an unknown name."""

@@ -17,6 +17,7 @@ from ...compiler import ir
 from ...compiler.printing_terms import format_formula
 from ...langs.source import Span
 from .. import plan as record
+from ..feed_forward import with_statics
 from ..geometry.resampling import Resampled, resample
 from ..native import MissingLibrary, load_native
 from ..skeleton import Array, Phase, PhasePath, Skeleton, start_configuration
@@ -67,7 +68,7 @@ def plan_of(
 ) -> record.Plan:  # fmt: skip
     """The plan file of phases with their motions, one after the other, and their splines."""
     world = problem.world
-    return record.Plan(
+    plain = record.Plan(
         format=record.FORMAT,
         versions=_versions(),
         task=_task_record(problem),
@@ -82,6 +83,7 @@ def plan_of(
         statistics=statistics,
         needs=_needs(world),
     )
+    return with_statics(problem, plain)
 
 
 def scene_at_rest(

@@ -8,6 +8,7 @@ from ...compiler import ir
 from ..plan import NO_LIMIT, BodyRecord, CouplingRecord, ModuleRecord, Plan, ShapeRecord
 from ..plan_upgrade import EarlyPlan
 from .findings import Findings
+from .told_forces import check_weights
 
 TOLERANCE = 1e-9
 
@@ -28,6 +29,7 @@ def check_scene(plan: Plan, problem: ir.Problem, findings: Findings) -> bool:
     for body in plan.bodies:
         for what in _body_differences(body, world.bodies[body.name]):
             findings.fail("scene", f"{what} of {body.name} differs from the scene", between=[body.name])
+    check_weights(plan, problem, findings)
     return len(findings.failures) == before
 
 

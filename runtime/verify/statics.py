@@ -26,6 +26,7 @@ from .rows import Posed
 from .sampler import Sampler, Shown
 from .shared_loads import shared
 from .strengths import Joined, Support, joined, judge
+from .told_forces import check_torques, torque_times
 
 LOOKS = 24
 """Instants of a phase at which loads are measured: they find the worst within a thousandth."""
@@ -56,6 +57,9 @@ def check_statics(problem: ir.Problem, plan: Plan, modes: tuple[frozenset[ir.Fac
         findings.check_time()
         times = np.linspace(record.start, record.end, LOOKS + 1)
         _measure(problem, modes[index], sampler, index, times, safety, moving, findings)
+        told = torque_times(plan, index)
+        if told is not None:
+            check_torques(plan, problem, index, _torques(problem, modes[index], sampler, index, told, moving), findings)
         after = modes[index + 1] if index + 1 < len(modes) else final
         if record.completed:
             _measure(problem, after, sampler, index, times[-1:], safety, False, findings)
@@ -79,6 +83,28 @@ def _measure(
             )  # fmt: skip
     if not moving:
         _repeat(problem, edges, nodes, wrenches, float(times[-1]), findings)
+
+
+def _torques(
+    problem: ir.Problem, mode: frozenset[ir.Fact], sampler: Sampler, phase: int, times: Array, moving: bool
+) -> dict[Joined, Array]:
+    """What drives give that are part of no closed loop, `(T,)`, N m (N), about the axes of their joints."""
+    nodes = node_frames(problem, Shown(sampler.at(phase, times), sampler.kinematics))
+    loads = node_loads(problem, nodes, _accelerated(problem, sampler, phase, times) if moving else None)
+    support = Support(joined(problem, mode, kept(problem, mode)))
+    found = {}
+    for edge in support.bridges:
+        if not edge.joint_of:
+            continue
+        beyond = support.beyond(edge)
+        force = sum((loads.forces[n] for n in beyond if n in loads.forces), np.zeros((len(times), 3)))
+        moment = sum((loads.moments[n] for n in beyond if n in loads.moments), np.zeros((len(times), 3)))
+        joint = next(j for j in problem.world.modules[edge.joint_of].type.joints if j.name == edge.names[1])
+        frame = nodes[edge.far]
+        axis = frame.rotation @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
+        own = moment - np.cross(frame.position, force) if joint.kind == ir.JointKind.REVOLUTE else force
+        found[edge] = (1.0 if edge.near in beyond else -1.0) * np.sum(own * axis, axis=1)
+    return found
 
 
 def node_frames(problem: ir.Problem, shown: Posed, at: Indices | slice = slice(None)) -> dict[tuple[str, int], Frames]:

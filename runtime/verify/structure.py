@@ -17,6 +17,7 @@ from ..plan import (
     KNOWN_NEEDS,
     PASSIVE,
     PLACES,
+    STATICS,
     CouplingRecord,
     ModuleRecord,
     Plan,
@@ -27,6 +28,7 @@ from .findings import Findings
 from .geometry import Array
 from .limits import LIMITS
 from .shapes import SIZES, is_solid
+from .told_forces import told
 
 LARGEST = 1e10
 """Numbers beyond it, infinities and NaN count as not finite."""
@@ -69,7 +71,8 @@ def check_structure(plan: Plan, findings: Findings) -> Samples | None:
             findings.fail("structure", f"the plan needs {need}, which is not known")
     joints = [j for m in plan.modules for j in m.joints]
     for need, has in ((COUPLINGS, any(j.follows for j in joints)), (PASSIVE, any(j.passive for j in joints)),
-                      (PLACES, not all(b.collides for b in plan.bodies))):  # fmt: skip
+                      (PLACES, not all(b.collides for b in plan.bodies)),
+                      (STATICS, told(plan) is not None)):  # fmt: skip
         if has and need not in plan.needs:
             findings.fail("structure", f"the plan has {need}, but does not say that it needs that")
     frames = sum(1 + len(m.joints) + len(m.effectors) for m in plan.modules) + len({t.name for t in plan.body_tracks})

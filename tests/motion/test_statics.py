@@ -1,16 +1,23 @@
 """Robots bear themselves: loads of the planner and of the verifier, and what the user is told."""
 
+import io
 import math
 import re
+import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec import UNSET
+from msgspec.structs import replace
 
 from tamplang.compiler import ir
 from tamplang.compiler.physics.frames import poses
 from tamplang.compiler.physics.statics import loads
 from tamplang.compiler.pipeline import check, compile_text
+from tamplang.runtime.export.tables import arrays
+from tamplang.runtime.plan import StaticsRecord
 from tamplang.runtime.planner.lgp import SolveOptions, solve
 from tamplang.runtime.verify import verify
 from tamplang.runtime.verify.check import check as judge
@@ -84,7 +91,7 @@ def test_the_planner_keeps_to_its_strengths_and_the_verifier_measures_them() -> 
 
 
 def test_a_plan_for_stronger_drives_is_refused_for_weaker_ones() -> None:
-    plan = solved(text()).plans[0]
+    plan = replace(solved(text()).plans[0], statics=UNSET, needs=[])
     torque = plan.verdict.worst["torque_ratio"] * 60.0
     weaker, _ = compile_text(text(drive=f"{0.95 * torque} N m"))
     enough, _ = compile_text(text(drive=f"{1.01 * torque} N m"))
@@ -111,6 +118,32 @@ def test_what_is_too_heavy_is_refused_with_the_line_of_its_strength(changes: dic
     figures = r": [\d.e+]+ N m (at|right after) the switch, 1\.5 times, is more than (60|120|900|\d+) N m"
     figures += r"|: 294 N after the action, 1\.5 times, is more than \d+ N"
     assert any(re.search(figures, m.message) for m in messages), [m.message for m in messages]
+
+
+def test_a_plan_tells_weights_strengths_and_torques() -> None:
+    problem, _ = compile_text(text(physics="dynamics"))
+    plan = solve(problem, SolveOptions(time=60.0)).plans[0]
+    told = plan.statics
+    assert plan.verdict.verified and "statics" in plan.needs
+    own = {(w.name, w.joint): w.mass for w in told.weights}
+    assert own["item", -1] == 1.0 and own["c", -1] == pytest.approx(0.35 + 0.5)
+    assert {d.torque for d in told.drives} == {60.0}
+    greatest = max(abs(v) for t in told.torques for row in t.values for v in row)
+    assert 0.1 < greatest * 1.5 / 60.0 <= plan.verdict.worst["torque_ratio"]
+    with zipfile.ZipFile(io.BytesIO(arrays(plan, None))) as archive:
+        given = np.load(io.BytesIO(archive.read("c/torque.npy")))
+    assert np.abs(given).max() == pytest.approx(greatest, rel=0.05)
+
+    def kinds(change: Callable[[StaticsRecord], StaticsRecord]) -> set[str]:
+        return {f.kind for f in judge(replace(plan, statics=change(told)), problem).failures}
+
+    first, *others = told.torques
+    more = replace(first, values=[[v + 2.0 for v in row] for row in first.values])
+    assert kinds(lambda s: replace(s, torques=[more, *others])) == {"statics"}
+    lighter = [replace(w, mass=0.9 * w.mass) if w.name == "item" else w for w in told.weights]
+    assert kinds(lambda s: replace(s, weights=lighter)) == {"scene"}
+    assert kinds(lambda s: replace(s, drives=[replace(d, torque=80.0) for d in s.drives])) == {"scene"}
+    assert {f.kind for f in judge(replace(plan, needs=[]), problem).failures} == {"structure"}
 
 
 def test_no_physics_says_nothing_of_forces() -> None:

@@ -47,6 +47,13 @@ SCHEMA: Record = {
         "time": "number", "phase": "number", "reason": "text", "actions": ["text"], "motions": "number",
         "unmet": ["text"],
     }],
+    "statics?": {
+        "weights": [{"name": "text", "joint": "number", "mass": "number", "centre": ["number"], "inertia": ["number"]}],
+        "drives": [{
+            "module": "text", "joint": "text", "torque": "number", "bearing": "number", "rotor": "number",
+        }],
+        "torques": [{"module": "text", "phase": "number", "values": [["number"]]}],
+    },
     "complete?": "flag",
 }  # fmt: skip
 KNOWN = {
@@ -94,7 +101,7 @@ def upgraded(plan: Record) -> Record:
     wrong = next(_unfit(SCHEMA, plan, "plan"), None)
     if wrong is not None:
         raise ValueError(wrong)
-    if set(plan.get("needs") or ()) - {"couplings", "passive", "jerk", "places"}:
+    if set(plan.get("needs") or ()) - {"couplings", "passive", "jerk", "places", "statics"}:
         raise ValueError(f"it needs {plan['needs']!r:.40}")
     for field, known in KNOWN.items():
         if isinstance(plan.get(field), dict) and not set(plan[field]) <= known:
