@@ -280,7 +280,7 @@ DAMAGE: dict[str, Callable[[str], str]] = {
     "null": lambda text: text.replace('"phases":[', '"phases":null,"x":[', 1),
     "other format": lambda text: text.replace("tamplang-plan/2", "tamplang-plan/3", 1),
     "no format": lambda text: text.replace('"format"', '"Format"', 1),
-    "unknown need": lambda text: text.replace('"needs":[]', '"needs":["statics"]', 1),
+    "unknown need": lambda text: text.replace('"needs":[]', '"needs":["warmth"]', 1),
     "no base64": lambda text: text.replace('"files":[]', '"files":[{"path":"a","data":"@","sha256":""}]', 1),
     "two objects": lambda text: text + text,
     "lone surrogate": lambda text: text.replace('"name":"hop"', '"name":"\\ud800"', 1),
