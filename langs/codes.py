@@ -294,6 +294,10 @@ CODES: dict[str, CodeInfo] = {
     "W0019": CodeInfo("left out of a file of others", "warning",
         "What is imported holds this too, for which there is no counterpart, or takes it over as something else. The "
         "program is written without it."),
+    "W0020": CodeInfo("end inside a link", "warning",
+        "All of the shape of an effector lies inside a link that moves with it, as a ball thinner than the rounded end "
+        "of a capsule does. The link would have to go into whatever the effector is to touch, so that no plan has it "
+        "touch anything."),
 }
 
 

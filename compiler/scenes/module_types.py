@@ -27,6 +27,7 @@ from ..poses import between, make, orientation, unit
 from ..urdf_files import urdf_path
 from .couplings import text_couplings
 from .joints import lower_joint
+from .sunken_ends import sunken
 from .urdf import End, build_urdf
 
 ENDS_STATE = ("mass", "density", "holds")
@@ -65,9 +66,11 @@ def check_modules(context: Context) -> None:
     """Every declared module type without values for its parameters."""
     for module in context.library.modules.values():
         entries = parameter_entries(context, module.parameters)
-        build_module(context, module, Scope("scene", entries), module.name)
+        built = build_module(context, module, Scope("scene", entries), module.name)
         _check_names(context, module)
         _check_first_end(context, module)
+        if built is not None:
+            _check_sunken_ends(context, module, built.type)
 
 
 def build_module(context: Context, module: syntax.ModuleDecl, scope: Scope, name: str) -> BuiltModule | None:
@@ -132,6 +135,16 @@ def _check_first_end(context: Context, module: syntax.ModuleDecl) -> None:
         context.findings.report(
             "W0017", where, f"`{first.name}` faces along its module, not away from it", help="add `normal (0, 0, -1)`"
         )
+
+
+def _check_sunken_ends(context: Context, module: syntax.ModuleDecl, built: ir.ModuleType) -> None:
+    """Warn of ends that can touch nothing but through a link."""
+    items = {i.name: i for i in module.flat() if isinstance(i, syntax.EffectorItem)}
+    for end, depth in sunken(built):
+        item = items[end.name]
+        message = f"`{end.name}` lies {1000 * depth:.3g} mm inside the link that it sits on: it can touch nothing"
+        help = "make it larger than the link is thick, or move it out with `at`"
+        context.findings.report("W0020", context.findings.word(item.span, item.name), message, help=help)
 
 
 def _add_items(

@@ -1,0 +1,88 @@
+"""Effectors that can touch nothing: their shape lies inside that of a link which always moves with it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import product
+
+from .. import ir
+from ..extents import box_sides
+from ..poses import compose, inverse, orientation, position, rotate
+
+Ball = tuple[ir.Vec3, float]
+"""A centre and a radius, metres."""
+STILL = 1e-9
+DEEP = 1e-3
+"""Metres: what the verifier forgives as an overlap is no obstacle to touch either (`penetration_m`)."""
+
+
+def sunken(module: ir.ModuleType) -> Iterator[tuple[ir.Effector, float]]:
+    """The effectors all of whose shape lies more than `DEEP` below the surface of a link, and how deep at least."""
+    for effector in module.effectors:
+        if effector.shape is None:
+            continue
+        frame: int | None = effector.joint
+        place = effector.placement
+        while frame is not None:
+            balls = [(position(compose(place, (*at, 0.0, 0.0, 0.0, 1.0))), r) for at, r in _balls(effector.shape)]
+            depths = [_depth(link, balls) for link in module.links if link.joint == frame]
+            if max(depths, default=0.0) > DEEP:
+                yield effector, max(depths)
+                break
+            frame, place = _outwards(module, effector.shape, frame, place)
+
+
+def _outwards(
+    module: ir.ModuleType, shape: ir.Shape, frame: int, place: ir.Pose
+) -> tuple[int | None, ir.Pose]:
+    """The frame before a joint, where a ball on the axis about which it turns stays in the same place."""
+    if frame < 0 or shape.kind != ir.ShapeKind.SPHERE:
+        return None, place
+    joint = module.joints[frame]
+    along = sum(a * p for a, p in zip(joint.axis, position(place), strict=True))
+    aside = math.dist(position(place), [along * a for a in joint.axis])
+    if joint.kind != ir.JointKind.REVOLUTE or aside > STILL:
+        return None, place
+    return joint.parent, compose(joint.placement, place)
+
+
+def _balls(shape: ir.Shape) -> list[Ball]:
+    """Balls whose hull holds a shape."""
+    match shape.kind:
+        case ir.ShapeKind.SPHERE:
+            return [((0.0, 0.0, 0.0), shape.size[0])]
+        case ir.ShapeKind.CAPSULE:
+            return [((0.0, 0.0, side * shape.size[1] / 2), shape.size[0]) for side in (-1, 1)]
+        case _:
+            x, y, z = (side / 2 for side in box_sides(shape))
+            return [((a * x, b * y, c * z), 0.0) for a, b, c in product((-1, 1), repeat=3)]
+
+
+def _depth(link: ir.Link, balls: Sequence[Ball]) -> float:
+    """How far below the surface of a link, which is convex, all balls lie; below 0 where one sticks out."""
+    back = inverse(link.placement)
+    inside = [(_moved(back, at), radius) for at, radius in balls]
+    return min(_below(link.shape, at) - radius for at, radius in inside)
+
+
+def _moved(pose: ir.Pose, point: ir.Vec3) -> ir.Vec3:
+    x, y, z = rotate(orientation(pose), point)
+    return x + pose[0], y + pose[1], z + pose[2]
+
+
+def _below(shape: ir.Shape, point: ir.Vec3) -> float:
+    """How far a point lies below the surface of a shape; of a hull nothing is said."""
+    x, y, z = point
+    size = shape.size
+    match shape.kind:
+        case ir.ShapeKind.SPHERE:
+            return size[0] - math.hypot(x, y, z)
+        case ir.ShapeKind.CAPSULE:
+            return size[0] - math.hypot(x, y, max(abs(z) - size[1] / 2, 0.0))
+        case ir.ShapeKind.CYLINDER:
+            return min(size[0] - math.hypot(x, y), size[1] / 2 - abs(z))
+        case ir.ShapeKind.BOX:
+            return min(side / 2 - abs(at) for side, at in zip(size, point, strict=True))
+        case _:
+            return -math.inf
