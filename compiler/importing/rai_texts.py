@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from ...langs.diagnostics import Diagnostic, SourceError
+from ...langs.frozen import dataclass
 from ...langs.reader import read_bytes
 from ...langs.source import Source, Span
 from ..foreign import beside

@@ -5,11 +5,14 @@ The picture is the one that the report shows, and the browser is what draws WebG
 
 from __future__ import annotations
 
+import asyncio
 import io
 import os
 import shutil
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -43,6 +46,17 @@ def picture(plan: Plan, form: str, rate: float | None = None, moment: float | No
     """The replay as `png`, a still at `moment` seconds (None: the end), or as a film, `gif` or `mp4`, of `rate`
     pictures a second. Raises UsageError, and MissingLibrary without the extra `pictures` or
     a Chromium."""
+    draw = partial(_picture, plan, form, rate, moment)
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        return draw()
+    # The browser is driven by a loop of events of its own, and a thread has only one: a notebook's is taken.
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(draw).result()
+
+
+def _picture(plan: Plan, form: str, rate: float | None, moment: float | None) -> bytes:
     end = plan.times[-1] if plan.times else 0.0
     if form == "png":
         at = end if moment is None else moment

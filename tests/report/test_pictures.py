@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import io
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -11,6 +13,7 @@ from PIL import Image, ImageChops
 
 from tamplang.cli.app import application
 from tamplang.runtime.plan_files import write_plan
+from tamplang.runtime.report.pictures import picture
 
 from .conftest import chromium_path
 from .sample import climb_plan
@@ -32,6 +35,17 @@ def test_a_film_shows_the_motion(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         moved = ImageChops.difference(first, film.convert("RGB")).getbbox()
     assert moved is not None and moved[2] - moved[0] > 20
     assert len(first.getcolors(1_000_000) or []) > 50
+
+
+def test_a_still_is_drawn_where_a_loop_of_events_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in every cell of a notebook."""
+    monkeypatch.setenv("TAMPLANG_CHROMIUM", chromium_path())
+
+    async def cell() -> bytes:
+        return picture(climb_plan(1), "png")
+
+    with Image.open(io.BytesIO(asyncio.run(cell()))) as still:
+        assert still.size == (960, 540)
 
 
 def test_ffmpeg_counts_the_pictures_of_a_video(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

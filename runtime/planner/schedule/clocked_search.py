@@ -61,12 +61,12 @@ class _Step:
 
 
 @dataclass(frozen=True, slots=True)
-class _Node:
+class _ClockedNode:
     state: int
     mode: Mode
     clocks: Clocks
     past: Past
-    before: _Node | None
+    before: _ClockedNode | None
     number: int
 
 
@@ -91,9 +91,9 @@ class ClockedSearch:
         """The best candidate of a value `below`, after at most so many nodes. Raises OutOfTime."""
         search = self._search
         start = (0.0,) * (len(self._modules) + 2)
-        root = _Node(self._successors.initial, self._problem.init_motion, start, (EMPTY, search.no_goods.root, None),
-                     None, -1)  # fmt: skip
-        queue: list[tuple[float, float, int, _Node]] = []
+        begun = EMPTY, search.no_goods.root, None
+        root = _ClockedNode(self._successors.initial, self._problem.init_motion, start, begun, None, -1)
+        queue: list[tuple[float, float, int, _ClockedNode]] = []
         known: dict[object, list[Clocks]] = {}
         refused = below
         age = expanded = 0
@@ -122,7 +122,7 @@ class ClockedSearch:
                 if past is None:
                     refused = min(refused, child_value)
                     continue
-                child = _Node(following, step.mode, clocks, past, node, number)
+                child = _ClockedNode(following, step.mode, clocks, past, node, number)
                 if not self._is_new(known, child):
                     continue
                 age += 1
@@ -179,7 +179,7 @@ class ClockedSearch:
 
     # --- what was met ------------------------------------------------------------------------------------------------
 
-    def _is_new(self, known: dict[object, list[Clocks]], node: _Node) -> bool:
+    def _is_new(self, known: dict[object, list[Clocks]], node: _ClockedNode) -> bool:
         """Whether no way that is known leads here at least as early, and at no higher cost; it is known from now on."""
         key, clocks = self._key(node)
         before = known.setdefault(key, [])
@@ -189,12 +189,12 @@ class ClockedSearch:
         before.append(clocks)
         return True
 
-    def _stands(self, known: Mapping[object, list[Clocks]], node: _Node) -> bool:
+    def _stands(self, known: Mapping[object, list[Clocks]], node: _ClockedNode) -> bool:
         """Whether no better way to the same was found meanwhile."""
         key, clocks = self._key(node)
         return clocks in known[key]
 
-    def _key(self, node: _Node) -> tuple[object, Clocks]:
+    def _key(self, node: _ClockedNode) -> tuple[object, Clocks]:
         """The state, up to names of modules that stand for each other, and the clocks in the order of these names."""
         renaming = self._search.renaming
         if node.past != NOTHING:
@@ -208,7 +208,7 @@ class ClockedSearch:
             clocks[self._number[names.get(old, old)]] = node.clocks[k]
         return (renaming.canonical(node.state), mode), tuple(clocks)
 
-    def _past(self, node: _Node, number: int) -> Past | None:
+    def _past(self, node: _ClockedNode, number: int) -> Past | None:
         """What no-goods remember after one more action; None when one forbids it."""
         no_goods = self._search.no_goods
         if no_goods.active and not no_goods.allows(node.state, number):
@@ -218,9 +218,9 @@ class ClockedSearch:
         place = no_goods.descend(place, number)
         return None if following is None or place == LEAF else (following, place, None)
 
-    def _candidate(self, node: _Node, value: float) -> Candidate:
+    def _candidate(self, node: _ClockedNode, value: float) -> Candidate:
         numbers = []
-        at: _Node | None = node
+        at: _ClockedNode | None = node
         while at is not None and at.before is not None:
             numbers.append(at.number)
             at = at.before
