@@ -138,10 +138,11 @@ class _Builder:
             parts.append(self._part(body))
         hinges = [self._coupled(h, {x.name for x in hinges}) for h in hinges]
         ends = plain_ends(GivenNames(), parts, hinges)
-        facts = tuple(f"(linked {ends[0].name} {e.name})" for e in ends[1:2])
+        facts = tuple(f"(linked {ends[0].name} {e.name})" for e in ends[1:])
         robot, stands = set_upright(RobotModel(name, tuple(parts), tuple(hinges), ends, facts), place)
         self.models.robots.append(robot)
-        self.models.stood.append(Stood(name, self.names.fresh(f"{name}_1"), stands))
+        fixed = len(moved) == len(self._joints(top))
+        self.models.stood.append(Stood(name, self.names.fresh(f"{name}_1"), stands, fixed))
 
     def _chain(self, body: int, upper: str, frame: Pose, parts: list[RobotPart], hinges: list[Hinge]) -> None:
         """The joints of a body, one after the other, each about its own point."""

@@ -13,7 +13,7 @@ from xml.sax.saxutils import quoteattr
 from ...langs.diagnostics import Diagnostic
 from ...langs.frozen import dataclass
 from ..ir import IDENTITY, Pose, Vec3
-from ..poses import compose, inverse, make, orientation, rotate
+from ..poses import between, compose, inverse, make, orientation, rotate
 from .names import GivenNames
 
 END = 0.01
@@ -101,11 +101,12 @@ class Thing:
 
 @dataclass(frozen=True, slots=True)
 class Stood:
-    """A module in a scene: of which robot, its name, and where its root is."""
+    """A module in a scene: of which robot, its name, where its root is, and whether the world holds it there."""
 
     robot: str
     name: str
     place: Pose
+    fixed: bool = False
 
 
 @dataclass(slots=True)
@@ -122,12 +123,48 @@ class Models:
     told: list[Diagnostic] = field(default_factory=list)
 
 
+DIRECTIONS: tuple[Vec3, ...] = ((0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0), (0, 0, -1))
+
+
 def plain_ends(names: GivenNames, parts: Sequence[RobotPart], hinges: Sequence[Hinge]) -> tuple[RobotEnd, ...]:
-    """An end at the root, that faces away from the module, and one at each part on which no other hangs."""
+    """An end in the root that faces down, at its top, as its bottom may be sunk into what it stands on; and one at each
+    part on which no other hangs, where it goes farthest out along an axis of its own."""
     above = {h.parent for h in hinges}
-    leaves = [p.name for p in parts if p.name not in above and p.name != parts[0].name]
-    root = RobotEnd(names.fresh("root"), "gripper", parts[0].name, make((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)))
-    return (root, *(RobotEnd(names.fresh("tip" if len(leaves) == 1 else leaf), "gripper", leaf) for leaf in leaves))
+    leaves = [p for p in parts if p.name not in above and p.name != parts[0].name]
+    x, y, z = _outermost(parts[0], DIRECTIONS[:1])[:3]
+    inside = max(z - END, 0.0)
+    root = RobotEnd(names.fresh("root"), "gripper", parts[0].name, make((x, y, inside), (1.0, 0.0, 0.0, 0.0)))
+    fresh = [names.fresh("tip" if len(leaves) == 1 else leaf.name) for leaf in leaves]
+    tips = [
+        RobotEnd(name, "gripper", leaf.name, _outermost(leaf, DIRECTIONS))
+        for name, leaf in zip(fresh, leaves, strict=True)
+    ]
+    return (root, *tips)
+
+
+def _outermost(part: RobotPart, directions: Sequence[Vec3]) -> Pose:
+    """Where the shapes of a part go farthest along one of the directions, facing that way; the frame of a part without
+    shapes."""
+    found = [(_extent(form, d), form, d) for form in part.forms for d in directions]
+    if not found:
+        return make((0.0, 0.0, 0.0), between((0.0, 0.0, 1.0), directions[0]))
+    far, form, direction = max(found, key=lambda each: round(each[0], 9))
+    middle = form.place[:3]
+    short = far - sum(m * d for m, d in zip(middle, direction, strict=True))
+    x, y, z = (m + short * d for m, d in zip(middle, direction, strict=True))
+    return make((x, y, z), between((0.0, 0.0, 1.0), direction))
+
+
+def _extent(form: Form, direction: Sequence[float]) -> float:
+    """How far a shape goes along a direction from the origin of its part."""
+    if form.kind == "sphere":
+        points, radius = [(0.0, 0.0, 0.0)], form.size[0]
+    elif form.kind == "capsule":
+        points, radius = [(0.0, 0.0, side * form.size[1] / 2) for side in (-1, 1)], form.size[0]
+    else:
+        points, radius = corners(form), 0.0
+    placed = (compose(form.place, make(p, (0.0, 0.0, 0.0, 1.0)))[:3] for p in points)
+    return radius + max(sum(a * d for a, d in zip(p, direction, strict=True)) for p in placed)
 
 
 def upright(place: Pose) -> bool:
@@ -155,6 +192,7 @@ def program(models: Models, files: dict[str, str], scene: str) -> str:
     inside = [line for thing in models.things for line in _thing(thing)]
     for stood in models.stood:
         inside.append(f"{stood.robot} {stood.name}: at {_vector(stood.place[:3])}{_heading(stood.place)}")
+        inside += [f"fact {fact}" for fact in _footing(models, stood)]
     inside += [f"fact {fact}" for fact in models.facts]
     if models.goals:
         lines += [f"task {scene}() {{", *(f"    {line}" for line in inside), f"    goal {', '.join(models.goals)}", "}"]
@@ -163,9 +201,29 @@ def program(models: Models, files: dict[str, str], scene: str) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _footing(models: Models, stood: Stood) -> Iterator[str]:
+    """In the words of `std.rules`, that a module that is fixed to the world stands on the nearest body at rest."""
+    bases = [thing for thing in models.things if thing.type == "base"]
+    if not stood.fixed or not bases or "std.rules" not in models.imports:
+        return
+    root = next(robot for robot in models.robots if robot.name == stood.robot).ends[0]
+    at = compose(stood.place, root.place)[:3]
+    base = min(bases, key=lambda thing: _away(thing.form, at)).name
+    end = f"{stood.name}.{root.name}"
+    yield from (f"(support {end})", f"(on {base} {end})", f"[stable {base} {end}]")
+
+
+def _away(form: Form, point: Vec3) -> float:
+    """How far a point is from the box around a shape along the world's axes."""
+    spans = [(-_extent(form, [-e for e in axis]), _extent(form, axis)) for axis in DIRECTIONS[:3]]
+    along = [sum(a * p for a, p in zip(axis, point, strict=True)) for axis in DIRECTIONS[:3]]
+    return math.hypot(*(max(low - p, p - high, 0.0) for (low, high), p in zip(spans, along, strict=True)))
+
+
 def _end(end: RobotEnd) -> str:
     where = "" if end.place[:3] == (0.0, 0.0, 0.0) else f" at {_vector(end.place[:3])}"
-    normal = rotate(orientation(end.place), (0.0, 0.0, 1.0))
+    x, y, z = rotate(orientation(end.place), (0.0, 0.0, 1.0))
+    normal = (round(x, 12) + 0.0, round(y, 12) + 0.0, round(z, 12) + 0.0)
     facing = "" if normal == (0.0, 0.0, 1.0) else f" normal ({', '.join(map(_number, normal))})"
     return f'effector {end.name}: {end.type} "{end.part}" sphere({_length(END)}){where}{facing}'
 

@@ -170,10 +170,10 @@ class RaiScene:
         hinges = [h for n in members[1:] for h in self._hinges(self.frames[n], world, parts)]
         name = self.names.fresh(carrier.name if own else joint.name)
         ends = plain_ends(GivenNames(), parts, hinges)
-        facts = tuple(f"(linked {ends[0].name} {e.name})" for e in ends[1:2])
+        facts = tuple(f"(linked {ends[0].name} {e.name})" for e in ends[1:])
         robot, stands = set_upright(RobotModel(name, tuple(parts), tuple(hinges), ends, facts), place)
         self.models.robots.append(robot)
-        self.models.stood.append(Stood(name, self.names.fresh(f"{name}_1"), stands))
+        self.models.stood.append(Stood(name, self.names.fresh(f"{name}_1"), stands, fixed=True))
         return set(members if own else members[1:])
 
     def _below(self, name: str) -> Iterator[str]:

@@ -202,11 +202,11 @@ class _SdfReading:
                 continue
             name = self.names.fresh(given)
             ends = plain_ends(names, parts, hinges)
-            facts = tuple(f"(linked {ends[0].name} {e.name})" for e in ends[1:2])
+            facts = tuple(f"(linked {ends[0].name} {e.name})" for e in ends[1:])
             made = RobotModel(name, tuple(parts), tuple(hinges), ends, facts)
             robot, stands = set_upright(made, compose(place, base))
             self.models.robots.append(robot)
-            self.models.stood.append(Stood(name, self.names.fresh(f"{name}_1"), stands))
+            self.models.stood.append(Stood(name, self.names.fresh(f"{name}_1"), stands, top == "world"))
 
     def _hinge(
         self, model: _Model, hang: tuple[str, str], link: str, frames: dict[str, Pose], places: dict[str, Pose],
