@@ -33,12 +33,14 @@ MJCF = """<mujoco model="lab arm">
 """
 RAI = """world {}
 table (world): { shape: ssBox, size: [1.5 1.5 .1 .01], X: "t(0 0 .6)", contact: 1 }
-stand (table): { Q: "t(0 -.3 .075)", shape: cylinder, size: [.1 .05], contact: 1 }
+stand (table): { Q: "t(0 -.3 .1)", shape: cylinder, size: [.1 .05], contact: 1 }
 l1 (stand): { joint: hingeZ, pre: "t(0 0 .05)", limits: [-2 2] }
 b1 (l1): { shape: capsule, size: [.3 .03], Q: "t(0 0 .15)", contact: 1 }
 l2 (l1): { joint: hingeX, pre: "t(0 0 .3)", limits: [-2 2] }
 b2 (l2): { shape: capsule, size: [.3 .03], Q: "t(0 0 .15)", contact: 1 }
-ball (table): { Q: "t(.2 0 .25)", shape: sphere, size: [.03], contact: 1, joint: rigid }
+l3 (l2): { joint: hingeX, pre: "t(0 0 .3)", limits: [-2 2] }
+b3 (l3): { shape: capsule, size: [.3 .03], Q: "t(0 0 .15)", contact: 1 }
+ball (table): { Q: "t(.3 .1 .3)", shape: sphere, size: [.03], contact: 1, joint: rigid }
 """
 
 
