@@ -165,6 +165,10 @@ def _as_pinocchio(program: Path, file: Path, links: list[str]) -> bool:
     names = [j.name for j in module.joints]
     for _ in range(ROUNDS):
         values = {name: draw.uniform(-1, 1) for name in names}
+        for joint in module.joints:
+            if joint.follows is not None:  # Pinocchio, asked without `mimic`, has a value for each
+                leader = values[names[joint.follows.leader]]
+                values[joint.name] = joint.follows.factor * leader + joint.follows.offset
         q = pinocchio.neutral(model)
         for name, joint in list(zip(model.names, model.joints, strict=True))[1:]:
             if joint.nq == 1 and name in values:
