@@ -16,7 +16,7 @@ from ...langs.diagnostics import Diagnostic, SourceError
 from ...langs.source import Source, Span
 from ..ir import IDENTITY, Pose
 from ..poses import compose, make
-from .models import Form, Hinge, Models, PartWeight, RobotEnd, RobotModel, RobotPart, Thing
+from .models import FAR, Form, Hinge, Models, PartWeight, RobotEnd, RobotModel, RobotPart, Thing, linked
 from .names import STANDARD, GivenNames
 from .nodes import Faults
 
@@ -26,8 +26,6 @@ KINDS = {"revolute": "revolute", "continuous": "revolute", "revolute_active": "r
          "prismatic": "prismatic", "prismatic_active": "prismatic", "fixed": "fixed"}  # fmt: skip
 SIZES = 8
 """How many sizes `std.docking` tells apart."""
-FAR = 10.0
-"""Metres: how far a sliding joint without limits moves each way."""
 NEAR = 1e-6
 """By how much a rotation matrix may miss being one: files round."""
 
@@ -197,8 +195,7 @@ class _CatalogueReading:
                     facts.append(f"(size{number} {name})")
                 else:
                     self._leave(item, f"connector `{name}` is of a size more than {SIZES}: it docks to none")
-        pairs = [f"(linked {ends[0].name} {end.name})" for end in ends[1:]]
-        return ends, [*facts, *pairs]
+        return ends, [*facts, *linked(ends)]
 
     def _obstacle(self, item: dict[str, Any]) -> None:
         frame = _pose(item.get("pose"))

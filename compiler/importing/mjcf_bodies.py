@@ -9,7 +9,19 @@ from typing import TYPE_CHECKING, Any
 from ...langs.frozen import dataclass
 from ..ir import IDENTITY, Pose, Vec3
 from ..poses import about, compose, make
-from .models import Form, Hinge, Models, PartWeight, RobotModel, RobotPart, Stood, Thing, plain_ends, set_upright
+from .models import (
+    FAR,
+    STRAIGHT,
+    Form,
+    Hinge,
+    Models,
+    PartWeight,
+    RobotModel,
+    RobotPart,
+    Thing,
+    linked,
+    plain_ends,
+)
 from .names import STANDARD, GivenNames
 
 if TYPE_CHECKING:
@@ -17,9 +29,6 @@ if TYPE_CHECKING:
 
 FREE, BALL, SLIDE, HINGE = range(4)
 PLANE, FIELD, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = range(8)
-FAR = 10.0
-"""Metres: how far a sliding joint without limits moves each way, and half the edge of a plane without end."""
-STRAIGHT = (0.0, 0.0, 0.0, 1.0)
 AXES: tuple[Vec3, ...] = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
 FIELDS = (
     "body_parentid", "body_pos", "body_quat", "body_mass", "body_ipos", "body_iquat", "body_inertia", "body_jntadr",
@@ -138,11 +147,9 @@ class _Builder:
             parts.append(self._part(body))
         hinges = [self._coupled(h, {x.name for x in hinges}) for h in hinges]
         ends = plain_ends(GivenNames(), parts, hinges)
-        facts = tuple(f"(linked {ends[0].name} {e.name})" for e in ends[1:])
-        robot, stands = set_upright(RobotModel(name, tuple(parts), tuple(hinges), ends, facts), place)
-        self.models.robots.append(robot)
+        robot = RobotModel(name, tuple(parts), tuple(hinges), ends, linked(ends))
         fixed = len(moved) == len(self._joints(top))
-        self.models.stood.append(Stood(name, self.names.fresh(f"{name}_1"), stands, fixed))
+        self.models.stand(robot, self.names.fresh(f"{name}_1"), place, fixed)
 
     def _chain(self, body: int, upper: str, frame: Pose, parts: list[RobotPart], hinges: list[Hinge]) -> None:
         """The joints of a body, one after the other, each about its own point."""

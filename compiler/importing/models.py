@@ -16,6 +16,9 @@ from ..ir import IDENTITY, Pose, Vec3
 from ..poses import between, compose, inverse, make, orientation, rotate
 from .names import GivenNames
 
+STRAIGHT = (0.0, 0.0, 0.0, 1.0)
+FAR = 10.0
+"""Metres: how far a sliding joint without limits moves each way, and half the edge of a plane without end."""
 END = 0.01
 """Radius, m, of the ends that importers put where files know none: small beside what they stand for."""
 Six = tuple[float, float, float, float, float, float]
@@ -121,6 +124,17 @@ class Models:
     facts: list[str] = field(default_factory=list)
     goals: list[str] = field(default_factory=list)
     told: list[Diagnostic] = field(default_factory=list)
+
+    def stand(self, robot: RobotModel, name: str, place: Pose, fixed: bool) -> None:
+        """Take in a robot and one module of it in the scene, whose root is at `place`."""
+        upright_robot, at = set_upright(robot, place)
+        self.robots.append(upright_robot)
+        self.stood.append(Stood(robot.name, name, at, fixed))
+
+
+def linked(ends: Sequence[RobotEnd]) -> tuple[str, ...]:
+    """Facts that the first end is linked to each other one."""
+    return tuple(f"(linked {ends[0].name} {end.name})" for end in ends[1:])
 
 
 DIRECTIONS: tuple[Vec3, ...] = ((0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0), (0, 0, -1))

@@ -16,26 +16,24 @@ from ...langs.source import Span
 from ..ir import IDENTITY, Pose, Vec3
 from ..poses import about, compose, inverse, make
 from .models import (
+    FAR,
+    STRAIGHT,
     Form,
     Hinge,
     Models,
     PartWeight,
     RobotModel,
     RobotPart,
-    Stood,
     Thing,
+    linked,
     plain_ends,
     relative,
-    set_upright,
 )
 from .names import STANDARD, GivenNames
 
 if TYPE_CHECKING:
     from .rai_texts import RaiAttribute, RaiEntry
 
-STRAIGHT = (0.0, 0.0, 0.0, 1.0)
-FAR = 10.0
-"""Metres: how far a sliding joint without limits moves each way."""
 MOVES: dict[str, tuple[str, Vec3]] = {
     "hingeX": ("revolute", (1.0, 0.0, 0.0)), "hingeY": ("revolute", (0.0, 1.0, 0.0)),
     "hingeZ": ("revolute", (0.0, 0.0, 1.0)), "transX": ("prismatic", (1.0, 0.0, 0.0)),
@@ -170,10 +168,8 @@ class RaiScene:
         hinges = [h for n in members[1:] for h in self._hinges(self.frames[n], world, parts)]
         name = self.names.fresh(carrier.name if own else joint.name)
         ends = plain_ends(GivenNames(), parts, hinges)
-        facts = tuple(f"(linked {ends[0].name} {e.name})" for e in ends[1:])
-        robot, stands = set_upright(RobotModel(name, tuple(parts), tuple(hinges), ends, facts), place)
-        self.models.robots.append(robot)
-        self.models.stood.append(Stood(name, self.names.fresh(f"{name}_1"), stands, fixed=True))
+        robot = RobotModel(name, tuple(parts), tuple(hinges), ends, linked(ends))
+        self.models.stand(robot, self.names.fresh(f"{name}_1"), place, fixed=True)
         return set(members if own else members[1:])
 
     def _below(self, name: str) -> Iterator[str]:

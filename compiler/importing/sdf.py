@@ -13,13 +13,22 @@ from dataclasses import dataclass, field
 from ...langs.source import Source
 from ..ir import IDENTITY, Pose, Vec3
 from ..poses import compose, inverse, make, orientation, roll_pitch_yaw, rotate, unit
-from .models import Form, Hinge, Models, PartWeight, RobotModel, RobotPart, Stood, Thing, plain_ends, set_upright
+from .models import (
+    FAR,
+    STRAIGHT,
+    Form,
+    Hinge,
+    Models,
+    PartWeight,
+    RobotModel,
+    RobotPart,
+    Thing,
+    linked,
+    plain_ends,
+)
 from .names import STANDARD, GivenNames
 from .xml_trees import Element, XmlFaults
 
-STRAIGHT = (0.0, 0.0, 0.0, 1.0)
-FAR = 10.0
-"""Metres: how far a sliding joint without limits moves each way, and half the edge of a plane."""
 SPOKEN = 1e15
 """From here on a limit stands for none: files say 1e16."""
 SILENT = frozenset(("light", "physics", "scene", "gui", "gravity", "magnetic_field", "atmosphere", "wind", "audio"))
@@ -202,11 +211,8 @@ class _SdfReading:
                 continue
             name = self.names.fresh(given)
             ends = plain_ends(names, parts, hinges)
-            facts = tuple(f"(linked {ends[0].name} {e.name})" for e in ends[1:])
-            made = RobotModel(name, tuple(parts), tuple(hinges), ends, facts)
-            robot, stands = set_upright(made, compose(place, base))
-            self.models.robots.append(robot)
-            self.models.stood.append(Stood(name, self.names.fresh(f"{name}_1"), stands, top == "world"))
+            robot = RobotModel(name, tuple(parts), tuple(hinges), ends, linked(ends))
+            self.models.stand(robot, self.names.fresh(f"{name}_1"), compose(place, base), fixed=top == "world")
 
     def _hinge(
         self, model: _Model, hang: tuple[str, str], link: str, frames: dict[str, Pose], places: dict[str, Pose],
