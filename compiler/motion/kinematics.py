@@ -15,6 +15,7 @@ import casadi as ca
 
 from ...langs.frozen import dataclass
 from ..ir import Joint, JointKind, ModuleType, Pose
+from ..joint_lines import line
 
 Expression: TypeAlias = Any
 """A `casadi.SX` column, or for scalars also a float: CasADi carries no types."""
@@ -158,14 +159,9 @@ def effector_frame(kind: ModuleType, name: str, slot: Expression) -> Frame:
 def _effector_function(kind: ModuleType, name: str) -> Any:
     """Position and quaternion of an effector by its module's slot."""
     effector = kind.effector(name)
-    carriers = []
-    joint = effector.joint
-    while joint >= 0:
-        carriers.append(joint)
-        joint = kind.joints[joint].parent
     slot = ca.SX.sym("x", 7 + len(kind.joints))
     frame = pose_frame(slot)
-    for i in reversed(carriers):
+    for i in reversed(line(kind, effector.joint)[:-1]):
         frame = joint_frame(frame, kind.joints[i], joint_value(kind.joints[i], i, slot))
     frame = compose(frame, effector.placement)
     return ca.Function("effector", [slot], [frame.position, frame.quaternion])

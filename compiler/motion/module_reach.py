@@ -6,16 +6,8 @@ import math
 from functools import lru_cache
 
 from ..ir import Joint, JointKind, ModuleType, Vec3
+from ..joint_lines import line
 from .collision import PATH_MARGIN, module_spheres
-
-
-def _lineage(type_: ModuleType, joint: int) -> list[int]:
-    """The joints from `joint` up to the module frame."""
-    found = []
-    while joint >= 0:
-        found.append(joint)
-        joint = type_.joints[joint].parent
-    return found
 
 
 def _slide(joint: Joint) -> float:
@@ -28,7 +20,7 @@ def _length_between(type_: ModuleType, a: tuple[int, Vec3], b: tuple[int, Vec3])
     ends: list[Vec3] = []
     length = 0.0
     for (joint, point), (other, _) in ((a, b), (b, a)):
-        shared = _lineage(type_, other)
+        shared = line(type_, other)
         while joint != -1 and joint not in shared:
             placement = type_.joints[joint].placement
             length += math.hypot(*point) + _slide(type_.joints[joint])

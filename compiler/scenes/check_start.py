@@ -10,7 +10,7 @@ from ...langs.source import Span
 from .. import ir
 from ..checks.findings import Findings
 from ..extents import corners
-from ..joint_lines import are_kept_apart
+from ..joint_lines import are_kept_apart, line
 from ..part_names import part_names
 from ..poses import compose, joint_frames, orientation, position, rotate
 
@@ -93,12 +93,9 @@ def _freedom(world: ir.World, fixed: Set[str], *volumes: Volume) -> str | None:
         if volume.owner not in world.modules:
             told.append(f"`{volume.part}` {'never moves' if volume.owner in fixed else 'can be moved'}")
             continue
-        joints, names = world.modules[volume.owner].type.joints, list[str]()
-        at = volume.joint
-        while at >= 0:
-            names.append(joints[at].name)
-            at = joints[at].parent
-        moved = f"moves with {', '.join(reversed(names))}" if names else "moves only with its whole robot"
+        kind = world.modules[volume.owner].type
+        names = [kind.joints[j].name for j in reversed(line(kind, volume.joint)[:-1])]
+        moved = f"moves with {', '.join(names)}" if names else "moves only with its whole robot"
         told.append(f"`{volume.part}` {moved}")
     return "; ".join(told)
 

@@ -8,7 +8,7 @@ from itertools import product
 
 from .. import ir
 from ..extents import box_sides
-from ..poses import compose, inverse, orientation, position, rotate
+from ..poses import compose, inverse, position
 
 Ball = tuple[ir.Vec3, float]
 """A centre and a radius, metres."""
@@ -22,11 +22,11 @@ def sunken(module: ir.ModuleType) -> Iterator[tuple[ir.Effector, float]]:
     for effector in module.effectors:
         if effector.shape is None:
             continue
+        balls = _balls(effector.shape)
         frame: int | None = effector.joint
         place = effector.placement
         while frame is not None:
-            balls = [(position(compose(place, (*at, 0.0, 0.0, 0.0, 1.0))), r) for at, r in _balls(effector.shape)]
-            depths = [_depth(link, balls) for link in module.links if link.joint == frame]
+            depths = [_depth(link, place, balls) for link in module.links if link.joint == frame]
             if max(depths, default=0.0) > DEEP:
                 yield effector, max(depths)
                 break
@@ -59,16 +59,11 @@ def _balls(shape: ir.Shape) -> list[Ball]:
             return [((a * x, b * y, c * z), 0.0) for a, b, c in product((-1, 1), repeat=3)]
 
 
-def _depth(link: ir.Link, balls: Sequence[Ball]) -> float:
-    """How far below the surface of a link, which is convex, all balls lie; below 0 where one sticks out."""
-    back = inverse(link.placement)
-    inside = [(_moved(back, at), radius) for at, radius in balls]
-    return min(_below(link.shape, at) - radius for at, radius in inside)
-
-
-def _moved(pose: ir.Pose, point: ir.Vec3) -> ir.Vec3:
-    x, y, z = rotate(orientation(pose), point)
-    return x + pose[0], y + pose[1], z + pose[2]
+def _depth(link: ir.Link, place: ir.Pose, balls: Sequence[Ball]) -> float:
+    """How far below the surface of a link, which is convex, all balls of an end at `place` lie; below 0 where one is
+    out of it."""
+    inside = compose(inverse(link.placement), place)
+    return min(_below(link.shape, position(compose(inside, (*at, 0.0, 0.0, 0.0, 1.0)))) - r for at, r in balls)
 
 
 def _below(shape: ir.Shape, point: ir.Vec3) -> float:
