@@ -147,6 +147,13 @@ class NoGoods:
                 kept = (*history[k:], (number, self.context(state, number)))
         return () if kept is None else kept
 
+    def advance(self, history: int, place: int, state: int, number: int) -> tuple[int, int] | None:
+        """The number of the history and the place in the tree of prefixes after one more action; None when that
+        completes what is forbidden."""
+        following = self.follow(history, state, number) if self.watches else EMPTY
+        place = self.descend(place, number)
+        return None if following is None or place == LEAF else (following, place)
+
     def descend(self, node: int, number: int) -> int:
         """The place in the tree of prefixes after an action: LEAF where it is forbidden, OFF outside."""
         return self._tree[node].get(number, OFF) if node >= 0 else OFF

@@ -16,7 +16,7 @@ from ....compiler.ir import Fact
 from ....compiler.symbolic.estimate import Estimate
 from ....langs.frozen import dataclass
 from ...geometry.attachments import carrier
-from ..conflicts.forbidden_sequences import EMPTY, LEAF
+from ..conflicts.forbidden_sequences import EMPTY
 from ..search.best_first import EQUAL, NOTHING, Candidate, Past, SkeletonSearch
 from ..search.skeleton_replay import motion_changes
 from ..search.stepper import left
@@ -62,10 +62,13 @@ class _Step:
 
 @dataclass(frozen=True, slots=True)
 class _ClockedNode:
+    """`met` is what counts as the same, and its clocks: those of a state, up to names of modules."""
+
     state: int
     mode: Mode
     clocks: Clocks
     past: Past
+    met: tuple[object, Clocks]
     before: _ClockedNode | None
     number: int
 
@@ -92,7 +95,8 @@ class ClockedSearch:
         search = self._search
         start = (0.0,) * (len(self._modules) + 2)
         begun = EMPTY, search.no_goods.root, None
-        root = _ClockedNode(self._successors.initial, self._problem.init_motion, start, begun, None, -1)
+        initial, mode = self._successors.initial, self._problem.init_motion
+        root = _ClockedNode(initial, mode, start, begun, self._met(initial, mode, start, begun), None, -1)
         queue: list[tuple[float, float, int, _ClockedNode]] = []
         known: dict[object, list[Clocks]] = {}
         refused = below
@@ -100,7 +104,8 @@ class ClockedSearch:
         heapq.heappush(queue, (self._value(root.state, start), 0.0, age, root))
         while queue:
             value, _, _, node = heapq.heappop(queue)
-            if node.before is not None and not self._stands(known, node):
+            key, clocks = node.met
+            if node.before is not None and clocks not in known[key]:  # a better way to the same was found meanwhile
                 continue
             if value >= below - EQUAL:
                 return Clocked(None, math.inf, min(refused, below))
@@ -122,9 +127,10 @@ class ClockedSearch:
                 if past is None:
                     refused = min(refused, child_value)
                     continue
-                child = _ClockedNode(following, step.mode, clocks, past, node, number)
-                if not self._is_new(known, child):
+                met = self._met(following, step.mode, clocks, past)
+                if not _is_new(known, *met):
                     continue
+                child = _ClockedNode(following, step.mode, clocks, past, met, node, number)
                 age += 1
                 heapq.heappush(queue, (child_value, sum(self._left(following)), age, child))
         return Clocked(None, math.inf, refused)
@@ -179,44 +185,27 @@ class ClockedSearch:
 
     # --- what was met ------------------------------------------------------------------------------------------------
 
-    def _is_new(self, known: dict[object, list[Clocks]], node: _ClockedNode) -> bool:
-        """Whether no way that is known leads here at least as early, and at no higher cost; it is known from now on."""
-        key, clocks = self._key(node)
-        before = known.setdefault(key, [])
-        if any(all(a <= b + EQUAL for a, b in zip(other, clocks, strict=True)) for other in before):
-            return False
-        before[:] = [o for o in before if not all(a <= b + EQUAL for a, b in zip(clocks, o, strict=True))]
-        before.append(clocks)
-        return True
-
-    def _stands(self, known: Mapping[object, list[Clocks]], node: _ClockedNode) -> bool:
-        """Whether no better way to the same was found meanwhile."""
-        key, clocks = self._key(node)
-        return clocks in known[key]
-
-    def _key(self, node: _ClockedNode) -> tuple[object, Clocks]:
+    def _met(self, state: int, mode: Mode, clocks: Clocks, past: Past) -> tuple[object, Clocks]:
         """The state, up to names of modules that stand for each other, and the clocks in the order of these names."""
         renaming = self._search.renaming
-        if node.past != NOTHING:
-            return (node.state, node.mode, node.past), node.clocks
+        if past != NOTHING:
+            return (state, mode, past), clocks
         if renaming is None:
-            return (node.state, node.mode), node.clocks
-        names = renaming.names(node.state)
-        mode = frozenset((f[0], *(names.get(o, o) for o in f[1:])) for f in node.mode)
-        clocks = list(node.clocks)
+            return (state, mode), clocks
+        names = renaming.names(state)
+        renamed = frozenset((f[0], *(names.get(o, o) for o in f[1:])) for f in mode)
+        ordered = list(clocks)
         for old, k in self._number.items():
-            clocks[self._number[names.get(old, old)]] = node.clocks[k]
-        return (renaming.canonical(node.state), mode), tuple(clocks)
+            ordered[self._number[names.get(old, old)]] = clocks[k]
+        return (renaming.canonical(state), renamed), tuple(ordered)
 
     def _past(self, node: _ClockedNode, number: int) -> Past | None:
         """What no-goods remember after one more action; None when one forbids it."""
         no_goods = self._search.no_goods
         if no_goods.active and not no_goods.allows(node.state, number):
             return None
-        history, place, _ = node.past
-        following = no_goods.follow(history, node.state, number) if no_goods.watches else EMPTY
-        place = no_goods.descend(place, number)
-        return None if following is None or place == LEAF else (following, place, None)
+        then = no_goods.advance(node.past[0], node.past[1], node.state, number)
+        return None if then is None else (*then, None)
 
     def _candidate(self, node: _ClockedNode, value: float) -> Candidate:
         numbers = []
@@ -238,3 +227,13 @@ class ClockedSearch:
             clocks = self._after(clocks, step, number)
             state, mode = self._successors.after(state, number), step.mode
         return self._pace.makespan * clocks[-2] + clocks[-1]
+
+
+def _is_new(known: dict[object, list[Clocks]], key: object, clocks: Clocks) -> bool:
+    """Whether no way that is known leads there at least as early, and at no higher cost; it is known from now on."""
+    before = known.setdefault(key, [])
+    if any(all(a <= b + EQUAL for a, b in zip(other, clocks, strict=True)) for other in before):
+        return False
+    before[:] = [o for o in before if not all(a <= b + EQUAL for a, b in zip(clocks, o, strict=True))]
+    before.append(clocks)
+    return True

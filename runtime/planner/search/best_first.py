@@ -20,7 +20,7 @@ from ....compiler.symbolic.successors import Successors
 from ....langs.frozen import dataclass
 from ...budget import Budget, Status
 from ...plan import SearchNode
-from ..conflicts.forbidden_sequences import EMPTY, LEAF, OFF, NoGoods
+from ..conflicts.forbidden_sequences import EMPTY, OFF, NoGoods
 from .settings import SEARCH
 
 if TYPE_CHECKING:
@@ -255,13 +255,10 @@ class _Run:
 
     def _advance(self, past: Past, state: int, action: int) -> Past | None:
         """What must be remembered after one more action; None when a no-good forbids it."""
-        history, place, _ = past
-        no_goods = self.search.no_goods
-        following = no_goods.follow(history, state, action) if no_goods.watches else EMPTY
-        place = no_goods.descend(place, action)
-        if following is None or place == LEAF:
+        then = self.search.no_goods.advance(past[0], past[1], state, action)
+        if then is None:
             return None
-        return following, place, action if self.guided and self.search.guide.reads_previous else None
+        return *then, action if self.guided and self.search.guide.reads_previous else None
 
     def _hurry(self) -> None:
         """Weigh the estimate more from now on, in the searches after this one too."""

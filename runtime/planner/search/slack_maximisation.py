@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from ....compiler.symbolic.strain import Strain
 from ....langs.frozen import dataclass
-from ..conflicts.forbidden_sequences import EMPTY, LEAF
+from ..conflicts.forbidden_sequences import EMPTY
 from .settings import SEARCH
 
 if TYPE_CHECKING:
@@ -55,17 +55,16 @@ def maximise_slack(search: SkeletonSearch, strain: Strain, candidate: Candidate)
                     continue
                 if no_goods.active and not no_goods.allows(node.state, action):
                     continue
-                history = no_goods.follow(node.history, node.state, action) if no_goods.watches else EMPTY
-                place = no_goods.descend(node.place, action)
-                if history is None or place == LEAF:
+                then = no_goods.advance(node.history, node.place, node.state, action)
+                if then is None:
                     continue
-                key = (following, history, place)
+                key = (following, *then)
                 known = best.get(key)
                 if known is not None and node.strain >= known.strain:
                     continue
                 total = node.strain + strain.of(node.state, action) ** SEARCH.penalty_power
                 if known is None or total < known.strain:
-                    best[key] = _Node(total, cost, following, history, place, action, node)
+                    best[key] = _Node(total, cost, following, *then, action, node)
         layer = sorted(best.values(), key=lambda n: n.strain)[:SEARCH.slack_width]
     ends = [node for node in layer if successors.is_goal(node.state)]
     if not ends:
