@@ -23,7 +23,7 @@ ENDINGS = {
 @click.option("--to", "form", type=click.Choice(list(ENDINGS)), required=True, help="The form to write.")
 @click.option("-o", "--out", type=click.Path(path_type=Path), help="The file to write; beside the plan unless given.")
 @click.option("--rate", type=float,
-              help="Samples a second, of csv, npz and the forms of ROS 2 ; of gif and mp4, 10 unless given.")
+              help="Samples a second, of csv, npz and the forms of ROS 2; of gif and mp4, 10 unless given.")
 @click.option("--module", help="Of urdf: a module of the robot to write; the first one of the plan unless given.")
 @click.option("--phase", type=int, default=0, show_default=True, help="Of urdf: the phase to write it in.")
 @click.option("--at", type=float, help="Of png: the moment to draw, seconds; the end unless given.")
@@ -38,14 +38,7 @@ def export(
     with limited(seconds, memory, f"exporting {file}"), reading_sources(), needing_libraries():
         plan = read(file)
         checked_output(target)
-        from ..api import task_of_plan
-        from ..runtime.export import SYMBOLIC, write
-        from ..runtime.report.pictures import FORMS, write_picture
+        from ..plans import Plan
 
-        if form in FORMS:
-            write_picture(plan, form, target, rate, at)
-            click.echo(f"wrote {target}", err=True)
-            return
-        problem = task_of_plan(plan).problem if form in SYMBOLIC else None
-        write(plan, form, target, rate, module, phase, problem)
+        Plan(plan).export(form, target, rate, module, phase, at)
     click.echo(f"wrote {target}", err=True)
