@@ -25,7 +25,7 @@ from .rigid_model import RigidModel
 from .rows import Posed
 from .sampler import Sampler, Shown
 from .shared_loads import shared
-from .strengths import Joined, Support, joined, judge
+from .strengths import Joined, Support, along_axis, joined, judge
 from .told_forces import check_torques, torque_times
 
 LOOKS = 24
@@ -56,55 +56,53 @@ def check_statics(problem: ir.Problem, plan: Plan, modes: tuple[frozenset[ir.Fac
     for index, record in enumerate(plan.phases[: len(modes)]):
         findings.check_time()
         times = np.linspace(record.start, record.end, LOOKS + 1)
-        _measure(problem, modes[index], sampler, index, times, safety, moving, findings)
+        at = _looked(problem, modes[index], sampler, index, times, moving)
+        _measure(problem, at, safety, moving, findings)
         told = torque_times(plan, index)
         if told is not None:
-            check_torques(plan, problem, index, _torques(problem, modes[index], sampler, index, told, moving), findings)
+            if not np.array_equal(told, times):
+                at = _looked(problem, modes[index], sampler, index, told, moving)
+            check_torques(plan, problem, index, _torques(problem, at), findings)
         after = modes[index + 1] if index + 1 < len(modes) else final
         if record.completed:
-            _measure(problem, after, sampler, index, times[-1:], safety, False, findings)
+            _measure(problem, _looked(problem, after, sampler, index, times[-1:], False), safety, False, findings)
 
 
-def _measure(
-    problem: ir.Problem, mode: frozenset[ir.Fact], sampler: Sampler, phase: int, times: Array, safety: float,
-    moving: bool, findings: Findings,
-) -> None:  # fmt: skip
-    shown = Shown(sampler.at(phase, times), sampler.kinematics)
-    nodes = node_frames(problem, shown)
+@dataclass(frozen=True, slots=True)
+class _Looked:
+    """Instants `(T,)` of a phase, where everything is at them, what it weighs there, and what is joined."""
+
+    times: Array
+    nodes: Mapping[tuple[str, int], Frames]
+    loads: Loads
+    edges: tuple[Joined, ...]
+
+
+def _looked(
+    problem: ir.Problem, mode: frozenset[ir.Fact], sampler: Sampler, phase: int, times: Array, moving: bool
+) -> _Looked:
+    nodes = node_frames(problem, Shown(sampler.at(phase, times), sampler.kinematics))
     loads = node_loads(problem, nodes, _accelerated(problem, sampler, phase, times) if moving else None)
-    edges = joined(problem, mode, kept(problem, mode))
-    wrenches = wrenches_of(problem, edges, nodes, loads, safety)
+    return _Looked(times, nodes, loads, joined(problem, mode, kept(problem, mode)))
+
+
+def _measure(problem: ir.Problem, at: _Looked, safety: float, moving: bool, findings: Findings) -> None:
+    wrenches = wrenches_of(problem, at.edges, at.nodes, at.loads, safety)
     for edge, (force, moment) in wrenches.items():
-        for figure in judge(problem, edge, nodes, force, moment, safety):
+        for figure in judge(problem, edge, at.nodes, force, moment, safety):
             worst = int(np.argmax(figure.amounts))
             findings.measure(
-                figure.kind, float(figure.amounts[worst]), figure.message, time=float(times[worst]),
+                figure.kind, float(figure.amounts[worst]), figure.message, time=float(at.times[worst]),
                 between=edge.names, place=place_of(figure.span),
             )  # fmt: skip
     if not moving:
-        _repeat(problem, edges, nodes, wrenches, float(times[-1]), findings)
+        _repeat(problem, at.edges, at.nodes, wrenches, float(at.times[-1]), findings)
 
 
-def _torques(
-    problem: ir.Problem, mode: frozenset[ir.Fact], sampler: Sampler, phase: int, times: Array, moving: bool
-) -> dict[Joined, Array]:
+def _torques(problem: ir.Problem, at: _Looked) -> dict[Joined, Array]:
     """What drives give that are part of no closed loop, `(T,)`, N m (N), about the axes of their joints."""
-    nodes = node_frames(problem, Shown(sampler.at(phase, times), sampler.kinematics))
-    loads = node_loads(problem, nodes, _accelerated(problem, sampler, phase, times) if moving else None)
-    support = Support(joined(problem, mode, kept(problem, mode)))
-    found = {}
-    for edge in support.bridges:
-        if not edge.joint_of:
-            continue
-        beyond = support.beyond(edge)
-        force = sum((loads.forces[n] for n in beyond if n in loads.forces), np.zeros((len(times), 3)))
-        moment = sum((loads.moments[n] for n in beyond if n in loads.moments), np.zeros((len(times), 3)))
-        joint = next(j for j in problem.world.modules[edge.joint_of].type.joints if j.name == edge.names[1])
-        frame = nodes[edge.far]
-        axis = frame.rotation @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
-        own = moment - np.cross(frame.position, force) if joint.kind == ir.JointKind.REVOLUTE else force
-        found[edge] = (1.0 if edge.near in beyond else -1.0) * np.sum(own * axis, axis=1)
-    return found
+    borne = _bridged(Support(at.edges), at.nodes, at.loads)
+    return {e: -along_axis(problem, e, at.nodes, *wrench) for e, wrench in borne.items() if e.joint_of}
 
 
 def node_frames(problem: ir.Problem, shown: Posed, at: Indices | slice = slice(None)) -> dict[tuple[str, int], Frames]:
@@ -182,6 +180,16 @@ def wrenches_of(
 ) -> dict[Joined, tuple[Array, Array]]:  # fmt: skip
     """What the far side of every edge puts on the near one, force and moment about the origin."""
     support = Support(edges)
+    found = _bridged(support, nodes, loads)
+    for ring in support.rings:
+        found |= shared(problem, ring, nodes, loads.forces, loads.moments, found, support, safety)
+    return found
+
+
+def _bridged(
+    support: Support, nodes: Mapping[tuple[str, int], Frames], loads: Loads
+) -> dict[Joined, tuple[Array, Array]]:
+    """The same of the edges without which something is without support."""
     count = max(len(f) for f in nodes.values())
     found: dict[Joined, tuple[Array, Array]] = {}
     for edge in support.bridges:
@@ -191,8 +199,6 @@ def wrenches_of(
                 force, moment = force + loads.forces[node], moment + loads.moments[node]
         sign = -1.0 if edge.near in support.beyond(edge) else 1.0
         found[edge] = sign * force, sign * moment
-    for ring in support.rings:
-        found |= shared(problem, ring, nodes, loads.forces, loads.moments, found, support, safety)
     return found
 
 

@@ -237,19 +237,37 @@ def judge(
     return figures
 
 
-def _judge_joint(
-    problem: ir.Problem, edge: Joined, nodes: Mapping[Node, Frames], force: Array, moment: Array, safety: float
-) -> list[Figure]:
+def along_axis(
+    problem: ir.Problem, edge: Joined, nodes: Mapping[Node, Frames], force: Array, moment: Array
+) -> Array:
+    """What a joint bears along its axis `(T,)`, N m of a revolute one, N of a prismatic one."""
+    joint, axis, about = _at_joint(problem, edge, nodes, force, moment)
+    borne: Array = np.sum((about if joint.kind == ir.JointKind.REVOLUTE else force) * axis, axis=1)
+    return borne
+
+
+def _at_joint(
+    problem: ir.Problem, edge: Joined, nodes: Mapping[Node, Frames], force: Array, moment: Array
+) -> tuple[ir.Joint, Array, Array]:
+    """The joint of an edge, its axis `(T, 3)` in the world, and the moment `(T, 3)` about its place."""
     name, joint_name = edge.names
     joint = next(j for j in problem.world.modules[name].type.joints if j.name == joint_name)
     frame = nodes[edge.far]
     axis = frame.rotation @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
-    about = moment - np.cross(frame.position, force)
-    revolute = joint.kind == ir.JointKind.REVOLUTE
-    drive = np.abs(np.sum((about if revolute else force) * axis, axis=1))
-    rest = about - axis * np.sum(about * axis, axis=1)[:, None] if revolute else about
+    return joint, axis, moment - np.cross(frame.position, force)
+
+
+def _judge_joint(
+    problem: ir.Problem, edge: Joined, nodes: Mapping[Node, Frames], force: Array, moment: Array, safety: float
+) -> list[Figure]:
+    name, joint_name = edge.names
+    joint, axis, about = _at_joint(problem, edge, nodes, force, moment)
+    rest = about
+    if joint.kind == ir.JointKind.REVOLUTE:
+        rest = about - axis * np.sum(about * axis, axis=1)[:, None]
     figures, what = [], f"joint {joint_name} of {name}"
     if math.isfinite(joint.torque):
+        drive = np.abs(along_axis(problem, edge, nodes, force, moment))
         figures.append(
             Figure("torque_ratio", safety * drive / joint.torque, f"the drive of {what} is too weak", edge.span)
         )
