@@ -21,6 +21,7 @@ TASKS = {
     "strut": ("strut_bridge.tamp",),
     "rendezvous": ("rendezvous.tamp", "-pn=2"),
     "horizon": ("climb.tamp", "-pn=4", "--horizon=2"),
+    "loads": ("real_bridge.tamp",),
 }
 WAYS: dict[str, tuple[dict[str, str], tuple[str, ...], int]] = {
     "hash seed 0": ({"PYTHONHASHSEED": "0"}, (), 0),

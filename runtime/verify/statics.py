@@ -194,7 +194,7 @@ def _bridged(
     found: dict[Joined, tuple[Array, Array]] = {}
     for edge in support.bridges:
         force, moment = np.zeros((count, 3)), np.zeros((count, 3))
-        for node in support.beyond(edge):
+        for node in sorted(support.beyond(edge)):
             if node in loads.forces:
                 force, moment = force + loads.forces[node], moment + loads.moments[node]
         sign = -1.0 if edge.near in support.beyond(edge) else 1.0

@@ -57,3 +57,16 @@ def test_the_plan_is_the_same_on_a_loaded_machine_by_other_hashes_threads_and_jo
                 process.wait()
         found.append(content(out))
     assert found[0] == found[1]
+
+
+def test_loads_are_summed_in_the_same_order_by_other_hashes(tmp_path: Path) -> None:
+    plan = str(tmp_path / "plan.json")
+    tamplang = [sys.executable, "-m", "tamplang"]
+    solve = [*tamplang, "solve", str(EXAMPLES / "real_bridge.tamp"), "--out", plan]
+    subprocess.run(solve, check=True, capture_output=True)
+    worst = []
+    for seed in ("1", "2", "3"):
+        environment = {**os.environ, "PYTHONHASHSEED": seed}
+        done = subprocess.run([*tamplang, "verify", plan, "--json"], env=environment, check=True, capture_output=True)
+        worst.append(json.loads(done.stdout)["worst"])
+    assert "torque_ratio" in worst[0] and worst[0] == worst[1] == worst[2]
