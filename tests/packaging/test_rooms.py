@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,7 @@ def within(name: str, room: str) -> bool:
     return name == room or name.startswith(room + ".")
 
 
+@cache
 def modules() -> dict[str, set[str]]:
     found = {}
     for room in ROOMS:
