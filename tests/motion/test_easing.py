@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 from tamplang import load
 from tamplang.compiler.pipeline import compile_text
 from tamplang.runtime.geometry.splines import ClampedSpline
-from tamplang.runtime.planner.motion.end_conditions import eased
+from tamplang.runtime.planner.motion.end_conditions import eased, swept_weights
 from tamplang.runtime.planner.motion.time_scaling import peaks, shortest_duration
 from tamplang.runtime.skeleton import PhasePath
 
@@ -60,6 +60,19 @@ def test_the_curve_stays(bend: float) -> None:
     before = ClampedSpline(np.linspace(0.0, 1.0, 21), path.modules["c"][:, 7:])(np.linspace(0.0, 1.0, 4001))
     for row in motion.modules["c"][:, 7:]:
         assert np.linalg.norm(before - row, axis=1).min() < 1e-3
+
+
+@pytest.mark.parametrize("bend", [0.6, -1.0])
+def test_what_is_checked_is_what_is_stored(bend: float) -> None:
+    path = swing(1.0, bend)
+    path.modules["c"][1:-1, 10] += 0.1 * (-1.0) ** np.arange(19)
+    (motion,) = eased(WORLD, [path])
+    stored = motion.modules["c"][:, 7:]
+    curve = CubicSpline(np.linspace(0.0, 1.0, len(stored)), stored, bc_type="clamped")(np.linspace(0.0, 1.0, 40001))
+    own = CubicSpline(np.linspace(0.0, 1.0, 21), path.modules["c"][:, 7:], bc_type="clamped")(np.linspace(0.0, 1.0, 40001))
+    looked_at = swept_weights(20, 10) @ path.modules["c"][:, 7:]
+    off = [max(np.abs(line - row).max(axis=1).min() for row in looked_at) for line in (curve, own)]
+    assert len(looked_at) == 201 and off[0] < 1e-4 < off[1]
 
 
 def test_the_least_acceleration_becomes_the_least_jerk() -> None:

@@ -23,8 +23,8 @@ SKELETONS = {"alone": climb_alone(3), "together": climb_together(2, n=8), "table
 def solved(request: pytest.FixtureRequest) -> tuple[Skeleton, BoundResult, BoundResult, bool]:
     name, pinned = request.param
     skeleton = SKELETONS[name]
-    sequence = solve_sequence(skeleton, SETTINGS, Seed(0), Budget(30.0))
-    return skeleton, sequence, solve_path(skeleton, SETTINGS, Seed(0), Budget(30.0), sequence, pinned), pinned
+    sequence = solve_sequence(skeleton, SETTINGS, Seed(0), Budget(120.0))
+    return skeleton, sequence, solve_path(skeleton, SETTINGS, Seed(0), Budget(120.0), sequence, pinned), pinned
 
 
 Solved = tuple[Skeleton, BoundResult, BoundResult, bool]
@@ -91,8 +91,8 @@ def test_bodies_move_only_while_held(solved: Solved) -> None:
 def test_pinned_obstacles_stand_where_they_were_put_down() -> None:
     """The second box must keep clear of the first one's new place on the tray, not of its old one on the table."""
     skeleton = pick_and_place(2)
-    sequence = solve_sequence(skeleton, SETTINGS, Seed(1), Budget(30.0))
-    result = solve_path(skeleton, SETTINGS, Seed(1), Budget(30.0), sequence, pinned=True)
+    sequence = solve_sequence(skeleton, SETTINGS, Seed(1), Budget(120.0))
+    result = solve_path(skeleton, SETTINGS, Seed(1), Budget(120.0), sequence, pinned=True)
     assert result.feasible
     first = sequence.configurations[2].bodies["item[1]"]
     second = result.paths[3].bodies["item[2]"]

@@ -19,6 +19,7 @@ from ...geometry.exact_distances import Forms, distances, posed_at
 from ...geometry.resampling import Resampled, effector_poses, kept_pairs, resample
 from ...geometry.transforms import compose, inverse, joint_frames
 from ...skeleton import Array, Breach, Configuration, PhasePath, Violation
+from .end_conditions import eased_samples
 from .phases.contact_margins import REQUIRED, kind_of
 from .phases.settings import PHASES
 from .settings import ACCEPTANCE
@@ -28,8 +29,9 @@ STILL = 1e-9
 
 def dense(problem: Problem, mode: frozenset[Fact], path: PhasePath, start: Configuration) -> Resampled:
     """The motion of a phase as the plan file will hold it, at least `samples` + 1 of them."""
-    knots = max(len(rows) for rows in path.modules.values()) - 1
-    return resample(problem, mode, path, start, 0.0, max(ACCEPTANCE.samples_per_knot, -(-ACCEPTANCE.samples // knots)))
+    motion = eased_samples(path)
+    looks = max(ACCEPTANCE.samples_per_slice * (path.samples - 1), ACCEPTANCE.samples)
+    return resample(problem, mode, motion, start, 0.0, -(-looks // (motion.samples - 1)))
 
 
 def slip(problem: Problem, mode: frozenset[Fact], motion: Resampled, start: Configuration) -> float:

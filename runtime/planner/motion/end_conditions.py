@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
 from ....compiler.ir import World
 from ...geometry.resampling import between
-from ...geometry.splines import ClampedSpline
+from ...geometry.splines import spline_weights
 from ...skeleton import Array, PhasePath
 from .settings import ACCEPTANCE
 from .time_scaling import second_derivatives, shortest_duration
@@ -22,15 +23,43 @@ def eased(world: World, paths: Sequence[PhasePath]) -> list[PhasePath]:
 
 
 def _eased(world: World, path: PhasePath) -> PhasePath:
-    count = path.samples - 1
-    even, times = np.linspace(0.0, 1.0, count + 1), _law(np.linspace(0.0, 1.0, ACCEPTANCE.eased_density * count + 1))
-    modules = {}
-    for name, rows in path.modules.items():
-        joints = settled(ClampedSpline(even, rows[:, 7:])(times))
-        modules[name] = np.hstack([between(even, rows[:, :7], times), joints])
-    bodies = {name: between(even, rows, times) for name, rows in path.bodies.items()}
+    motion = eased_samples(path)
     spare = path.duration - shortest_duration(world, path.modules)
-    return PhasePath(modules, bodies, shortest_duration(world, modules) + max(0.0, spare))
+    motion.duration = shortest_duration(world, motion.modules) + max(0.0, spare)
+    return motion
+
+
+def eased_samples(path: PhasePath) -> PhasePath:
+    """The samples of the eased motion, as they are stored; it takes as long as the path does."""
+    count = path.samples - 1
+    even, times = np.linspace(0.0, 1.0, count + 1), _times(count)
+    modules = {
+        name: np.hstack([between(even, rows[:, :7], times), eased_weights(count) @ rows[:, 7:]])
+        for name, rows in path.modules.items()
+    }
+    bodies = {name: between(even, rows, times) for name, rows in path.bodies.items()}
+    return PhasePath(modules, bodies, path.duration)
+
+
+@lru_cache(maxsize=16)
+def eased_weights(slices: int) -> Array:
+    """The matrix from the joint values `(slices + 1, n)` of a path to those of its eased motion,
+    `(eased_density * slices + 1, n)`."""
+    return settled(spline_weights(slices, slices * _times(slices)))
+
+
+@lru_cache(maxsize=16)
+def swept_weights(slices: int, refinement: int) -> Array:
+    """The matrix from the joint values `(slices + 1, n)` of a path to those of the spline of its eased motion, which is
+    the one that is stored, `(slices * refinement + 1, n)`: at instants when the path is at even times."""
+    knots = ACCEPTANCE.eased_density * slices
+    shares = np.linspace(0.0, 1.0, ACCEPTANCE.samples * slices + 1)
+    instants = np.interp(np.linspace(0.0, 1.0, slices * refinement + 1), _law(shares), shares)
+    return np.asarray(spline_weights(knots, knots * instants) @ eased_weights(slices))
+
+
+def _times(slices: int) -> Array:
+    return _law(np.linspace(0.0, 1.0, ACCEPTANCE.eased_density * slices + 1))
 
 
 def _law(u: Array) -> Array:

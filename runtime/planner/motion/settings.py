@@ -33,7 +33,7 @@ class MotionSettings:
 class AcceptanceSettings:
     """The numbers that steer how motions are accepted, timed and written."""
 
-    samples_per_knot: int = setting(5, "samples", "Looks at a path per knot of its spline, at least.")
+    samples_per_slice: int = setting(5, "samples", "Looks at a path per slice, at least.")
     samples: int = setting(200, "samples", "Looks at a phase, at least.")
     eased_density: int = setting(2, "samples", "Samples of an eased phase per sample of the planner.")
     shortest_phase: float = setting(0.1, "s", "Least duration of a phase.")

@@ -11,6 +11,7 @@ from .....compiler.ir import World
 from .....compiler.motion.collision import PhaseContacts
 from ....geometry.splines import spline_weights
 from ....skeleton import Array, Configuration
+from ..end_conditions import swept_weights
 from .batch_kinematics import Indices
 from .contact_margins import share_table
 from .exact_check import ExactGeometry, PhaseParts
@@ -62,7 +63,8 @@ class Batch:
 
     `start`, `end` `(phases, joints)` are fixed; a path `(phases, slices + 1, joints)` joins them. `phases` are
     the numbers of the phases. `coarse` is the geometry that the optimiser sees, at the times of `looks`; `exact` the
-    true shapes, which accept a path, at `times`, `refinement` per slice. With `closely` the optimiser sees these, too.
+    true shapes, which accept a path, on the spline that is stored of it: `stored` takes a path to its instants. With
+    `closely` the optimiser sees the true shapes, too.
     """
 
     def __init__(
@@ -77,7 +79,7 @@ class Batch:
         self.start = np.array([joint_values(t, s) for t, (s, _) in zip(trees, states, strict=True)])
         self.end = np.array([joint_values(t, e) for t, (_, e) in zip(trees, states, strict=True)])
         self.coarse = Geometry([c for c, _ in parts], contacts, world)
-        self.times = np.arange(slices * PHASES.refinement + 1) / PHASES.refinement
+        self.stored = swept_weights(slices, PHASES.refinement)
         self.looks = Looks(slices, 1)
         self.closely = False
         self.exact = ExactGeometry([e for _, e in parts], contacts, self.coarse.kinematics)
@@ -91,7 +93,7 @@ class Batch:
     def take(self, index: Indices) -> Batch:
         """Some of the phases, possibly repeated."""
         result = object.__new__(Batch)
-        result.slices, result.margin, result.times = self.slices, self.margin, self.times
+        result.slices, result.margin, result.stored = self.slices, self.margin, self.stored
         result.looks, result.closely = self.looks, self.closely
         result.variables = [self.variables[i] for i in index]
         result.phases, result.joints = self.phases[index], self.joints.take(index)

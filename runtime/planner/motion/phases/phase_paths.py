@@ -15,7 +15,6 @@ import numpy as np
 from .....compiler.ir import JointKind, World
 from .....compiler.motion.collision import contacts
 from ....budget import Budget
-from ....geometry.splines import spline_weights
 from ....geometry.transforms import coupled
 from ....seeds import Seed
 from ....skeleton import Array, Bound, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
@@ -56,7 +55,7 @@ def _failures(group: PhaseGroup, world: World) -> list[Violation]:
     batch = group.batch
     for k in np.flatnonzero(~group.solved):
         phase = int(batch.phases[k])
-        values = spline_weights(batch.slices, batch.times) @ group.paths[k]
+        values = batch.stored @ group.paths[k]
         clash = worst_clash(batch.exact, int(k), values[::PHASES.blame_stride])
         if clash.amount <= 0.0:
             clash = worst_clash(batch.exact, int(k), values)

@@ -1,4 +1,4 @@
-"""The swept check: whether a path keeps clear all along its spline, and within limits."""
+"""The swept check: whether a path keeps clear all along the spline that is stored of it, and within limits."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ....geometry.splines import spline_weights
 from ....skeleton import Array
 from .exact_check import swept_clearance
 from .phase_batch import Batch
@@ -29,8 +28,8 @@ class Sweep:
 
 
 def sweep(batch: Batch, paths: Array, chunk: int = 16) -> Sweep:
-    """Check paths `(phases, slices + 1, joints)` on their clamped cubic splines."""
-    values = spline_weights(batch.slices, batch.times) @ paths
+    """Check paths `(phases, slices + 1, joints)` on the splines of their eased motions."""
+    values = batch.stored @ paths
     joints = batch.joints
     beyond = np.maximum(values - joints.upper[:, None], joints.lower[:, None] - values)
     step = np.abs(np.diff(paths, axis=1)) - joints.step[:, None]
