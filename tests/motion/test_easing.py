@@ -68,8 +68,10 @@ def test_what_is_checked_is_what_is_stored(bend: float) -> None:
     path.modules["c"][1:-1, 10] += 0.1 * (-1.0) ** np.arange(19)
     (motion,) = eased(WORLD, [path])
     stored = motion.modules["c"][:, 7:]
-    curve = CubicSpline(np.linspace(0.0, 1.0, len(stored)), stored, bc_type="clamped")(np.linspace(0.0, 1.0, 40001))
-    own = CubicSpline(np.linspace(0.0, 1.0, 21), path.modules["c"][:, 7:], bc_type="clamped")(np.linspace(0.0, 1.0, 40001))
+    curve, own = (
+        CubicSpline(np.linspace(0.0, 1.0, len(values)), values, bc_type="clamped")(np.linspace(0.0, 1.0, 40001))
+        for values in (stored, path.modules["c"][:, 7:])
+    )
     looked_at = swept_weights(20, 10) @ path.modules["c"][:, 7:]
     off = [max(np.abs(line - row).max(axis=1).min() for row in looked_at) for line in (curve, own)]
     assert len(looked_at) == 201 and off[0] < 1e-4 < off[1]
