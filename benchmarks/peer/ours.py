@@ -18,7 +18,7 @@ from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget, OutOfTime
 from tamplang.runtime.plan import StatisticsRecord
 from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
-from tamplang.runtime.planner.motion.path.path_program import solve_path
+from tamplang.runtime.planner.motion.path.whole_path import solve_path
 from tamplang.runtime.planner.motion.phases import solve_sequence_path
 from tamplang.runtime.planner.motion.settings import MotionSettings
 from tamplang.runtime.planner.search.skeleton_replay import build_skeleton

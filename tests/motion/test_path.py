@@ -8,7 +8,7 @@ import pytest
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.planner.motion.keyframes.initial_guesses import effector_pose
 from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
-from tamplang.runtime.planner.motion.path.path_program import solve_path
+from tamplang.runtime.planner.motion.path.whole_path import solve_path
 from tamplang.runtime.planner.motion.settings import MotionSettings
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import BoundResult, Skeleton

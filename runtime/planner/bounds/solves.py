@@ -15,7 +15,7 @@ from ...skeleton import Bound, BoundResult, Configuration, Skeleton, beginning
 from ..motion.keyframes.local_repair import MENDS, QUICK_MENDS, Mend, mended, resampled, unmoved
 from ..motion.keyframes.sequence import solve_sequence
 from ..motion.keyframes.settings import KEYFRAMES
-from ..motion.path.path_program import solve_path
+from ..motion.path.whole_path import solve_path
 from ..motion.settings import MotionSettings
 from ..statics import asked, borne, slowed
 from .requests import AttemptRequest, SequenceRequest, sequence_path

@@ -1,5 +1,5 @@
 """P_path: the motion of a whole skeleton in one program (thesis, section 3.2.3).
 
-`path_program` builds and solves it from `path_guesses`; with its switches pinned it also serves phases that are no set
-of open chains, which `closed_chains` solves for P_seqPath.
+`whole_path` solves the `path_program` from `path_guesses`; with its switches pinned it also serves phases that are no
+set of open chains, which `closed_chains` solves for P_seqPath. `relief` bends phases that load a drive too much.
 """
