@@ -61,3 +61,25 @@ def test_what_no_motion_reaches_is_told_by_the_smallest_miss() -> None:
         assert told.code == "S0002" and told.span is not None and told.labels
         assert told.message.startswith("P_seq refuses ") and "is missed by" in told.message
         assert not told.message.endswith(" 1")
+
+
+def test_what_several_sequences_are_refused_by_is_told_once() -> None:
+    text = """
+import std.crawler
+import std.logic
+import std.motion
+import std.rules
+motion [aloft X Y: object] { at switch bottom(X) >= top(Y) + 5 m }
+predicate (lifted X: object)
+rule lift(A: gripper, X: object) { pre (grasped A X) post (lifted X), [aloft X A] }
+task lift() {
+    base ground: box(2 m, 2 m, 0.05 m) at (0, 0, 0)
+    object target: sphere(0.04 m) at (0.5 m, 0, 0.4 m)
+    fact (grippable target)
+    crawler c: A on ground at (0, 0)
+    goal (lifted target)
+}
+"""
+    outcome = solve(compile_text(text, "lift.tamp", None, {})[0], SolveOptions(time=60.0))
+    assert outcome.status == "exhausted" and len(outcome.statistics.refusals) > 1
+    assert len(outcome.explanation) == 1 and "[aloft target c.B] is missed by" in outcome.explanation[0].message

@@ -60,11 +60,15 @@ class Refusals:
         for skeleton, conflict in self._found:
             groups.setdefault(self._cause(skeleton, conflict), []).append((skeleton, conflict))
         ranked = sorted(groups.values(), key=lambda g: (min(map(_length, g)), -len(g)))
-        told = [self._diagnostic(*min(group, key=_miss), len(group)) for group in ranked[:CONFLICTS.most_explained]]
-        if len(ranked) > CONFLICTS.most_explained:
-            more = sum(map(len, ranked[CONFLICTS.most_explained:]))
-            told[-1] = replace(told[-1], note="; ".join(filter(None, (told[-1].note, f"{more} more refusals"))))
-        return told
+        told: dict[object, Diagnostic] = {}
+        left = sum(map(len, ranked))
+        for group in ranked[: 2 * CONFLICTS.most_explained]:
+            if len(told) == CONFLICTS.most_explained:
+                break
+            found = self._diagnostic(*min(group, key=_miss), len(group))
+            told.setdefault((found.message, found.span), found)
+            left -= len(group)
+        return _with_rest([*told.values()], left)
 
     def _cause(self, skeleton: Skeleton, conflict: Conflict) -> object:
         """What refusals must share to be told as one: rules, bound, and the row or the kind of limit that is missed."""
@@ -162,6 +166,13 @@ class Refusals:
             unit=worst.unit if worst else "",
             place=placed(self.problem, span),
         )
+
+
+def _with_rest(told: list[Diagnostic], more: int) -> list[Diagnostic]:
+    """Diagnostics that end by how many refusals are not told."""
+    if told and more:
+        told[-1] = replace(told[-1], note="; ".join(filter(None, (told[-1].note, f"{more} more refusals"))))
+    return told
 
 
 def distrust(verdict: VerdictRecord | None) -> list[Diagnostic]:
