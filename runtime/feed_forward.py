@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import msgspec
 import numpy as np
 
 from ..compiler import ir
-from ..compiler.physics.frames import Poses, Weight, module_weights, node_weights, poses
-from ..compiler.physics.statics import drives
+from ..compiler.physics.frames import Poses, Weight, foot_radius, module_weights, node_weights, poses
+from ..compiler.physics.records import CONTACTS
+from ..compiler.physics.safety import safety_of
+from ..compiler.physics.statics import drives_of, met, wrenches
+from ..compiler.physics.structure import structure
 from .geometry.splines import ClampedSpline
-from .plan import NO_LIMIT, STATICS, DriveRecord, Plan, StaticsRecord, TorqueRecord, WeightRecord
+from .plan import NO_LIMIT, STATICS, Plan
+from .plan_forces import DriveRecord, HoldRecord, StaticsRecord, TorqueRecord, WeightRecord, WrenchRecord
 from .skeleton import Array
 
 TOLD = 24
@@ -17,15 +23,21 @@ TOLD = 24
 FINER = 4
 """So many instants for each of them where what moves has inertia: accelerations come from differences. The torques of
 an arm that swings at full speed were off by 0.015 of their greatest with 1, by 0.004 with 4."""
-DIGITS = 10
-"""Decimals in the file."""
+DIGITS = 6
+"""Decimals in the file: a millionth of a newton or a newton metre."""
 
 
 def with_statics(problem: ir.Problem, plan: Plan) -> Plan:
-    """A plan with its weights and torques, where its task asks for physics; else as it is."""
+    """A plan with its weights, torques and loads, where its task asks for physics; else as it is."""
     if problem.options.physics in (None, "none") or not plan.phases:
         return plan
-    told = StaticsRecord(_weights(problem), _drives(problem), _torques(problem, plan))
+    torques, wrenches = list[TorqueRecord](), list[WrenchRecord]()
+    for number in range(len(plan.phases) + 1):
+        found = _forces(problem, plan, number)
+        torques += found[0]
+        wrenches += found[1]
+    safety = safety_of(problem.options)
+    told = StaticsRecord(_weights(problem), _drives(problem), torques, _holds(problem), wrenches, safety)
     return msgspec.structs.replace(plan, statics=told, needs=[*(n for n in plan.needs if n != STATICS), STATICS])
 
 
@@ -52,33 +64,60 @@ def _drives(problem: ir.Problem) -> list[DriveRecord]:
     ]
 
 
-def _torques(problem: ir.Problem, plan: Plan) -> list[TorqueRecord]:
-    found = []
-    for number, record in enumerate(plan.phases):
-        mode = frozenset((m.predicate, *m.args) for m in record.mode)
-        moving = problem.options.physics == "dynamics"
-        finer = FINER if moving else 1
-        times = np.linspace(record.start, record.end, finer * TOLD + 1)
-        all_of = drives(problem, mode, placed(problem, plan, number, times, moving=moving))
-        given = {joint: rows[::finer] for joint, rows in all_of.items()}
-        for name, module in problem.world.modules.items():
-            own = [given.get((name, index), np.zeros(TOLD + 1)) for index in range(len(module.type.joints))]
-            rows = np.round(np.stack(own, axis=1), DIGITS) if own else np.zeros((0, 0))
-            if np.isfinite(rows).all() and any((name, index) in given for index in range(len(own))):
-                found.append(TorqueRecord(name, number, rows.tolist()))
-    return found
+def _holds(problem: ir.Problem) -> list[HoldRecord]:
+    ends = {f"{m.name}.{e.name}": e.holds for m in problem.world.modules.values() for e in m.type.effectors}
+    owners = ends | {name: body.holds for name, body in problem.world.bodies.items()}
+    return [
+        HoldRecord(name, h.manner, *(min(v, NO_LIMIT) for v in (h.force, h.shear, h.moment, h.twist, h.friction)))
+        for name, holds in owners.items() for h in holds
+    ]  # fmt: skip
+
+
+def _forces(problem: ir.Problem, plan: Plan, number: int) -> tuple[list[TorqueRecord], list[WrenchRecord]]:
+    """The torques of the drives in a phase, and what pairs bear; of the state after the last phase at rest."""
+    last = number == len(plan.phases)
+    record = plan.phases[-1 if last else number]
+    held = plan.final_mode if last else record.mode
+    built = structure(problem, frozenset((m.predicate, *m.args) for m in held))
+    moving = problem.options.physics == "dynamics" and not last
+    finer = FINER if moving else 1
+    times = np.array([record.end]) if last else np.linspace(record.start, record.end, finer * TOLD + 1)
+    at = placed(problem, plan, number, times, moving=moving)
+    borne = wrenches(problem, built, at, safety_of(problem.options))
+    given = {joint: rows[::finer] for joint, rows in drives_of(problem, built, at, borne).items()}
+    torques, pairs = [], []
+    for name, module in problem.world.modules.items():
+        own = [given.get((name, index), np.zeros(len(times[::finer]))) for index in range(len(module.type.joints))]
+        rows = _rows(own)
+        if np.isfinite(rows).all() and any((name, index) in given for index in range(len(own))):
+            torques.append(TorqueRecord(name, number, rows.tolist()))
+    for edge, (force, moment) in zip(built.all, borne, strict=True):
+        if edge.is_joint:
+            continue
+        rows = _rows(np.hstack(met(problem, edge, at, force, moment))[::finer].T)
+        if np.isfinite(rows).all():
+            kept = rows[:1] if (rows == rows[0]).all() else rows
+            stands = edge.manner in CONTACTS and edge.place not in problem.world.modules
+            radius = foot_radius(problem, edge.place) if stands else 0.0
+            first, second = edge.names
+            pairs.append(WrenchRecord([second, first], edge.manner, edge.place, radius, number, kept.tolist()))
+    return torques, pairs
+
+
+def _rows(columns: Sequence[Array] | Array) -> Array:
+    return np.round(np.stack(list(columns), axis=1), DIGITS) + 0.0 if len(columns) else np.zeros((0, 0))
 
 
 def torques_at(plan: Plan, number: int) -> tuple[Array, dict[tuple[str, int], Array]] | None:
     """The times and the torques, by module and joint, that a plan tells of a phase; None where it tells none."""
-    if isinstance(plan.statics, msgspec.UnsetType) or number >= len(plan.phases):
+    if isinstance(plan.statics, msgspec.UnsetType):
         return None
     rows = {t.module: np.asarray(t.values) for t in plan.statics.torques if t.phase == number}
     if not rows:
         return None
-    phase, count = plan.phases[number], len(next(iter(rows.values())))
+    phase, count = plan.phases[min(number, len(plan.phases) - 1)], len(next(iter(rows.values())))
     told = {(name, index): column for name, values in rows.items() for index, column in enumerate(values.T)}
-    return np.linspace(phase.start, phase.end, count), told
+    return np.linspace(phase.end if number == len(plan.phases) else phase.start, phase.end, count), told
 
 
 def placed(problem: ir.Problem, plan: Plan, number: int, times: Array, *, moving: bool) -> Poses:

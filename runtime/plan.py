@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import msgspec
 
+from .plan_forces import StaticsRecord
+
 FORMAT = "tamplang-plan/2"
 COUPLINGS = "couplings"
 PASSIVE = "passive"
@@ -180,46 +182,6 @@ class SplineRecord(Record, frozen=True):
     until: int
     knots: list[float]
     values: list[list[float]]
-
-
-class WeightRecord(Record, frozen=True):
-    """What weighs in one rigid part, of a module the moving frame of joint `joint` (-1: the module frame) and of a body
-    the body (-1): kilograms, the centre there, and the inertia about it along the axes there: xx, xy, xz, yy, yz, zz,
-    kg m²."""
-
-    name: str
-    joint: int
-    mass: float
-    centre: list[float]
-    inertia: list[float]
-
-
-class DriveRecord(Record, frozen=True):
-    """How strong a joint is: the `torque` of its drive and the moment `bearing` across its axis, N m (N), and the
-    inertia `rotor` of its drive, kg m²."""
-
-    module: str
-    joint: str
-    torque: float
-    bearing: float
-    rotor: float
-
-
-class TorqueRecord(Record, frozen=True):
-    """What the drives of a module give in a phase, N m (N): one row per time, in the order of its joints, at
-    equidistant times from the start of the phase to its end."""
-
-    module: str
-    phase: int
-    values: list[list[float]]
-
-
-class StaticsRecord(Record, frozen=True):
-    """Weights, strengths, and the torques of feed-forward."""
-
-    weights: list[WeightRecord]
-    drives: list[DriveRecord]
-    torques: list[TorqueRecord]
 
 
 class BoundRecord(Record, frozen=True):

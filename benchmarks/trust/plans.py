@@ -58,8 +58,9 @@ BASES = {
     "lost": Instance("run", "lost.tamp"),
     "urdf": solve("arm_from_urdf.tamp"),
     "own": solve("own_module.tamp"),
+    "tow": solve("tow.tamp"),
 }
-"""What is tampered with: chains, closed loops, moving scenes, failures, horizons, runs that end early, URDF."""
+"""What is tampered with: chains, closed loops, moving scenes, failures, horizons, runs that end early, URDF, loads."""
 
 
 def instances() -> Iterator[Instance]:

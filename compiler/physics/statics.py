@@ -8,6 +8,7 @@ verifier has its own.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -61,11 +62,18 @@ def loads(problem: Problem, mode: frozenset[Fact], at: Poses, safety: float = 1.
     ]
 
 
-def drives(problem: Problem, mode: frozenset[Fact], at: Poses) -> dict[tuple[str, int], Array]:
+def drives(problem: Problem, mode: frozenset[Fact], at: Poses, safety: float = 1.0) -> dict[tuple[str, int], Array]:
     """The torques (N m, of prismatic joints forces in N) `(T,)` that the drives of a mode give, by module and joint."""
     built = structure(problem, mode)
+    return drives_of(problem, built, at, wrenches(problem, built, at, safety))
+
+
+def drives_of(
+    problem: Problem, built: Structure, at: Poses, borne: Sequence[tuple[Array, Array]]
+) -> dict[tuple[str, int], Array]:
+    """The same where the wrenches of all edges are known."""
     found: dict[tuple[str, int], Array] = {}
-    for edge, (force, moment) in zip(built.all, wrenches(problem, built, at, 1.0), strict=True):
+    for edge, (force, moment) in zip(built.all, borne, strict=True):
         if edge.is_joint:
             node = (edge.names[0], edge.joint)
             joint = problem.world.modules[node[0]].type.joints[edge.joint]
@@ -73,6 +81,14 @@ def drives(problem: Problem, mode: frozenset[Fact], at: Poses) -> dict[tuple[str
             own = moment - np.cross(at.places[node], force) if joint.kind == JointKind.REVOLUTE else force
             found[node] = (-1.0 if edge.child == node else 1.0) * (own * axis).sum(axis=1)
     return found
+
+
+def met(problem: Problem, edge: Edge, at: Poses, force: Array, moment: Array) -> tuple[Array, Array]:
+    """What the second of a pair's `names` puts on the first `(T, 3)`, in the axes of where they meet."""
+    place, axes = meeting(problem, edge, at)
+    own = np.einsum("tij,ti->tj", axes, force)
+    bent = np.einsum("tij,ti->tj", axes, moment - np.cross(place, force))
+    return (-own, -bent) if edge.turned else (own, bent)
 
 
 def wrenches(problem: Problem, found: Structure, at: Poses, safety: float) -> list[tuple[Array, Array]]:
@@ -97,11 +113,7 @@ def loads_of(problem: Problem, edge: Edge, at: Poses, force: Array, moment: Arra
         return _joint_loads(problem, edge, at, force, moment, safety)
     if edge.hold is None:
         return []
-    place, axes = meeting(problem, edge, at)
-    own = np.einsum("tij,ti->tj", axes, force)
-    bent = np.einsum("tij,ti->tj", axes, moment - np.cross(place, force))
-    if edge.turned:
-        own, bent = -own, -bent
+    own, bent = met(problem, edge, at, force, moment)
     kind = "foot" if edge.manner in CONTACTS else "dock"
     rows = _held(edge.hold, own, bent, foot_radius(problem, edge.place), edge.manner, safety)
     return [Load(edge, kind, safety * amount / strength, amount, strength, unit) for amount, strength, unit in rows]

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...compiler import ir
 from ...compiler.physics.frames import Poses, meeting, poses
+from ...compiler.physics.safety import safety_of
 from ...compiler.physics.statics import drives, loads_of
 from ...compiler.physics.structure import WORLD, Edge, Node, structure
 from ..feed_forward import placed, torques_at
@@ -220,7 +221,7 @@ class _Playback:
             return told
         times = np.linspace(record.start, record.end, EXPECTED + 1)
         here = placed(self.problem, self.plan, number, times, moving=True)
-        return times, drives(self.problem, self.modes[number], here)
+        return times, drives(self.problem, self.modes[number], here, safety_of(self.problem.options))
 
     def _targets(self, number: int, record: PhaseRecord, times: Array) -> tuple[Array, Array]:
         """Where the joints should be at each step `(T, n)`, and what their drives are told: that, how fast, and the

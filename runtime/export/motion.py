@@ -70,7 +70,7 @@ def torques(plan: Plan, name: str, at: Array) -> Array | None:
     if isinstance(plan.statics, msgspec.UnsetType):
         return None
     found = np.zeros((len(at), len(module_of(plan, name).joints)))
-    for record in (t for t in plan.statics.torques if t.module == name):
+    for record in (t for t in plan.statics.torques if t.module == name and t.phase < len(plan.phases)):
         phase, rows = plan.phases[record.phase], np.asarray(record.values)
         own = np.linspace(phase.start, phase.end, len(rows))
         inside = (at >= phase.start) & (at <= phase.end)

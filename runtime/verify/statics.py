@@ -15,7 +15,6 @@ import numpy as np
 
 from ...compiler import ir
 from ...compiler.options import OPTIONS
-from ...langs.frozen import dataclass
 from ..plan import Plan
 from .findings import Findings, place_of
 from .geometry import Array, Frames, Indices, frames
@@ -25,8 +24,8 @@ from .rigid_model import RigidModel
 from .rows import Posed
 from .sampler import Sampler, Shown
 from .shared_loads import shared
-from .strengths import Joined, Support, along_axis, joined, judge
-from .told_forces import check_torques, torque_times
+from .strengths import Joined, Loads, Looked, Support, joined, judge
+from .told_wrenches import check_forces, told_rows
 
 LOOKS = 24
 """Instants of a phase at which loads are measured: they find the worst within a thousandth."""
@@ -35,14 +34,6 @@ STEP = 1e-3
 GRAVITY = 9.81
 AGREEMENT = 1e-6
 """N m by which Pinocchio may find another torque: rounding."""
-
-
-@dataclass(frozen=True, slots=True)
-class Loads:
-    """Force and moment about the world's origin `(T, 3)` that each node puts on what bears it."""
-
-    forces: Mapping[tuple[str, int], Array]
-    moments: Mapping[tuple[str, int], Array]
 
 
 def check_statics(problem: ir.Problem, plan: Plan, modes: tuple[frozenset[ir.Fact], ...], final: frozenset[ir.Fact],
@@ -58,35 +49,38 @@ def check_statics(problem: ir.Problem, plan: Plan, modes: tuple[frozenset[ir.Fac
         times = np.linspace(record.start, record.end, LOOKS + 1)
         at = _looked(problem, modes[index], sampler, index, times, moving)
         _measure(problem, at, safety, moving, findings)
-        told = torque_times(plan, index)
-        if told is not None:
-            if not np.array_equal(told, times):
-                at = _looked(problem, modes[index], sampler, index, told, moving)
-            check_torques(plan, problem, index, _torques(problem, at), findings)
+        _compare(problem, plan, index, modes[index], at, sampler, moving, findings)
         after = modes[index + 1] if index + 1 < len(modes) else final
         if record.completed:
-            _measure(problem, _looked(problem, after, sampler, index, times[-1:], False), safety, False, findings)
+            at = _looked(problem, after, sampler, index, times[-1:], False)
+            _measure(problem, at, safety, False, findings)
+        if index + 1 == len(plan.phases):
+            at = _looked(problem, final, sampler, index, times[-1:], False)
+            _compare(problem, plan, index + 1, final, at, sampler, False, findings)
 
 
-@dataclass(frozen=True, slots=True)
-class _Looked:
-    """Instants `(T,)` of a phase, where everything is at them, what it weighs there, and what is joined."""
-
-    times: Array
-    nodes: Mapping[tuple[str, int], Frames]
-    loads: Loads
-    edges: tuple[Joined, ...]
+def _compare(
+    problem: ir.Problem, plan: Plan, phase: int, mode: frozenset[ir.Fact], at: Looked, sampler: Sampler, moving: bool,
+    findings: Findings,
+) -> None:  # fmt: skip
+    """Compare what the plan tells of a phase with what is measured; where it tells more instants, at those."""
+    rows = told_rows(plan, phase)
+    if rows > len(at.times) > 1:
+        times = np.linspace(at.times[0], at.times[-1], rows)
+        at = _looked(problem, mode, sampler, phase, times, moving)
+    support = Support(at.edges)
+    check_forces(plan, problem, phase, at, support, _bridged(support, at.nodes, at.loads), moving, findings)
 
 
 def _looked(
     problem: ir.Problem, mode: frozenset[ir.Fact], sampler: Sampler, phase: int, times: Array, moving: bool
-) -> _Looked:
+) -> Looked:
     nodes = node_frames(problem, Shown(sampler.at(phase, times), sampler.kinematics))
     loads = node_loads(problem, nodes, _accelerated(problem, sampler, phase, times) if moving else None)
-    return _Looked(times, nodes, loads, joined(problem, mode, kept(problem, mode)))
+    return Looked(times, nodes, loads, joined(problem, mode, kept(problem, mode)))
 
 
-def _measure(problem: ir.Problem, at: _Looked, safety: float, moving: bool, findings: Findings) -> None:
+def _measure(problem: ir.Problem, at: Looked, safety: float, moving: bool, findings: Findings) -> None:
     wrenches = wrenches_of(problem, at.edges, at.nodes, at.loads, safety)
     for edge, (force, moment) in wrenches.items():
         for figure in judge(problem, edge, at.nodes, force, moment, safety):
@@ -97,12 +91,6 @@ def _measure(problem: ir.Problem, at: _Looked, safety: float, moving: bool, find
             )  # fmt: skip
     if not moving:
         _repeat(problem, at.edges, at.nodes, wrenches, float(at.times[-1]), findings)
-
-
-def _torques(problem: ir.Problem, at: _Looked) -> dict[Joined, Array]:
-    """What drives give that are part of no closed loop, `(T,)`, N m (N), about the axes of their joints."""
-    borne = _bridged(Support(at.edges), at.nodes, at.loads)
-    return {e: -along_axis(problem, e, at.nodes, *wrench) for e, wrench in borne.items() if e.joint_of}
 
 
 def node_frames(problem: ir.Problem, shown: Posed, at: Indices | slice = slice(None)) -> dict[tuple[str, int], Frames]:

@@ -44,6 +44,24 @@ class Figure:
     span: Span | None
 
 
+@dataclass(frozen=True, slots=True)
+class Loads:
+    """Force and moment about the world's origin `(T, 3)` that each node puts on what bears it."""
+
+    forces: Mapping[Node, Array]
+    moments: Mapping[Node, Array]
+
+
+@dataclass(frozen=True, slots=True)
+class Looked:
+    """Instants `(T,)` of a phase, where everything is at them, what it weighs there, and what is joined."""
+
+    times: Array
+    nodes: Mapping[Node, Frames]
+    loads: Loads
+    edges: tuple[Joined, ...]
+
+
 def joined(problem: ir.Problem, mode: Iterable[ir.Fact], pairs: Iterable[tuple[str, str]]) -> tuple[Joined, ...]:
     """All joints, and the `pairs` that the mode keeps, but for those that bear nothing."""
     found = [

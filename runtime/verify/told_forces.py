@@ -1,26 +1,21 @@
-"""Whether what a plan tells of weights, strengths and torques is what its texts and its motion say."""
+"""Whether what a plan tells of weights and strengths is what its texts say."""
 
 from __future__ import annotations
-
-from collections.abc import Mapping
 
 import msgspec
 import numpy as np
 
 from ...compiler import ir
-from ..plan import NO_LIMIT, Plan, StaticsRecord
+from ...compiler.options import OPTIONS
+from ..plan import NO_LIMIT, Plan
+from ..plan_forces import StaticsRecord
 from .findings import Findings
 from .geometry import Array, Frames, frames
 from .inertia import body_mass, moments, weights
-from .strengths import Joined
+from .strengths import STRENGTHS
 
 EQUAL = 1e-9
 """Share by which weights and strengths may differ: rounding."""
-APART = 0.02
-"""Share of the greatest torque of its module in the phase by which a told torque may be off, for what the accelerations
-of two ways of differentiating differ by: 0.004 was met."""
-SLACK = 1e-3
-"""N m (N) by which it may be off besides."""
 
 
 def told(plan: Plan) -> StaticsRecord | None:
@@ -56,6 +51,30 @@ def check_weights(plan: Plan, problem: ir.Problem, findings: Findings) -> None:
             findings.fail("scene", message, between=list(key))
 
 
+    _check_holds(given, problem, findings)
+
+
+def _check_holds(given: StaticsRecord, problem: ir.Problem, findings: Findings) -> None:
+    """How ends and bodies hold, and the safety; plans of earlier versions tell of neither."""
+    if not given.wrenches and not given.holds:
+        return
+    safety = float(OPTIONS["safety"].default if problem.options.safety is None else problem.options.safety)
+    if not _near([given.safety], [safety]):
+        findings.fail("scene", "the plan's safety is not that of its task")
+    wanted: dict[tuple[str, str], ir.Hold] = {}
+    for name, module in problem.world.modules.items():
+        wanted |= {(f"{name}.{e.name}", h.manner): h for e in module.type.effectors for h in e.holds}
+    wanted |= {(name, h.manner): h for name, body in problem.world.bodies.items() for h in body.holds}
+    stored = {(h.name, h.manner): h for h in given.holds}
+    if stored.keys() != wanted.keys() or len(stored) != len(given.holds):
+        findings.fail("scene", "the plan does not tell how the ends and bodies of its scene hold")
+    for key in stored.keys() & wanted.keys():
+        numbers = [min(getattr(wanted[key], s), NO_LIMIT) for s in STRENGTHS]
+        if not _near([getattr(stored[key], s) for s in STRENGTHS], numbers):
+            message = f"how strongly {key[0]} holds as {key[1]} differs from the scene"
+            findings.fail("scene", message, between=[key[0]])
+
+
 def _near(numbers: list[float], wanted: list[float]) -> bool:
     scale = 1.0 + max(map(abs, wanted))
     return len(numbers) == len(wanted) and all(
@@ -87,35 +106,3 @@ def _joined(parts: list[tuple[float, Frames, Array]]) -> list[float]:
         turn, out = at.rotation[0], at.position[0] - centre
         whole += turn @ tensor @ turn.T + mass * (float(out @ out) * np.eye(3) - np.outer(out, out))
     return [total, *centre.tolist(), *whole[np.triu_indices(3)].tolist()]
-
-
-def torque_times(plan: Plan, phase: int) -> Array | None:
-    """The times for which torques of a phase are told; None where none are, or not all alike."""
-    given = told(plan)
-    lengths = {len(t.values) for t in (given.torques if given is not None else ()) if t.phase == phase}
-    if len(lengths) != 1 or not 2 <= next(iter(lengths)) <= 1000:
-        return None
-    record = plan.phases[phase]
-    return np.linspace(record.start, record.end, next(iter(lengths)))
-
-
-def check_torques(
-    plan: Plan, problem: ir.Problem, phase: int, torques: Mapping[Joined, Array], findings: Findings
-) -> None:
-    """The torques of a phase are those of its motion. Of joints in closed loops nothing is asked: their share is open.
-    At the first and the last instant accelerations jump; there what inertia adds is left out."""
-    given = told(plan)
-    for record in (t for t in (given.torques if given is not None else ()) if t.phase == phase):
-        module = problem.world.modules.get(record.module)
-        if module is None or any(len(row) != len(module.type.joints) for row in record.values):
-            findings.fail("structure", f"torques of {record.module} do not fit its joints")
-            continue
-        names = [j.name for j in module.type.joints]
-        own = {edge: rows for edge, rows in torques.items() if edge.names[0] == record.module}
-        most = max((float(np.abs(rows).max()) for rows in own.values()), default=0.0)
-        for edge, rows in own.items():
-            stored = np.array([row[names.index(edge.names[1])] for row in record.values])
-            off = float(np.abs(stored - rows)[1:-1].max(initial=0.0))
-            if not off <= APART * most + SLACK:
-                message = f"the told torque of joint {edge.names[1]} of {record.module} is not that of its motion"
-                findings.fail("statics", message, amount=off, unit="N m", between=list(edge.names))

@@ -53,6 +53,15 @@ SCHEMA: Record = {
             "module": "text", "joint": "text", "torque": "number", "bearing": "number", "rotor": "number",
         }],
         "torques": [{"module": "text", "phase": "number", "values": [["number"]]}],
+        "holds?": [{
+            "name": "text", "manner": "text", "force": "number", "shear": "number", "moment": "number",
+            "twist": "number", "friction": "number",
+        }],
+        "wrenches?": [{
+            "between": ["text"], "manner": "text", "at": "text", "radius": "number", "phase": "number",
+            "values": [["number"]],
+        }],
+        "safety?": "number",
     },
     "complete?": "flag",
 }  # fmt: skip
