@@ -17,8 +17,10 @@ from ...langs.writer import write_atomically
 from ..plan import Plan
 from .clearance import build_clearance
 from .ending import Ending
+from .loads import build_loads
 from .rates import build_rates
 from .replay import replay_data
+from .support import build_support
 from .view import build_view, figure, measure_name
 
 FOLDER = Path(__file__).parent / "templates"
@@ -82,7 +84,7 @@ def render_report(plan: Plan, checked: bool = True, ending: Ending | None = None
     no plan; then `plan` is the scene at the start."""
     return _page(
         "report.html.j2", plan, view=build_view(plan, checked), ending=ending, rates=build_rates(plan),
-        clearances=build_clearance(plan),
+        clearances=build_clearance(plan), loads=build_loads(plan), pictures=build_support(plan),
     )  # fmt: skip
 
 

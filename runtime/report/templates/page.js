@@ -133,6 +133,42 @@
     });
   }
 
+  function startLoads() {
+    const lines = all(".plot.timed").map((figure) => {
+      const svg = figure.querySelector("svg");
+      svg.addEventListener("click", (event) => {
+        const box = svg.getBoundingClientRect();
+        player.seek(((event.clientX - box.left) / box.width) * player.duration);
+      });
+      return figure.querySelector(".cursor");
+    });
+    const pictures = all(".above figure").map((figure) => ({
+      start: Number(figure.dataset.start), end: Number(figure.dataset.end),
+      parts: [...figure.querySelectorAll("[data-lines]")].map((part) => ({ part, lines: part.dataset.lines.split("|") })),
+      rings: [...figure.querySelectorAll(".mass")].map((ring) => ({
+        ring, way: ring.dataset.way.trim().split(" ").map((point) => point.split(",").map(Number)),
+      })),
+    }));
+    player.listen(() => {
+      const across = player.duration ? (1000 * player.now) / player.duration : 0;
+      for (const line of lines) {
+        line.setAttribute("x1", across);
+        line.setAttribute("x2", across);
+      }
+      for (const { start, end, parts, rings } of pictures) {
+        const inside = player.now >= start && player.now <= end && end > start;
+        const share = inside ? (player.now - start) / (end - start) : 1;
+        for (const { part, lines } of parts) part.setAttribute("points", lines[Math.round(share * (lines.length - 1))]);
+        for (const { ring, way } of rings) {
+          const at = share * (way.length - 1);
+          const low = Math.min(Math.floor(at), way.length - 1), high = Math.min(low + 1, way.length - 1);
+          ring.setAttribute("cx", way[low][0] + (at - low) * (way[high][0] - way[low][0]));
+          ring.setAttribute("cy", way[low][1] + (at - low) * (way[high][1] - way[low][1]));
+        }
+      }
+    });
+  }
+
   function startTree() {
     const rows = all(".tree li");
     if (!rows.length) return;
@@ -194,6 +230,7 @@
   startKeys();
   startHighlights();
   startPlots();
+  startLoads();
   startTree();
   window.addEventListener("hashchange", openTarget);
   openTarget();
