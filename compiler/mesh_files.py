@@ -67,6 +67,11 @@ def load_mesh(
     """The corners of the mesh at `path`, and what is wrong with the file. `mesh` asks for a convex one."""
     from .hulls import HullError, corners_of, fill
 
+    if not where.value.strip() or "://" in where.value:
+        told, help = ("the mesh has no file", None) if not where.value.strip() else (
+            f"{where.value} is no file on this machine", "fetch it first: nothing is read over the network"
+        )  # fmt: skip
+        return None, [Diagnostic("E0515", told, where.span, help=help)]
     try:
         points, triangles = read_mesh(path, files.read(path))
     except XmlError as reason:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Mapping, Sequence
 
 from lark import Token
@@ -128,6 +129,8 @@ _HINTS = {
     ";": "lines need no sign at their end",
     "\u00a0": "this is a no-break space; write a plain one",
 }
+_OTHER_DIGITS = re.compile(r"(?![0-9])\d+(\.\d+)?([ \t]*(cm|mm|m|deg|rad|s|kg)\b)?")
+"""A number in the digits of another script, with its unit."""
 _WRONG_QUOTES = re.compile(r"['‘’“”`][^'‘’“”`]*['‘’“”`]")
 
 
@@ -224,9 +227,13 @@ def unreadable(source: Source, position: int, automaton: Automaton) -> Strange:
         found = Diagnostic("E0006", told, span, help=repair)
         return Strange(found, len(quoted), ("STRING", f'"{inner}"'))
     width = 2 if source.text.startswith(("&&", "||"), position) else 1
-    span = Span(source.path, position, position + width, line, column, line, column + width)
     shown = f"`{character}`" if character.isprintable() else f"U+{ord(character):04X}"
     meant = _INSTEAD.get(character)
+    number = _OTHER_DIGITS.match(source.text, position)
+    if number is not None:
+        width, shown = len(number[0]), f"`{number[0]}`"
+        meant = "NUMBER", "".join(str(unicodedata.decimal(c, c)) for c in number[0])
+    span = Span(source.path, position, position + width, line, column, line, column + width)
     hint = f"write `{meant[1]}`" if meant is not None else _HINTS.get(character)
     return Strange(Diagnostic("E0002", f"unknown character {shown}", span, help=hint), width, meant)
 

@@ -86,6 +86,15 @@ def test_what_a_text_names_is_refused_at_once(
     assert any(d["code"].startswith(code) for d in json.loads(answer.stdout))
 
 
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [("", "the mesh has no file"), ("https://example.org/a.stl", "https://example.org/a.stl is no file")],
+)
+def test_what_is_no_name_of_a_mesh_is_told_as_written(tmp_path: Path, name: str, told: str) -> None:
+    (tmp_path / "program.tamp").write_text(f'task t() {{ object b: mesh("{name}") at (0, 0, 0) goal (b) }}')
+    assert told in here(tmp_path, "check", "program.tamp").stdout
+
+
 @pytest.mark.parametrize("mesh", ["/dev/zero", "pipe.json", LONG, "folder.json"])
 def test_a_mesh_of_a_urdf_is_refused_at_once(tmp_path: Path, odd: dict[str, Path], mesh: str) -> None:
     shape = f'<collision><geometry><mesh filename="{mesh}"/></geometry></collision>'

@@ -58,6 +58,8 @@ def repaired(text: str) -> str:
     ("program", "right", "wrong", "code"),
     [
         (TASK, "box(2 m, 2 m, 5 cm)", "box(2, 2, 0.05)", "W0014"),
+        (TASK, "at (0, 40 cm, 50 cm)", "at (0, ４０ cm, 50 cm)", "E0002"),
+        (TASK, "sphere(4 cm)", "sphere(٤ cm)", "E0002"),
         (TASK, "(0, 40 cm, 50 cm)", "(0, 0.4, 0.5)", "W0014"),
         (TASK, "at (30 cm, 0)", "at (30 cm, 0) heading 90", "E0203"),
         (TASK, "at (30 cm, 0)", "at (30 cm, 0) heading 90°", "E0002"),
