@@ -28,7 +28,7 @@ Point = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
+class RobotAbove:
     """One robot in one phase, from above in metres, with y downwards as in SVG, and all of it as lines of points for
     each of the instants, or for one where it does not move: its feet, the polygon around them, its skeleton. `mass` is
     its middle of mass at all instants; it is `inside` the polygon by at least so much (negative: outside)."""
@@ -52,7 +52,7 @@ class Picture:
     end: float
     box: str
     dot: float
-    robots: list[Standing]
+    robots: list[RobotAbove]
     grounds: list[str]
 
 
@@ -113,7 +113,7 @@ def _picture(plan: Plan, given: StaticsRecord, moving: _Bodies, phase: int) -> P
 
 def _robots(
     plan: Plan, given: StaticsRecord, moving: _Bodies, wrenches: Sequence[WrenchRecord], samples: Sequence[int]
-) -> Iterator[Standing]:
+) -> Iterator[RobotAbove]:
     modules = {m.name: m for m in plan.modules}
     owners = {end: plan.modules[k].name for end, k in effector_owners(plan).items()}
     fixed = {b.name for b in plan.bodies if not b.movable}
@@ -137,7 +137,7 @@ def _robots(
 def _standing(
     plan: Plan, given: StaticsRecord, moving: _Bodies, frames: dict[str, list[Array]], whole: frozenset[str],
     names: Sequence[str], own: Sequence[WrenchRecord], samples: Sequence[int],
-) -> Standing:  # fmt: skip
+) -> RobotAbove:  # fmt: skip
     mass = np.zeros((len(samples), 2))
     total = 0.0
     for weight in given.weights:
@@ -155,7 +155,7 @@ def _standing(
     bones = [_bone(next(m for m in plan.modules if m.name == n), frames[n]) for n in names]
     hue = PALETTE[[m.name for m in plan.modules].index(names[0]) % len(PALETTE)]
     least = min(_depth(around[min(k, count - 1)], (float(x), float(y))) for k, (x, y) in enumerate(mass))
-    return Standing(
+    return RobotAbove(
         " + ".join(names), hue, [[_line(ring[k]) for k in range(count)] for ring in rings],
         [_line(h) for h in around], bones, [(round(float(x), 4), round(-float(y), 4)) for x, y in mass], least,
     )  # fmt: skip
