@@ -36,6 +36,7 @@ from .candidate_loop import CandidateLoop
 from .conflicts.infeasibility import Refusals, distrust, fewer, unverified
 from .motion.settings import MotionSettings
 from .schedule.at_once import AtOnce
+from .schedule.distinct_plans import DistinctPlans
 from .schedule.improvement import Improvement
 from .schedule.objective_value import bounded, valued
 from .schedule.settings import SCHEDULE
@@ -142,6 +143,7 @@ class _SolveRun:
         self.improvement = Improvement(problem, options.minimise)
         self.at_once = AtOnce(problem, settings, seed, self.budget, self._tell)
         self.search: SkeletonSearch | None = None
+        self.distinct: DistinctPlans | None = None
 
     def run(self) -> Outcome:
         return self._outcome(ending(self._loop))
@@ -151,6 +153,7 @@ class _SolveRun:
         self._tell("compile", "compiling the rules")
         loop = CandidateLoop(self.problem, self.options.search, self.budget, self.bounds, self.refusals)
         self.search = loop.search
+        self.distinct = DistinctPlans(loop.search)
         for candidate in loop.proposals(partial(self._propose, loop), loop.readmit):
             if candidate is not None:
                 self._take(loop, candidate)
@@ -178,8 +181,15 @@ class _SolveRun:
 
     def _propose(self, loop: CandidateLoop) -> Candidate | None:
         self._tell("search", "searching for a skeleton")
-        candidate = loop.search.next()
-        return None if candidate is None else maximise_slack(loop.search, loop.strain, candidate)
+        for _ in range(SCHEDULE.detours):
+            candidate = loop.search.next()
+            if candidate is None:
+                return None
+            candidate = maximise_slack(loop.search, loop.strain, candidate)
+            if self.distinct is None or not self.distinct.repeats(candidate, self.accepted):
+                return candidate
+        loop.search.status = Status.EXHAUSTED
+        return None
 
     def _take(self, loop: CandidateLoop, candidate: Candidate) -> None:
         """Take one candidate through the bounds; whatever comes of it, the search will not propose it again."""
@@ -195,7 +205,19 @@ class _SolveRun:
                 if paths is not None:
                     self._hand_on(skeleton, candidate, paths)
                 self._tell("solved", f"plan {len(self.accepted)}: {len(candidate.actions)} actions")
-            loop.search.forbid_plan(candidate)
+                self._keep_distinct(candidate)
+            else:
+                loop.search.forbid_plan(candidate)
+
+    def _keep_distinct(self, candidate: Candidate) -> None:
+        """Drop what turns out to be a detour of the candidate that was accepted last, and forbid that in all its
+        orders."""
+        if self.distinct is None or (self.options.solutions == 1 and self.options.minimise == ACTIONS):
+            return
+        self.distinct.found(candidate)
+        for k in reversed(range(len(self.accepted) - 1)):
+            if self.distinct.detours(self.accepted[k], (candidate,)):
+                del self.accepted[k], self.plans[k : k + 1]
 
     def _believed(
         self, skeleton: Skeleton, candidate: Candidate, judgement: Judgement

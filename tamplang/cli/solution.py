@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -32,15 +33,26 @@ class Written:
 
 
 class Keeper:
-    """Writes plans as they are found, so that none is lost; `write` puts them in order at the end. Raises OSError."""
+    """Writes the best plans as they are found, at most so many, so that none is lost; `write` puts them in order at the
+    end. Raises OSError."""
 
-    def __init__(self, plan_file: Path) -> None:
-        self.plan_file = plan_file
-        self.count = 0
+    def __init__(self, plan_file: Path, most: int) -> None:
+        self._plan_file, self._most = plan_file, most
+        self._kept: list[tuple[float, Plan]] = []
 
     def __call__(self, plan: Plan) -> None:
-        self.count += 1
-        plan.save(numbered(self.plan_file, self.count))
+        told = objective_of(plan)
+        worth = 0.0 if told is None else told.value
+        place = bisect_right(self._kept, worth, key=lambda kept: kept[0])
+        self._kept.insert(place, (worth, plan))
+        del self._kept[self._most :]
+        for number, (_, better) in enumerate(self._kept[place:], place + 1):
+            better.save(numbered(self._plan_file, number))
+
+    def leave(self, count: int) -> None:
+        """Remove the files that were written beyond so many."""
+        for number in range(count + 1, len(self._kept) + 1):
+            numbered(self._plan_file, number).unlink(missing_ok=True)
 
 
 def write(

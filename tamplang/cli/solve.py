@@ -105,6 +105,7 @@ def solve(
         load_libraries()
         guard.seconds = total(seconds, loaded.problem.options.time, SECONDS)
         guard.doing = f"planning {loaded.problem.task}"
+        keeper = Keeper(plan_file, solutions)
         with (
             needing_cluster(as_json),
             kept_interrupt() as check,
@@ -123,9 +124,10 @@ def solve(
                 jobs=jobs or 1,
                 cluster=cluster,
                 progress=progress,
-                found=Keeper(plan_file),
+                found=keeper,
             )
         guard.rest()
+        keeper.leave(len(result.plans))
         written = write(loaded.problem, result, plan_file, report_file, refused)
     if as_json:
         click.echo(json.dumps(result_json(loaded.problem, result, written, compiled)))

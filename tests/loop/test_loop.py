@@ -184,13 +184,17 @@ def test_lack_of_reach_is_told_in_metres() -> None:
     assert [label.span.file for label in told.labels] == ["std/logic.tamp"]
 
 
-def test_plans_are_handed_on_as_they_are_found() -> None:
+def test_plans_are_handed_on_as_they_are_found_and_differ() -> None:
+    """One robot can walk about for ever: of all ways to one stair three are none of the others with a detour."""
     found: list[Plan] = []
-    result = load(EXAMPLES / "climb.tamp", n=1, crawlers=1).solve(solutions=2, time=60, found=found.append)
-    assert result.status == "solved" and len(found) == len(result.plans) == 2
-    assert len({plan.actions for plan in found}) == 2
-    costs = [plan.record.statistics.cost for plan in result.plans]
-    assert costs == sorted(costs)
+    task = load(EXAMPLES / "climb.tamp", n=1, crawlers=1)
+    result = task.solve(solutions=4, time=60, minimise="makespan", found=found.append)
+    assert result.status == "solved" and len(found) == len(result.plans) == 3
+    assert [d.code for d in result.explanation] == ["S0002"]
+    assert {len(plan.actions) for plan in result.plans} == {2, 3}
+    assert len({(plan.actions[0], plan.actions[-1]) for plan in result.plans}) == 3
+    values = [plan.record.statistics.objective.value for plan in result.plans]
+    assert values == sorted(values)
     for plan in result.plans:
         cost, before = plan.record.statistics.path_cost, plan.record.statistics.path_cost_before
         assert cost is not None and before is not None and 0.0 < cost <= before

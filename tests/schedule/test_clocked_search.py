@@ -4,17 +4,24 @@ the planner's."""
 from __future__ import annotations
 
 import random
+from dataclasses import dataclass
 
 from tamplang.compiler.ir import Action, Fact, Problem
-from tamplang.compiler.pipeline import compile_text
+from tamplang.compiler.pipeline import compile_sources
 from tamplang.compiler.symbolic.successors import Successors
+from tamplang.langs.source import Source
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.planner.schedule.clocked_search import ClockedSearch, Pace
-from tamplang.runtime.planner.search.best_first import SkeletonSearch
+from tamplang.runtime.planner.schedule.distinct_plans import DistinctPlans, PlanForms
+from tamplang.runtime.planner.search.best_first import Candidate, SkeletonSearch
 from tamplang.runtime.verify.replay import Interpreter
 
 Facts = frozenset[Fact]
 TASKS = 200
+LONGEST = 6
+"""Of plans that are counted, actions."""
+PACES = 5
+"""How many tasks share a scene and goal, with other seconds for their actions."""
 RULES = """type thing < object
 type spot < object
 type hand < effector
@@ -62,8 +69,8 @@ rule ring() { pre not (rung), exists A: hand, S: spot { (at A S) and not (full A
 NAMES = "go", "take", "put", "hand_over", "tie", "haul"
 
 
-def drawn(seed: int) -> tuple[Problem, dict[str, float]]:
-    """A task of two or three modules, with things to carry, and seconds by rule."""
+def drawn(seed: int) -> Problem:
+    """A task of two or three modules, with things to carry."""
     chance = random.Random(seed)
     modules, spots, things = chance.choice([(2, 2, 1), (2, 2, 1), (2, 2, 1), (3, 2, 1)])
     lines = [f"    spot s[{k}]: sphere(5 cm) at ({k} m, 0, 0)" for k in range(1, spots + 1)]
@@ -80,10 +87,15 @@ def drawn(seed: int) -> tuple[Problem, dict[str, float]]:
     ties = modules == 2 and seed % 3 == 0
     rules = RULES if ties else RULES[: RULES.index("rule tie")] + RULES[RULES.index("rule ring") :]
     goals = [g for g in goals if ties or "tied" not in g]
-    goal = ", ".join(chance.sample(goals, chance.randint(1, 2)))
-    text = "\n".join([rules, "task t() {", *lines, f"    goal {goal}", "}"])
-    seconds = {r: float(chance.randint(1, 2 if modules == 2 else 1)) for r in NAMES} | {"ring": 0.0}
-    return compile_text(text)[0], seconds
+    goal = ", ".join(chance.sample(goals, chance.choice((1, 2, 2))))
+    text = "\n".join(['import "rules.tamp"', "task t() {", *lines, f"    goal {goal}", "}"])
+    return compile_sources([Source("task.tamp", text), Source("rules.tamp", rules)])[0]
+
+
+def paces(seed: int) -> list[dict[str, float]]:
+    """Seconds by rule, some times."""
+    chance = random.Random(-1 - seed)
+    return [{r: float(chance.randint(1, 2)) for r in NAMES} | {"ring": 0.0} for _ in range(PACES)]
 
 
 def components(problem: Problem, motion: Facts) -> list[set[str]]:
@@ -110,44 +122,71 @@ def bound(problem: Problem, before: Facts, added: Facts, after: Facts) -> set[st
 Clocks = tuple[float, ...]
 
 
+@dataclass(frozen=True)
+class Step:
+    """What an action leads to, by number, the modules that move, those that are bound, and all things that are."""
+
+    action: Action
+    to: int
+    moves: frozenset[int]
+    binds: frozenset[int]
+    touches: frozenset[str]
+
+
 class Schedules:
-    """All schedules of a task, by the plain interpreter."""
+    """All schedules of a task, by the plain interpreter; states by number, the first is the start."""
 
-    def __init__(self, problem: Problem, seconds: dict[str, float]) -> None:
-        self.problem, self.seconds, self.plain = problem, seconds, Interpreter(problem)
+    def __init__(self, problem: Problem) -> None:
+        self.problem, self.plain = problem, Interpreter(problem)
+        self.seconds: dict[str, float] = {}
         self.modules = tuple(problem.world.modules)
-        self.known: dict[tuple[Facts, Facts], list[tuple[Action, Facts, Facts, set[str], set[str]]]] = {}
+        self.things = {*self.modules, *(name for name, body in problem.world.bodies.items() if body.movable)}
+        self.numbers: dict[tuple[Facts, Facts], int] = {}
+        self.states: list[tuple[Facts, Facts]] = []
+        self.done: list[bool] = []
+        self.known: dict[int, list[Step]] = {}
+        self.numbered(problem.init, problem.init_motion)
 
-    def steps(self, facts: Facts, motion: Facts) -> list[tuple[Action, Facts, Facts, set[str], set[str]]]:
-        """What can be done: what it leaves, the modules that move, and those that are bound."""
-        if (facts, motion) not in self.known:
+    def numbered(self, facts: Facts, motion: Facts) -> int:
+        if (facts, motion) not in self.numbers:
+            self.numbers[facts, motion] = len(self.states)
+            self.states.append((facts, motion))
+            self.done.append(self.plain.holds(facts, self.problem.goal))
+        return self.numbers[facts, motion]
+
+    def steps(self, state: int) -> list[Step]:
+        """What can be done in a state."""
+        if state not in self.known:
+            facts, motion = self.states[state]
             found = []
             for rule in self.problem.rules.values():
                 for action in self.plain.applicable(facts, rule):
                     step = self.plain.apply(facts, motion, action)
                     named = {own(name) for fact in step.added_motion for name in fact[1:]} & set(self.modules)
                     moves = named or set(self.modules)
-                    binds = bound(self.problem, motion, step.added_motion, step.motion) | moves
-                    found.append((action, step.facts, step.motion, moves, binds))
-            self.known[facts, motion] = found
-        return self.known[facts, motion]
+                    touches = bound(self.problem, motion, step.added_motion, step.motion)
+                    to = self.numbered(step.facts, step.motion)
+                    places = [frozenset(k for k, m in enumerate(self.modules) if m in some)
+                              for some in (moves, touches | moves)]  # fmt: skip
+                    found.append(Step(action, to, *places, frozenset(touches & self.things)))
+            self.known[state] = found
+        return self.known[state]
 
-    def after(self, last: float, clocks: Clocks, rule: str, moves: set[str], binds: set[str]) -> tuple[float, Clocks]:
-        begin = max(c for m, c in zip(self.modules, clocks, strict=True) if m in moves)
-        end = max(last, begin + self.seconds[rule])
-        return end, tuple(end if m in binds else c for m, c in zip(self.modules, clocks, strict=True))
+    def after(self, last: float, clocks: Clocks, step: Step) -> tuple[float, Clocks]:
+        end = max(last, max(clocks[k] for k in step.moves) + self.seconds[step.action.rule])
+        return end, tuple(end if k in step.binds else c for k, c in enumerate(clocks))
 
     def some_end_before(self, most: float) -> bool:
         """Whether some schedule reaches the goal before `most`; all are tried, each state and clocks once."""
-        start = 0.0, self.problem.init, self.problem.init_motion, (0.0,) * len(self.modules)
+        start = 0.0, 0, (0.0,) * len(self.modules)
         waiting, seen = [start], {start}
         while waiting:
-            last, facts, motion, clocks = waiting.pop()
-            if last < most and self.plain.holds(facts, self.problem.goal):
+            last, state, clocks = waiting.pop()
+            if last < most and self.done[state]:
                 return True
-            for action, following, moved, moves, binds in self.steps(facts, motion):
-                end, then = self.after(last, clocks, action.rule, moves, binds)
-                node = end, following, moved, then
+            for step in self.steps(state):
+                end, then = self.after(last, clocks, step)
+                node = end, step.to, then
                 if end < most and node not in seen:
                     seen.add(node)
                     waiting.append(node)
@@ -155,24 +194,85 @@ class Schedules:
 
     def makespan(self, actions: tuple[Action, ...]) -> float:
         """That of one sequence of actions, which must reach the goal."""
-        last, facts, motion, clocks = 0.0, self.problem.init, self.problem.init_motion, (0.0,) * len(self.modules)
+        last, state, clocks = 0.0, 0, (0.0,) * len(self.modules)
         for action in actions:
-            _, facts, motion, moves, binds = next(s for s in self.steps(facts, motion) if s[0] == action)
-            last, clocks = self.after(last, clocks, action.rule, moves, binds)
-        assert self.plain.holds(facts, self.problem.goal)
+            step = next(s for s in self.steps(state) if s.action == action)
+            last, clocks = self.after(last, clocks, step)
+            state = step.to
+        assert self.done[state]
         return last
 
+    def plans(self, length: int) -> list[tuple[Action, ...]]:
+        """All sequences of so many actions that reach the goal."""
+        rows: list[tuple[int, tuple[Action, ...]]] = [(0, ())]
+        for _ in range(length):
+            rows = [(s.to, (*actions, s.action)) for state, actions in rows for s in self.steps(state)]
+        return [actions for state, actions in rows if self.done[state]]
 
-def test_the_least_makespan_is_that_of_all_schedules() -> None:
-    found = []
-    for seed in range(TASKS):
-        problem, seconds = drawn(seed)
-        search = SkeletonSearch(problem, Successors(problem), "astar", Budget(None))
-        clocked = ClockedSearch(search, Pace(seconds, {}, 1.0, 0.0)).best(most=20_000)
-        assert clocked.candidate is not None and clocked.value == clocked.bound, seed
-        schedules = Schedules(problem, seconds)
-        assert schedules.makespan(clocked.candidate.actions) == clocked.value, seed
-        assert not schedules.some_end_before(clocked.value), seed
-        found.append((clocked.value, sum(seconds[a.rule] for a in clocked.candidate.actions)))
+    def classes(self, plans: list[tuple[Action, ...]]) -> list[set[tuple[Action, ...]]]:
+        """Plans that become each other when actions change places that follow each other, bind nothing in common, can
+        be done either way, and lead to the same."""
+        waiting, found = set(plans), []
+        while waiting:
+            group = set()
+            near = {waiting.pop()}
+            while near:
+                plan = near.pop()
+                group.add(plan)
+                near |= {other for other in self.swapped(plan) if other not in group}
+            waiting -= group
+            found.append(group)
+        return found
+
+    def swapped(self, plan: tuple[Action, ...]) -> list[tuple[Action, ...]]:
+        state, found = 0, []
+        for k, action in enumerate(plan[:-1]):
+            ways = {s.action: s for s in self.steps(state)}
+            one, other = ways[action], ways.get(plan[k + 1])
+            second = next(s for s in self.steps(one.to) if s.action == plan[k + 1])
+            first = None if other is None else next((s for s in self.steps(other.to) if s.action == action), None)
+            if first is not None and first.to == second.to and not one.touches & second.touches:
+                found.append((*plan[:k], plan[k + 1], action, *plan[k + 2 :]))
+            state = one.to
+        return found
+
+
+def test_the_least_makespan_is_that_of_all_schedules_and_plans_differ() -> None:
+    """By scene: the least makespan for some paces; and of the cheapest plans, one of each class of orders of actions
+    that commute."""
+    found, classes = [], []
+    for seed in range(TASKS // PACES):
+        problem = drawn(seed)
+        successors = Successors(problem)
+        search = SkeletonSearch(problem, successors, "astar", Budget(None))
+        schedules = Schedules(problem)
+        for seconds in paces(seed):
+            clocked = ClockedSearch(search, Pace(seconds, {}, 1.0, 0.0)).best(most=20_000)
+            assert clocked.candidate is not None and clocked.value == clocked.bound, seed
+            schedules.seconds = seconds
+            assert schedules.makespan(clocked.candidate.actions) == clocked.value, seed
+            assert not schedules.some_end_before(clocked.value), seed
+            found.append((clocked.value, sum(seconds[a.rule] for a in clocked.candidate.actions)))
+        first = search.next()
+        if first is not None and len(first.actions) <= LONGEST:
+            classes.append(differing(search, schedules, first))
     assert sum(value < total for value, total in found) > TASKS // 20
     assert max(value for value, _ in found) >= 5.0
+    assert sum(more > 1 for more, _ in classes) > 5 and sum(plans > more for more, plans in classes) > 5
+
+
+def differing(search: SkeletonSearch, schedules: Schedules, first: Candidate) -> tuple[int, int]:
+    """How many classes of cheapest plans a search proposes, which are all, and how many such plans there are."""
+    plans = schedules.plans(len(first.actions))
+    classes = schedules.classes(plans)
+    distinct, forms = DistinctPlans(search), PlanForms(search.problem, search.successors)
+    proposed: list[Candidate] = []
+    candidate: Candidate | None = first
+    while candidate is not None and candidate.cost == first.cost:
+        proposed.append(candidate)
+        distinct.found(candidate)
+        candidate = search.next()
+    groups = [next(k for k, group in enumerate(classes) if c.actions in group) for c in proposed]
+    assert sorted(groups) == list(range(len(classes)))
+    assert len({forms.of(c.numbers).normal for c in proposed}) == len(classes)
+    return len(classes), len(plans)

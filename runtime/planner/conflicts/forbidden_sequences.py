@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from ....compiler.ir import Action, Chain, Fact, Problem
 from ....compiler.symbolic.successors import Successors
 from ....compiler.symbolic.symmetry import is_reversible
+from ....langs.frozen import dataclass
 
 Signature = tuple[object, ...]
 Context = tuple[Fact, ...]
@@ -26,6 +27,29 @@ OFF = -1
 """Place in the tree of forbidden prefixes once a plan has left it."""
 LEAF = -2
 MISSING: set[Signature] = set()
+
+
+Place = tuple[int, ...]
+"""A place in the tree of prefixes, then in each forbidden order: the actions that are done, by bit."""
+
+
+@dataclass(frozen=True, slots=True)
+class ForbiddenOrder:
+    """Actions of which each comes behind those `before` it, by place."""
+
+    numbers: tuple[int, ...]
+    before: tuple[frozenset[int], ...]
+
+    def after(self, done: int, number: int) -> int:
+        """What is done after one more action: OFF where it is none of those that may come next, LEAF behind the
+        last."""
+        if done == OFF:
+            return OFF
+        following = next((k for k, n in enumerate(self.numbers) if n == number and not done >> k & 1), None)
+        if following is None or any(not done >> k & 1 for k in self.before[following]):
+            return OFF
+        done |= 1 << following
+        return LEAF if done + 1 == 1 << len(self.numbers) else done
 
 
 class NoGoods:
@@ -43,6 +67,9 @@ class NoGoods:
         self._linked: dict[int, dict[str, set[str]]] = {}
         self._tree: list[dict[int, int]] = [{}]
         self._prefixes: list[tuple[tuple[int, ...], float]] = []
+        self._orders: list[ForbiddenOrder] = []
+        self._places: list[Place] = []
+        self._place_numbers: dict[Place, int] = {}
         self._histories: list[History] = [()]
         self._history_numbers: dict[History, int] = {(): EMPTY}
         self._predicates = tuple(dict.fromkeys(p for p, _ in successors.layout.fields))
@@ -61,8 +88,9 @@ class NoGoods:
 
     @property
     def root(self) -> int:
-        """Where a plan starts in the tree of prefixes."""
-        return 0 if self._tree[0] else OFF
+        """Where a plan starts in the tree of prefixes, and in what else is forbidden from the start."""
+        tree = 0 if self._tree[0] else OFF
+        return self._place((tree, *(0 for _ in self._orders))) if self._orders else tree
 
     def forbid_sequence(self, numbers: Sequence[int], state: int) -> None:
         """Forbid these actions one after the other, from where the first one's robots are in `state`, and whatever is
@@ -82,6 +110,13 @@ class NoGoods:
         """Forbid exactly these actions from the start, over so many readmissions."""
         self._prefixes.append((tuple(numbers), survives))
         self._grow(numbers)
+
+    def forbid_orders(self, numbers: Sequence[int], before: Sequence[frozenset[int]]) -> None:
+        """Forbid these actions from the start in all orders in which each comes behind those `before` it, by place,
+        over all readmissions."""
+        if not numbers:
+            self.forbid_prefix(())
+        self._orders.append(ForbiddenOrder(tuple(numbers), tuple(before)))
 
     def _grow(self, numbers: Sequence[int]) -> None:
         node = 0
@@ -154,9 +189,24 @@ class NoGoods:
         place = self.descend(place, number)
         return None if following is None or place == LEAF else (following, place)
 
-    def descend(self, node: int, number: int) -> int:
-        """The place in the tree of prefixes after an action: LEAF where it is forbidden, OFF outside."""
-        return self._tree[node].get(number, OFF) if node >= 0 else OFF
+    def descend(self, place: int, number: int) -> int:
+        """The place in the tree of prefixes after an action, and in the forbidden orders: LEAF where it completes one,
+        OFF outside of all."""
+        if not self._orders or place < 0:
+            return self._tree[place].get(number, OFF) if place >= 0 else OFF
+        node, *done = self._places[place]
+        node = self._tree[node].get(number, OFF) if node >= 0 else OFF
+        then = [order.after(mask, number) for order, mask in zip(self._orders, done, strict=True)]
+        return LEAF if LEAF in (node, *then) else self._place((node, *then))
+
+    def _place(self, place: Place) -> int:
+        """The number of a place in the tree and in the forbidden orders."""
+        if all(part == OFF for part in place):
+            return OFF
+        if place not in self._place_numbers:
+            self._place_numbers[place] = len(self._places)
+            self._places.append(place)
+        return self._place_numbers[place]
 
     def bare(self, numbers: Sequence[int]) -> Signature:
         """The lifted actions without context."""

@@ -51,6 +51,10 @@ class ScheduleSettings:
         0.05, "1", "By so much of its value a candidate must be better, as far as is known, to be taken to motion.",
         "Motions of one rule differ by more than this: what is gained on paper is lost in motion.",
     )
+    detours: int = setting(
+        60, "candidates", "After so many in a row that are plans found before, with a detour, no other is looked for.",
+        "A single robot can walk about for ever; the four plans of `rendezvous` n=2 follow each other at once.",
+    )
     orders: int = setting(8, "orders", "How many orders of priority are tried where things are in each other's way.")
 
 

@@ -95,6 +95,10 @@ class SkeletonSearch:
         """Do not propose exactly this plan again, nor any that begins with it."""
         self.no_goods.forbid_prefix(candidate.numbers)
 
+    def forbid_orders(self, numbers: tuple[int, ...], before: tuple[frozenset[int], ...]) -> None:
+        """Do not propose these actions again in any order in which each comes behind those `before` it, by place."""
+        self.no_goods.forbid_orders(numbers, before)
+
     def forbid_actions(
         self, candidate: Candidate, first: int, last: int, from_start: bool = False, survives: float = 0
     ) -> None:
