@@ -298,6 +298,11 @@ CODES: dict[str, CodeInfo] = {
         "All of the shape of an effector lies inside a link that moves with it, as a ball thinner than the rounded end "
         "of a capsule does. The link would have to go into whatever the effector is to touch, so that no plan has it "
         "touch anything."),
+    "W0021": CodeInfo("taken to have no drives", "warning",
+        "No joint of the module states a drive, such as its `speed`, and none is `passive`. Since some rule wants its "
+        "parts to be somewhere to each other, and none has it do anything to another thing, it is taken for something "
+        "like a drawer: its joints move only while something that drives move holds it. `passive` behind the joints "
+        "says so, a `speed` says otherwise."),
 }
 
 

@@ -60,7 +60,8 @@ class Relaxation:
         readable: list[ir.Derived | ir.Rule] = [*self.world.derived.values(), *self.world.rules.values()]
         for reader in readable:
             condition = reader.condition if isinstance(reader, ir.Rule) else reader.body
-            for predicate in {literal.predicate for literal in needed_literals(condition)[0]}:
+            chains = {v.type.predicate for v in reader.variables if isinstance(v.type, ir.ChainType)}
+            for predicate in chains | {literal.predicate for literal in needed_literals(condition)[0]}:
                 readers.setdefault(predicate, []).append(reader)
         waiting = {id(reader): reader for reader in reversed(readable)}
         while waiting:
@@ -99,25 +100,42 @@ class Relaxation:
         for effect, loops in ir.effects_with_loops(rule.effects):
             if effect.negated or effect.literal.motion:
                 continue
-            inner = {**domains, **{v.name: set(self.of(v)) for v in loops if isinstance(v.type, ir.ObjectType)}}
-            columns = [self.values(arg, inner) for arg in effect.literal.args]
+            columns = self.places(rule, effect.literal, loops)
             name = effect.literal.predicate
             grown |= {name} if self.grow(name, columns) else set()
             if self.world.predicates[name].symmetric and self.grow(name, columns[::-1]):
                 grown.add(name)
         return grown
 
+    def places(self, rule: ir.Rule, literal: ir.Literal, loops: Iterable[ir.Variable]) -> list[set[str]]:
+        """The objects that the arguments of an effect of a rule that can fire can be, within loops."""
+        found = self.domains[rule.name]
+        inner = {**found, **{v.name: set(self.of(v)) for v in loops if isinstance(v.type, ir.ObjectType)}}
+        by = {v.name: v.type.predicate for v in rule.variables if isinstance(v.type, ir.ChainType)}
+        return [self.values(arg, inner, by) for arg in literal.args]
+
     def of(self, variable: ir.Variable) -> frozenset[str]:
         return self.world.of_type(variable.type.name) if isinstance(variable.type, ir.ObjectType) else frozenset()
 
     def solve(self, variables: Sequence[ir.Variable], condition: ir.Formula) -> Domains | None:
-        """The objects that each variable can be, or None when the condition can never hold."""
+        """The objects that each variable, and each end of a chain that the condition speaks of, can be, or None when
+        the condition can never hold."""
         domains = {v.name: set(self.of(v)) for v in variables if isinstance(v.type, ir.ObjectType)}
         literals, bound = needed_literals(condition)
         domains.update({v.name: set(self.of(v)) for v in bound if isinstance(v.type, ir.ObjectType)})
         if not all(domains.values()) and variables:
             return None
-        return domains if all(self.restrict(literal, domains) for literal in literals) else None
+        equal = list(needed_equalities(condition))
+        terms = [arg for literal in literals for arg in literal.args] + [term for pair in equal for term in pair]
+        domains.update({_end(t): set(self.world.of_type("effector")) for t in terms if isinstance(t, ir.ChainEnd)})
+        if not all(self.restrict(literal, domains) for literal in literals):
+            return None
+        for one, other in equal:
+            if _end(one) in domains and _end(other) in domains:
+                domains[_end(one)] = domains[_end(other)] = domains[_end(one)] & domains[_end(other)]
+                if not domains[_end(one)]:
+                    return None
+        return domains
 
     def restrict(self, literal: ir.Literal, domains: Domains) -> bool:
         """Narrow the domains by one literal that must hold; whether it can."""
@@ -125,23 +143,35 @@ class Relaxation:
         if columns is None:
             return False
         for arg, column in zip(literal.args, columns, strict=True):
-            if isinstance(arg, ir.Var) and arg.name in domains:
-                domains[arg.name] &= column
-                if not domains[arg.name]:
+            if _end(arg) in domains:
+                domains[_end(arg)] &= column
+                if not domains[_end(arg)]:
                     return False
             elif isinstance(arg, ir.Object) and arg.name not in column:
                 return False
         return True
 
-    def values(self, arg: ir.Term, domains: Domains) -> set[str] | frozenset[str]:
-        """The objects that an argument of an effect can be."""
+    def values(self, arg: ir.Term, domains: Domains, by: Mapping[str, str]) -> set[str]:
+        """The objects that an argument of an effect can be. `by` names by what predicate each chain is connected: ends
+        of modules within a chain are those that it connects, or the chain's own."""
         if isinstance(arg, ir.Object):
             return {arg.name}
-        if isinstance(arg, ir.Var) and arg.name in domains:
-            return domains[arg.name]
-        if isinstance(arg, ir.ChainModule) and not arg.side:
-            return self.world.of_type("module")
-        return self.world.of_type("effector")
+        if isinstance(arg, ir.Any_):
+            return set(self.world.objects)
+        effectors = set(self.world.of_type("effector"))
+        if isinstance(arg, ir.ChainModule):
+            if not arg.side:
+                return set(self.world.of_type("module"))
+            outer = (domains.get(_end(ir.ChainEnd(arg.chain, last)), effectors) for last in (False, True))
+            return set().union(*self.columns.get(by[arg.chain], ()), *outer) if arg.chain in by else effectors
+        return domains.get(_end(arg), effectors)
+
+
+def _end(term: ir.Term) -> str:
+    """How a variable, or an end of a chain, is called in domains; nothing else is."""
+    if isinstance(term, ir.ChainEnd):
+        return f"{term.chain}.{'last' if term.last else 'first'}"
+    return term.name if isinstance(term, ir.Var) else ""
 
 
 def needed_literals(formula: ir.Formula) -> tuple[list[ir.Literal], list[ir.Variable]]:
@@ -157,19 +187,30 @@ def needed_literals(formula: ir.Formula) -> tuple[list[ir.Literal], list[ir.Vari
     return [], []
 
 
+def needed_equalities(formula: ir.Formula) -> Iterator[tuple[ir.Term, ir.Term]]:
+    """The pairs of terms that must be equal."""
+    if isinstance(formula, ir.Compare) and formula.operator == "=":
+        yield formula.left, formula.right
+    for inner in formula.operands if isinstance(formula, ir.And) else ():
+        yield from needed_equalities(inner)
+    if isinstance(formula, ir.Exists):
+        yield from needed_equalities(formula.body)
+
+
 def movable(
     relaxation: Relaxation, motions: Mapping[str, ir.MotionPredicate], start: Iterable[ir.Fact]
 ) -> set[str]:
     """The objects that can follow another: those that some rule makes do so, where an added motion literal keeps their
     pose, and those that the motion literals of the start keep to what follows, as a thing on a carried thing."""
-    followers = {name: set(_followers(motion)) for name, motion in motions.items()}
+    following = {name: set(followers(motion)) for name, motion in motions.items()}
     found: set[str] = set()
-    for name, domains in relaxation.domains.items():
-        for effect in ir.effects_of(relaxation.world.rules[name].effects):
+    for name in relaxation.domains:
+        rule = relaxation.world.rules[name]
+        for effect, loops in ir.effects_with_loops(rule.effects):
             if effect.literal.motion and not effect.negated:
-                for place in followers[effect.literal.predicate]:
-                    found |= relaxation.values(effect.literal.args[place], domains)
-    kept = [(fact[1:], place) for fact in sorted(start) for place in followers[fact[0]]]
+                places = relaxation.places(rule, effect.literal, loops)
+                found.update(*(places[place] for place in following[effect.literal.predicate]))
+    kept = [(fact[1:], place) for fact in sorted(start) for place in following[fact[0]]]
     grew = True
     while grew:
         more = {names[place] for names, place in kept if found.intersection(names[:place] + names[place + 1 :])}
@@ -178,7 +219,8 @@ def movable(
     return found
 
 
-def _followers(motion: ir.MotionPredicate) -> Iterator[int]:
+def followers(motion: ir.MotionPredicate) -> Iterator[int]:
+    """The places of a literal whose objects it has follow another."""
     names = [v.name for v in motion.variables]
     for row in motion.rows:
         kept = row.left

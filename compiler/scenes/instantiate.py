@@ -26,6 +26,7 @@ from .marks import with_marks
 from .reachability import check_goal
 from .scene import BuiltScene, SceneBuilder
 from .scene_names import collect_objects
+from .undriven import without_drives
 from .ways import check_ways
 
 
@@ -104,6 +105,7 @@ def _problem(
     moving = movable(relaxation, lifted.motions, init[1])
     bodies = {n: dataclasses.replace(b, movable=n in moving) for n, b in built.bodies.items()}
     bodies = with_marks(bodies, {course.body for course in happenings[0]}, library.types)
+    modules = without_drives(context.findings, library.modules, built.robots, built.modules, relaxation, lifted.motions)
     heuristic = None
     if built.guide is not None:
         declaration, arguments, _ = built.guide
@@ -127,7 +129,7 @@ def _problem(
         init=init[0],
         init_motion=init[1],
         goal=goal,
-        world=ir.World(built.modules, bodies, *happenings),
+        world=ir.World(modules, bodies, *happenings),
         options=built.options,
         sources=library.sources,
         files=library.foreign,

@@ -139,8 +139,7 @@ def _achieves(
     relaxation: Relaxation, rule: ir.Rule, predicate: str, wanted: list[str | None], deletes: bool = False
 ) -> bool:
     """Whether a rule may add, or delete, a literal."""
-    domains = relaxation.domains.get(rule.name)
-    if domains is None:
+    if rule.name not in relaxation.domains:
         return False
     symmetric = relaxation.world.predicates[predicate].symmetric
     orders = [wanted, wanted[::-1]] if symmetric else [wanted]
@@ -148,9 +147,7 @@ def _achieves(
         literal = effect.literal
         if effect.negated is not deletes or literal.motion or literal.predicate != predicate:
             continue
-        inner = {**domains, **{v.name: set(relaxation.of(v)) for v in loops if isinstance(v.type, ir.ObjectType)}}
-        everything = relaxation.world.objects.keys()
-        columns = [everything if isinstance(a, ir.Any_) else relaxation.values(a, inner) for a in literal.args]
+        columns = relaxation.places(rule, literal, loops)
         for order in orders:
             if all(w is None or w in c for w, c in zip(order, columns, strict=True)):
                 return True

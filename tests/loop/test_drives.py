@@ -30,6 +30,35 @@ task t() {
     goal (open d.H)
 }
 """
+OWN_WORDS = """
+import std.crawler
+import std.rules
+type handle < effector
+type root < effector
+module till {
+    effector F: root box(2 mm, 2 mm, 2 mm) normal (0, 0, -1)
+    joint slide: prismatic(x) in 0 m .. 30 cm
+    link 10 cm: box(20 cm, 20 cm)
+    effector H: handle sphere(2 cm) at (0, 0, 3 cm)
+}
+placement (A: root) on (Y: object) { (on Y A), [stable Y A] }
+predicate (open H: effector)
+motion [drawn H F: effector] { at switch dot(position(H) - position(F), (1, 0, 0)) >= 0.2 }
+rule pull(F: root, H: handle) { pre not (open H) post (open H), [drawn H F] }
+rule take(A: gripper, H: handle) { pre (free A) post [touch A H], [stable A H] }
+task t() {
+    base cabinet: box(0.3 m, 0.3 m, 0.1 m) at (1 m, 0, 0.05 m)
+    till d: F on cabinet
+    goal (open d.H)
+}
+task beside() {
+    base cabinet: box(0.3 m, 0.3 m, 0.1 m) at (1 m, 0, 0.05 m)
+    till d: F on cabinet
+    base pedestal: box(0.3 m, 0.3 m, 0.1 m) at (0, 0, 0.05 m)
+    crawler c: A on pedestal
+    goal (open d.H)
+}
+"""
 FOUR_BAR = """
 import std.mechanisms
 ## A crank with a drive, a coupler and a rocker without, whose end turns on the floor.
@@ -67,8 +96,8 @@ def solved(problem: Problem) -> Plan:
     return outcome.plans[0]
 
 
-def refused(text: str) -> Outcome:
-    outcome = solve(compile_text(text)[0], SolveOptions(time=60.0))
+def refused(text: str, task: str | None = None) -> Outcome:
+    outcome = solve(compile_text(text, task=task)[0], SolveOptions(time=60.0))
     assert outcome.status == "exhausted"
     return outcome
 
@@ -94,6 +123,20 @@ def test_nothing_opens_by_itself() -> None:
     assert "slide of d cannot move: no drive" in (told.note or "")
     (warning,) = check_sources([Source("alone.tamp", ALONE)])
     assert warning.code == "W0013" and warning.span is not None and "`slide` of `d`" in warning.message
+
+
+def test_what_the_rules_have_moved_by_others_only_has_no_drives() -> None:
+    assert "slide of d cannot move: no drive" in (refused(OWN_WORDS, "t").explanation[0].note or "")
+    problem, warnings = compile_text(OWN_WORDS, task="beside")
+    assert [w.code for w in warnings] == ["W0021"] and "`till`" in warnings[0].message
+    modules = problem.world.modules
+    assert all(j.passive for j in modules["d"].type.joints) and not any(j.passive for j in modules["c"].type.joints)
+
+
+@pytest.mark.parametrize("other", [("30 cm\n", "30 cm speed 0.1 m/s\n"), ("[touch A H], [stable A H]", "[touch A H]")])
+def test_a_speed_or_something_that_it_does_says_that_a_module_has_drives(other: tuple[str, str]) -> None:
+    problem, warnings = compile_text(OWN_WORDS.replace(*other), task="beside")
+    assert warnings == () and not any(j.passive for j in problem.world.modules["d"].type.joints)
 
 
 def test_a_drawer_opens_while_a_hand_holds_it_and_stays_then(plan: Plan) -> None:

@@ -340,8 +340,10 @@ def worst_clash(geometry: ExactGeometry, phase: int, values: Array) -> Clash:
 def wholes_blocked(geometry: ExactGeometry, poses: Array) -> NDArray[np.bool_]:
     """`(times,)` whether what is seen as it is misses the clearance that is required, in the one phase of `geometry`,
     for joint values `(times, joints)`."""
-    frames = geometry.kinematics.frames(poses[None])
     result = np.zeros(len(poses), bool)
+    if not len(poses):
+        return result
+    frames = geometry.kinematics.frames(poses[None])
     for near in near_entries(geometry, frames, np.zeros((len(geometry.nodes), 1, len(poses)))):
         entries = near.wholes(geometry)
         distance = entries.measured(geometry, frames, np.zeros(len(entries.first))).value

@@ -24,8 +24,8 @@ class _Checker:
 
     def __init__(self, batch: Batch, phase: int) -> None:
         self.geometry, self.exact = batch.coarse.take(np.array([phase])), batch.exact.take(np.array([phase]))
-        joints = batch.joints
-        self.lower, self.upper = joints.lower[phase] + 1e-3, joints.upper[phase] - 1e-3
+        low, high = batch.inner_limits()
+        self.lower, self.upper = low[phase], high[phase]
 
     def free(self, poses: Array) -> Array:
         """`(poses,)` whether joint values `(poses, joints)` are free."""
