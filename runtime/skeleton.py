@@ -151,7 +151,8 @@ class Violation:
 class BoundResult:
     """What one bound says about a skeleton. `configurations` are the K + 1 switch configurations, start included
     (P_seq and above); `paths` the K phase motions (P_seqPath and P_path). `violations` is largest first. `cost_before`
-    is the cost before feasible motions were polished, None when they were not."""
+    is the cost before feasible motions were polished, None when they were not; `unobstructed` tells that P_seq refuses
+    even though nothing counts as in the way."""
 
     bound: Bound
     feasible: bool
@@ -162,3 +163,4 @@ class BoundResult:
     paths: list[PhasePath]
     violations: list[Violation]
     cost_before: float | None = None
+    unobstructed: bool = False

@@ -25,6 +25,7 @@ from ..ir import (
     Variable,
 )
 from .algebra import conjunction
+from .bindings import Bindings
 from .chains import KnownFacts
 from .domains import FlatRule
 from .expressions import Check, compiled, ground, literal_test, source, split
@@ -72,6 +73,7 @@ class BlockMaker:
         self.layout: Layout = guards.layout
         self.action_id = action_id
         self._made: dict[Any, Block | None] = {}
+        self._bindings = Bindings(guards, self._bound)
         self._keys: dict[str, list[str]] = {}
         for predicate, key in self.layout.fields:
             self._keys.setdefault(predicate, []).append(key)
@@ -80,18 +82,19 @@ class BlockMaker:
         """The blocks of one rule whose conditions on the flags hold."""
         domains = self.layout.domains.variable_domains(flat)
         small = [v for v in flat.variables if v.name not in domains or domains[v.name] <= self.layout.small]
-        found: dict[int, Block] = {}
-        for env, rest in self.guards.solutions(small, flat.conjuncts, {}, word, domains):
-            changes = tuple(self._changes(flat.rule.effects, env, word))
-            shown = tuple(env.get(v.name) for v in flat.variables if v in small)
-            key = (flat.rule.name, shown, rest, changes)
-            if key not in self._made:
-                large = [v for v in flat.variables if v not in small]
-                self._made[key] = self._block(flat, env, large, rest, changes)
-            block = self._made[key]
-            if block is not None:
-                found[id(block)] = block
-        return list(found.values())
+        return list({id(block): block for block in self._bindings.of(flat, small, domains, word)}.values())
+
+    def _bound(
+        self, flat: FlatRule, env: Environment, rest: tuple[Formula, ...], word: KnownFacts
+    ) -> Block | None:
+        """The block of values of the small variables, where something is left of it."""
+        changes = tuple(self._changes(flat.rule.effects, env, word))
+        shown = tuple(env.get(v.name) for v in flat.variables)
+        key = (flat.rule.name, shown, rest, changes)
+        if key not in self._made:
+            large = [v for v in flat.variables if v.name not in env]
+            self._made[key] = self._block(flat, env, large, rest, changes)
+        return self._made[key]
 
     def _changes(self, items: Sequence[EffectItem], env: Environment, word: KnownFacts) -> list[Change]:
         """Effects without loops, with what is known of their conditions settled."""

@@ -17,6 +17,9 @@ class KnownFacts:
         self._chains: dict[ChainType, tuple[Chain, ...]] = {}
         self._matches: dict[tuple[Literal, str], frozenset[str]] = {}
 
+    def holds(self, fact: Fact) -> bool:
+        return fact in self.facts
+
     @cached_property
     def _by_predicate(self) -> dict[str, list[Fact]]:
         found: dict[str, list[Fact]] = {}

@@ -201,7 +201,7 @@ class Guards:
         if self.layout.encode(fact)[0] == 0:
             return FALSE
         if word is not None and self.layout.canonical(fact) in self.layout.flags:
-            return TRUE if fact in word.facts else FALSE
+            return TRUE if word.holds(fact) else FALSE
         return Literal(literal.predicate, args)
 
     def _compare(self, formula: Compare, env: Environment) -> Formula:
@@ -301,22 +301,42 @@ class Guards:
     ) -> Iterator[tuple[Environment, tuple[Formula, ...]]]:
         """All values of `variables` under which no conjunct is refuted, each with what remains of the conjuncts; the
         variable with the fewest candidates first."""
+        live = self.live(conjuncts, env, word)
+        if live is None:
+            return
+        if not variables:
+            yield env, tuple(live)
+            return
+        chosen, values, live = self.branch(variables, live, env, word, domains or {})
+        others = [v for v in variables if v is not chosen]
+        for value in values:
+            yield from self.solutions(others, live, {**env, chosen.name: value}, word, domains)
+
+    def live(
+        self, conjuncts: Sequence[Formula], env: Environment, word: KnownFacts | None
+    ) -> list[Formula] | None:
+        """What remains of conjuncts; None where one is refuted."""
         live: list[Formula] = []
         for formula in conjuncts:
             rest = self.reduce(formula, env, word)
             if rest == FALSE:
-                return
+                return None
             for part in rest.operands if isinstance(rest, And) else (rest,):
                 if part not in live:
                     live.append(part)
-        if not variables:
-            yield env, tuple(live)
-            return
-        chosen, values = self._most_constrained(variables, live, env, word, domains or {})
-        others = [v for v in variables if v is not chosen]
-        values, live = self._filter(chosen, values, live, env)
-        for value in values:
-            yield from self.solutions(others, live, {**env, chosen.name: value}, word, domains)
+        return live
+
+    def branch(
+        self,
+        variables: Sequence[Variable],
+        live: list[Formula],
+        env: Environment,
+        word: KnownFacts | None,
+        domains: Mapping[str, frozenset[str]],
+    ) -> tuple[Variable, Sequence[Value], list[Formula]]:
+        """The variable with the fewest candidates, its values, and what is left to ask of the conjuncts."""
+        chosen, values = self._most_constrained(variables, live, env, word, domains)
+        return chosen, *self._filter(chosen, values, live, env)
 
     def _most_constrained(
         self,

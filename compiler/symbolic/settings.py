@@ -23,6 +23,10 @@ class SymbolicSettings:
         "Successors of states with the same flags are compiled as one function after so many calls.",
         "compiling takes some 6 ms with 8 robots, where a search meets 530 words in 320 nodes",
     )
+    remembered_answers: int = setting(
+        4, "words",
+        "Kinds of flag words for which the values of some variables of a rule are kept.",
+    )
     most_alternatives: int = setting(
         16, "alternatives",
         "Alternatives of a condition that are split into flat rules at most.",
@@ -49,7 +53,6 @@ class SymbolicSettings:
         "Length of a name in PDDL.",
         "some readers have a limit for lines or files",
     )
-
 
 
 SYMBOLIC = SymbolicSettings()

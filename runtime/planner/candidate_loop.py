@@ -17,8 +17,11 @@ from .bounds.multi_bound import MultiBound
 from .bounds.settings import BOUNDS
 from .bounds.verdicts import Judgement
 from .conflicts.infeasibility import Refusals
+from .conflicts.openings import taking_part
 from .search.best_first import Candidate, SkeletonSearch
+from .search.candidate_repair import repaired
 from .search.learned_penalties import LearnedPenalties
+from .search.settings import SEARCH
 from .search.skeleton_replay import build_skeleton
 
 
@@ -35,6 +38,9 @@ class CandidateLoop:
             self.search = SkeletonSearch(problem, Successors(problem), method, budget, node_limit)
             self.strain = Strain(self.search.successors)
             self.penalties = LearnedPenalties(self.strain)
+        self._refused: tuple[Candidate, set[int]] | None = None
+        """The last candidate that was refused, and the places of the actions that the refusals end with."""
+        self._repairs = 0
         self.rounds = 0
         self.paths_refused = False
         """Whether some candidate had switches, but was refused a motion between them."""
@@ -50,6 +56,18 @@ class CandidateLoop:
             yield candidate
             if candidate is None and not go_on():
                 return
+
+    def next(self) -> Candidate | None:
+        """The last candidate with another way for those that were refused, while the others do as before; else the
+        next one of the search."""
+        refused, self._refused = self._refused, None
+        if refused is not None and self._repairs < SEARCH.repairs:
+            self._repairs += 1
+            found = repaired(self.search, *refused)
+            if found is not None:
+                return found
+        self._repairs = 0
+        return self.search.next()
 
     def readmit(self) -> bool:
         """Where every candidate was refused: those that P_seq refused may come again once, and bounds try harder, with
@@ -72,6 +90,7 @@ class CandidateLoop:
         OutOfTime."""
         strains = self.strain.along(candidate.numbers[: len(skeleton)])
         judgement = self.bounds.judge(skeleton, strains, motions)
+        blamed = {conflict.last for conflict in judgement.conflicts}
         for conflict in judgement.conflicts:
             if conflict.bound != Bound.EXPECTED:
                 self.refusals.add(replace(skeleton, problem=self.refusals.problem), conflict)
@@ -80,7 +99,26 @@ class CandidateLoop:
             self.paths_refused |= paths
             anywhere = not self.rounds and not paths and 0 < conflict.last < self.remembered
             from_start = conflict.from_start and not anywhere
+            if from_start and conflict.bound == Bound.SEQ and conflict.last == 0:
+                openings = self._forbid_openings(candidate, skeleton)
+                blamed |= openings
+                if 0 in openings:
+                    continue
             self.search.forbid_actions(candidate, conflict.first, conflict.last, from_start, 1 if paths else 0)
         if self.penalties.weight and not judgement.accepted:
             self.search.charge(self.penalties)
+        self._refused = (candidate, blamed) if blamed else None
         return judgement
+
+    def _forbid_openings(self, candidate: Candidate, skeleton: Skeleton) -> set[int]:
+        """After the first action was refused from the start: forbid it, and all others of the candidate that are the
+        first of their robots and refused there, whatever others do, before the search has tried each of them. Their
+        places. Raises OutOfTime."""
+        successors, places = self.search.successors, set[int]()
+        possible = {number for _, number in successors.expand(successors.initial)}
+        for k, alone, conflict in self.bounds.refused_openings(skeleton, lambda k: candidate.numbers[k] in possible):
+            self.search.no_goods.openings.forbid(candidate.numbers[k], taking_part(skeleton, k))
+            places.add(k)
+            if k:
+                self.refusals.add(replace(alone, problem=self.refusals.problem), conflict)
+        return places

@@ -182,7 +182,7 @@ class _SolveRun:
     def _propose(self, loop: CandidateLoop) -> Candidate | None:
         self._tell("search", "searching for a skeleton")
         for _ in range(SCHEDULE.detours):
-            candidate = loop.search.next()
+            candidate = loop.next()
             if candidate is None:
                 return None
             candidate = maximise_slack(loop.search, loop.strain, candidate)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from ....compiler.ir import Action, Chain, Problem
 from ...budget import Budget, unless_spent
@@ -11,6 +11,7 @@ from ...seeds import Seed
 from ...skeleton import Bound, BoundResult, Configuration, PhasePath, Skeleton, Violation, beginning
 from ...verify import verify
 from ..conflicts.nogoods import GeneralisedNoGoods
+from ..conflicts.openings import holds_whatever_others_do, movers, opening, taking_part
 from ..motion.keyframes.causes import Cause, cause
 from ..motion.keyframes.initial_guesses import guess
 from ..motion.keyframes.multi_start import judged_alone
@@ -171,6 +172,20 @@ class MultiBound(Solves):
             else:
                 self._feasible.add(self._beginning_key(skeleton, 1))
         return sorted(conflicts, key=lambda conflict: conflict.first)
+
+    def refused_openings(
+        self, skeleton: Skeleton, possible: Callable[[int], bool]
+    ) -> Iterator[tuple[int, Skeleton, Conflict]]:
+        """The phases that are the first of all that takes part in them, `possible` at the start, and refused there by
+        P_seq whatever others do; each with the skeleton of it alone, and why. Raises OutOfTime."""
+        acted: frozenset[str] = frozenset()
+        for k, phase in enumerate(skeleton.phases):
+            if not taking_part(skeleton, k) & acted and possible(k):
+                alone = opening(skeleton, k)
+                result = self.unit.result(self._window(self.unit.skeleton(alone), 0, 0))
+                if holds_whatever_others_do(alone, result):
+                    yield k, alone, Conflict(Bound.SEQ, 0, 0, True, tuple(result.violations))
+            acted |= movers(skeleton.problem, phase.action)
 
     def _needs_no_solve(self, skeleton: Skeleton, strains: Sequence[float], k: int) -> bool:
         """Whether an action alone is expected to succeed, or cannot be judged alone."""

@@ -11,12 +11,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ....compiler.ir import Action, Chain, Fact, Problem
+from ....compiler.ir import Action, Fact, Problem
 from ....compiler.symbolic.successors import Successors
-from ....compiler.symbolic.symmetry import is_reversible
 from ....langs.frozen import dataclass
+from .lifting import Lifting, Signature, objects_of
+from .openings import Openings
 
-Signature = tuple[object, ...]
 Context = tuple[Fact, ...]
 """Values of functional predicates for the objects that an action concerns."""
 History = tuple[tuple[int, Context], ...]
@@ -24,13 +24,11 @@ History = tuple[tuple[int, Context], ...]
 EMPTY = 0
 """The number of the empty history."""
 OFF = -1
-"""Place in the tree of forbidden prefixes once a plan has left it."""
+"""Place outside of all that is forbidden from the start."""
 LEAF = -2
 MISSING: set[Signature] = set()
-
-
 Place = tuple[int, ...]
-"""A place in the tree of prefixes, then in each forbidden order: the actions that are done, by bit."""
+"""A node of the tree of prefixes, the openings that wait, then by forbidden order the actions that are done, by bit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +66,7 @@ class NoGoods:
         self._tree: list[dict[int, int]] = [{}]
         self._prefixes: list[tuple[tuple[int, ...], float]] = []
         self._orders: list[ForbiddenOrder] = []
+        self.openings = Openings(problem, successors)
         self._places: list[Place] = []
         self._place_numbers: dict[Place, int] = {}
         self._histories: list[History] = [()]
@@ -88,9 +87,13 @@ class NoGoods:
 
     @property
     def root(self) -> int:
-        """Where a plan starts in the tree of prefixes, and in what else is forbidden from the start."""
-        tree = 0 if self._tree[0] else OFF
-        return self._place((tree, *(0 for _ in self._orders))) if self._orders else tree
+        """The place where a plan starts."""
+        return self._place((0 if self._tree[0] else OFF, self.openings.all, *(0 for _ in self._orders)))
+
+    @property
+    def aside(self) -> int:
+        """The place of those that have not acted yet, when others have."""
+        return self._place((OFF, self.openings.all, *(OFF for _ in self._orders)))
 
     def forbid_sequence(self, numbers: Sequence[int], state: int) -> None:
         """Forbid these actions one after the other, from where the first one's robots are in `state`, and whatever is
@@ -134,7 +137,8 @@ class NoGoods:
     def readmit(self) -> bool:
         """Forget the sequences, and the prefixes that survive no readmission any more. False when there were none."""
         lasting = [(numbers, survives - 1) for numbers, survives in self._prefixes if survives > 0]
-        known = bool(self._conflicts) or len(lasting) < len(self._prefixes)
+        known = bool(self._conflicts or self.openings) or len(lasting) < len(self._prefixes)
+        self.openings.clear()
         self._prefixes, self._tree = lasting, [{}]
         for numbers, _ in lasting:
             self._grow(numbers)
@@ -183,30 +187,33 @@ class NoGoods:
         return () if kept is None else kept
 
     def advance(self, history: int, place: int, state: int, number: int) -> tuple[int, int] | None:
-        """The number of the history and the place in the tree of prefixes after one more action; None when that
-        completes what is forbidden."""
+        """The number of the history and the place after one more action; None when that completes what is forbidden."""
         following = self.follow(history, state, number) if self.watches else EMPTY
-        place = self.descend(place, number)
-        return None if following is None or place == LEAF else (following, place)
+        then = self._descend(place, number)
+        return None if following is None or then is None else (following, then)
 
-    def descend(self, place: int, number: int) -> int:
-        """The place in the tree of prefixes after an action, and in the forbidden orders: LEAF where it completes one,
-        OFF outside of all."""
-        if not self._orders or place < 0:
-            return self._tree[place].get(number, OFF) if place >= 0 else OFF
-        node, *done = self._places[place]
-        node = self._tree[node].get(number, OFF) if node >= 0 else OFF
-        then = [order.after(mask, number) for order, mask in zip(self._orders, done, strict=True)]
-        return LEAF if LEAF in (node, *then) else self._place((node, *then))
+    def _descend(self, place: int, number: int) -> int | None:
+        """The place after an action; None where it is forbidden."""
+        if place == OFF:
+            return OFF
+        node, waiting, *done = self._places[place]
+        node = self._tree[node].get(number, OFF) if node != OFF else OFF
+        left = self.openings.after(waiting, number)
+        orders = [order.after(mask, number) for order, mask in zip(self._orders, done, strict=True)]
+        return None if left is None or LEAF in (node, *orders) else self._place((node, left, *orders))
+
+    def acting(self, number: int) -> frozenset[str]:
+        """The modules and movable bodies that an action names."""
+        return self.openings.acting(number)
 
     def _place(self, place: Place) -> int:
-        """The number of a place in the tree and in the forbidden orders."""
-        if all(part == OFF for part in place):
+        if place[1] == 0 and place[0] == OFF and all(mask == OFF for mask in place[2:]):
             return OFF
-        if place not in self._place_numbers:
-            self._place_numbers[place] = len(self._places)
+        known = self._place_numbers.get(place)
+        if known is None:
+            known = self._place_numbers[place] = len(self._places)
             self._places.append(place)
-        return self._place_numbers[place]
+        return known
 
     def bare(self, numbers: Sequence[int]) -> Signature:
         """The lifted actions without context."""
@@ -267,55 +274,3 @@ class NoGoods:
                     links.setdefault(fact[2], set()).add(fact[1])
             self._linked[flags] = links
         return self._linked[flags]
-
-
-class Names(dict[str, object]):
-    """What stands for an object, in the order of appearance, and how many of a kind were met."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.counts: dict[str, int] = {}
-
-    def next(self, kind: str) -> int:
-        self.counts[kind] = self.counts.get(kind, 0) + 1
-        return self.counts[kind]
-
-
-class Lifting:
-    """Replaces modules, and ends of reversible ones, by numbers in the order of appearance."""
-
-    def __init__(self, problem: Problem) -> None:
-        self.modules = problem.world.modules
-        self.reversible = {m.name for m in self.modules.values() if is_reversible(m.type)}
-
-    def actions(self, actions: Sequence[Action]) -> tuple[Signature, Names]:
-        names = Names()
-        return tuple((a.rule, *(self.token(arg, names) for arg in a.args)) for a in actions), names
-
-    def token(self, arg: object, names: Names) -> object:
-        """What stands for an argument of an action."""
-        if isinstance(arg, Chain):
-            return ("chain", *(self.token(part, names) for line in arg.modules for part in line))
-        if not isinstance(arg, str) or arg in names:
-            return names[arg] if isinstance(arg, str) else arg
-        module, dot, end = arg.rpartition(".")
-        if arg in self.modules:
-            kind = self.modules[arg].type.name
-            names[arg] = (kind, names.next(kind))
-        elif dot and module in self.modules:
-            whole = self.token(module, names)
-            names[arg] = (whole, names.next(module) if module in self.reversible else end)
-        else:
-            return arg
-        return names[arg]
-
-
-def objects_of(action: Action) -> list[str]:
-    """The objects that an action names, in order."""
-    found: list[str] = []
-    for arg in action.args:
-        if isinstance(arg, Chain):
-            found += [part for line in arg.modules for part in line]
-        elif isinstance(arg, str):
-            found.append(arg)
-    return found

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from ....compiler.ir import Fact, Problem
 from ...skeleton import Phase
-from .forbidden_sequences import Lifting, Names, objects_of
+from .lifting import Lifting, Names, objects_of
 from .settings import CONFLICTS
 
 Kind = tuple[object, ...]

@@ -50,6 +50,14 @@ class Candidate:
     lower_bound: float
 
 
+@dataclass(frozen=True, slots=True)
+class Aside:
+    """A search from another state than the start, in which only these movers act."""
+
+    state: int
+    movers: frozenset[str]
+
+
 class SkeletonSearch:
     """Candidates in the order of their cost. `next` gives None when there is none, and `status` says why: `infeasible`
     (proved: every reachable state was seen), `exhausted` (only no-goods made it so) or `budget`.
@@ -90,6 +98,13 @@ class SkeletonSearch:
             return None
         weight = SEARCH.hurried_weight if self.hurried and self.method == "astar" else weights[self.method]
         return _Run(self, weight).run()
+
+    def within(self, state: int, movers: frozenset[str]) -> tuple[int, ...] | None:
+        """The cheapest way from a state to the goal on which only these movers act, none of which has acted before;
+        None where a short search finds none."""
+        found = _Run(self, 1.0, Aside(state, movers), self.expanded_nodes + SEARCH.repair_nodes).run()
+        self.status = Status.RUNNING
+        return None if found is None else found.numbers
 
     def forbid_plan(self, candidate: Candidate) -> None:
         """Do not propose exactly this plan again, nor any that begins with it."""
@@ -159,8 +174,16 @@ class SkeletonSearch:
 class _Run:
     """One search from the start. Entries of the queue: priority, estimate, guide, age, key, state, cost, past."""
 
-    def __init__(self, search: SkeletonSearch, weight: float) -> None:
+    def __init__(
+        self, search: SkeletonSearch, weight: float, aside: Aside | None = None, limit: float = math.inf
+    ) -> None:
+        """With `aside` names stay, since others keep theirs. `limit` bounds the nodes that are expanded in all."""
         self.search = search
+        self.limit = limit if search.node_limit is None else min(limit, search.node_limit)
+        self.start = search.successors.initial if aside is None else aside.state
+        self.movers = None if aside is None else aside.movers
+        self.place = search.no_goods.root if aside is None else search.no_goods.aside
+        self.renaming = search.renaming if aside is None else None
         self.weight = weight
         self.guided = search.method == "guide"
         self.expect = search.expect
@@ -172,25 +195,26 @@ class _Run:
         self.cut = False
         self.order = 1 if search.method == "bfs" else -1
         no_goods = search.no_goods
-        self.remembers = no_goods.watches or no_goods.root >= 0 or (self.guided and search.guide.reads_previous)
+        self.remembers = no_goods.watches or self.place >= 0 or (self.guided and search.guide.reads_previous)
         self.representative = False
         """Whether the search goes through renamed states; the plan gets its names at the end."""
 
     def run(self) -> Candidate | None:
         search = self.search
-        self._push(search.successors.initial, 0.0, search.guide.start, (EMPTY, search.no_goods.root, None), None, None)
+        self._push(self.start, 0.0, search.guide.start, (EMPTY, self.place, None), None, None)
         search.tree_nodes += 1
         budget = search.budget
         budget.grown += 1
-        pops, limit = 0, math.inf if search.node_limit is None else search.node_limit
+        pops = 0
         while self.queue:
-            look = pops % SEARCH.clock_period == 0 or search.expanded_nodes >= limit or budget.full
-            if look and search.out_of_budget():
+            spent = search.expanded_nodes >= self.limit
+            look = spent or pops % SEARCH.clock_period == 0 or budget.full
+            if look and (search.out_of_budget() or spent):
                 return None
             if pops == SEARCH.hurry_after and search.method == "astar" and not search.hurried:
                 self._hurry()
             pops += 1
-            if pops == SEARCH.renaming_from and search.renaming is not None and not self.remembers:
+            if pops == SEARCH.renaming_from and self.renaming is not None and not self.remembers:
                 self.representative = True
             _, estimate, guide, _, key, state, cost, past = heapq.heappop(self.queue)
             if cost > self.cheapest[key]:
@@ -208,6 +232,8 @@ class _Run:
         search, no_goods = self.search, self.search.no_goods
         allowed = no_goods.allows if no_goods.active else None
         children = search.successors.expand(state)
+        if self.movers is not None:
+            children = [child for child in children if no_goods.acting(child[1]) <= self.movers]
         search.tree_nodes += len(children)
         search.budget.grown += len(children)
         action_cost, cheapest, surcharge = search.successors.cost, self.cheapest, search.surcharge
@@ -254,7 +280,7 @@ class _Run:
         """States that differ only in names are one, unless names are remembered."""
         if self.remembers and past != NOTHING:
             return state, past
-        renaming = self.search.renaming
+        renaming = self.renaming
         return state if renaming is None else renaming.canonical(state)
 
     def _advance(self, past: Past, state: int, action: int) -> Past | None:
@@ -288,10 +314,10 @@ class _Run:
     def _numbers(self, path: list[tuple[int, int, int]]) -> list[int]:
         """The actions of a path from the start itself. Where a state on the path only stands for the one that is
         reached, what follows gets the names that modules have there."""
-        successors, renaming = self.search.successors, self.search.renaming
+        successors, renaming = self.search.successors, self.renaming
         if all(state == before[2] for before, (state, _, _) in pairwise(path)):
             return [number for _, number, _ in path]
-        state = met = successors.initial
+        state = met = self.start
         names: dict[str, str] = {}
         numbers = []
         for kept, chosen, led in path:

@@ -28,6 +28,17 @@ class SearchSettings:
         "60 times the most that a task of `bench thesis` takes (809); 2 to 50 s of CPU, as 28,000 to 1,000 nodes "
         "a second are expanded",
     )
+    repairs: int = setting(
+        8, "candidates",
+        "Candidates in a row at most that are mended instead of searched from the start: others may have to help.",
+        "not measured",
+    )
+    repair_nodes: int = setting(
+        1000, "nodes",
+        "Nodes that are expanded at most for another way of the robots of a candidate that motion refused, while the "
+        "others do as before.",
+        "4 to 60 are needed where a way of two to four actions of one crawler is another",
+    )
     penalty_power: int = setting(
         6, "1",
         "The power of an action's strain with which its penalty grows, and that slack is measured by.",

@@ -147,7 +147,8 @@ class SpanSolver:
         self.iterations += outcome.iterations
         tolerance = self.settings.tolerance
         violations = program.violations(outcome.x, tolerance) if program.largest(outcome.x) > tolerance else []
-        return BoundResult(Bound.SEQ, False, 0.0, 0.0, 0, switches.unpack(outcome.x), [], violations)
+        configurations = switches.unpack(outcome.x)
+        return BoundResult(Bound.SEQ, False, 0.0, 0.0, 0, configurations, [], violations, unobstructed=True)
 
     def _solve(self, switches: SwitchProgram, slices: Sequence[Configuration]) -> BoundResult:
         """P_seq, projected where it is nearly feasible; else with what is violated."""
