@@ -207,6 +207,7 @@ class NoGoods:
         return self.openings.acting(number)
 
     def _place(self, place: Place) -> int:
+        """The number of a place."""
         if place[1] == 0 and place[0] == OFF and all(mask == OFF for mask in place[2:]):
             return OFF
         known = self._place_numbers.get(place)
