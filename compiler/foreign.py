@@ -12,6 +12,10 @@ LARGEST = 64_000_000
 """Bytes of a mesh: more than a million triangles, of which a hull keeps a few hundred corners."""
 
 
+MADE = ".parts"
+"""What a file is called beside that from which another program made it."""
+
+
 class Missing(Exception):
     """There is no such file, or it cannot be read; the message says why. `help` tells what to do."""
 
@@ -38,6 +42,16 @@ class Files:
         if path not in self.kept:
             self.kept[path] = _on_disk(path) if self.given is None else self._carried(path)
         return self.kept[path]
+
+    def made(self, path: str) -> str | None:
+        """What another program made of the file at `path` before the plan was written, which carries it."""
+        if self.given is None or f"{path}{MADE}" not in self.given:
+            return None
+        return self.read(f"{path}{MADE}").decode("utf-8", "replace")
+
+    def make(self, path: str, text: str) -> None:
+        """Keep what another program made of the file at `path`."""
+        self.kept.setdefault(f"{path}{MADE}", text.encode())
 
     def _carried(self, path: str) -> bytes:
         assert self.given is not None

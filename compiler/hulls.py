@@ -3,7 +3,9 @@ metres; its frame is at the middle of the box around it, along its axes."""
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import Any
 
@@ -203,13 +205,31 @@ def _distinct(planes: Array) -> Array:
 
 
 def _around(corners: Array) -> Array:
-    """The corners of the body around some points whose faces look in the 26 directions of a cube's faces, edges and
-    corners."""
+    return _body(lambda normals: np.asarray((corners @ normals.T).max(axis=0)), corners.mean(axis=0))
+
+
+def corners_around(shape: Shape) -> Array:
+    """Corners (N, 3) of a shape, or of a body around a round one, in its own frame."""
+    if shape.kind == ShapeKind.CONVEX:
+        return hull(shape).corners
+    if shape.kind == ShapeKind.BOX:
+        return np.array(list(itertools.product(*((-s / 2, s / 2) for s in shape.size))))
+    radius, half = shape.size[0], shape.size[1] / 2 if len(shape.size) > 1 else 0.0
+
+    def reach(normals: Array) -> Array:
+        across = np.hypot(normals[:, 0], normals[:, 1]) if shape.kind == ShapeKind.CYLINDER else 1.0
+        return np.asarray(half * np.abs(normals[:, 2]) + radius * across)
+
+    return _body(reach, np.zeros(3))
+
+
+def _body(reach: Callable[[Array], Array], inner: Array) -> Array:
+    """The corners of a body around the point `inner` whose faces look in the 26 directions of a cube's faces, edges and
+    corners; `reach` tells how far they lie from the origin along those (26, 3)."""
     from scipy.spatial import HalfspaceIntersection
 
     steps = np.array(np.meshgrid(*[[-1.0, 0.0, 1.0]] * 3)).reshape(3, -1).T
     normals = steps[np.linalg.norm(steps, axis=1) > 0]
     normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-    offsets = (corners @ normals.T).max(axis=0)
-    made = HalfspaceIntersection(np.column_stack([normals, -offsets]), corners.mean(axis=0))
+    made = HalfspaceIntersection(np.column_stack([normals, -reach(normals)]), inner)
     return _corners(np.unique(made.intersections.round(9), axis=0))

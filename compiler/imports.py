@@ -14,7 +14,7 @@ from ..langs.parser import parse
 from ..langs.reader import read_source
 from ..langs.source import Source
 from .checks.findings import Findings
-from .foreign import Files, beside, portable
+from .foreign import MADE, Files, beside, portable
 from .library import Library, build_library
 from .mesh_bodies import MeshBody
 from .mesh_files import load_mesh, mesh_calls
@@ -76,6 +76,7 @@ class _Loader:
             found, diagnostics = load_mesh(path, call, name, self.foreign)
             self.unfit += diagnostics
             self.convex |= {path} if call.function == "mesh" and found is not None else set()
+            self.names |= {f"{path}{MADE}": f"{self.names[path]}{MADE}"} if f"{path}{MADE}" in self.foreign.kept else {}
             self.models.update({} if found is None else {path: found})
 
     def follow(self, importer: Source, declaration: syntax.Import) -> None:

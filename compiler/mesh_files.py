@@ -1,7 +1,8 @@
 """Files of meshes that bodies are taken from, read beside the text that names them.
 
-What shapes are made of is the list of the corners of a mesh's hull, as text. The file itself goes with a plan, byte by
-byte, so that a verifier builds the same body without the disk.
+What shapes are made of is a list of corners, as text: of a mesh's hull, then of its convex parts. The file itself goes
+with a plan, byte by byte, so that a verifier builds the same body without the disk; and the parts with it, where
+another program made them.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING
 from ..langs import syntax
 from ..langs.diagnostics import Diagnostic
 from ..langs.source import Source
+from ..langs.trees import parts
 from .apart import apart
 from .foreign import Files, Missing
 from .xml_texts import XmlError, refuse_document_types
@@ -27,8 +29,6 @@ class Empty(ValueError):
 
 
 MESH_CALLS = ("mesh", "hull")
-BULGE = 0.01
-"""A mesh whose hull is larger by less than this share passes for convex."""
 FORMATS = (".stl", ".obj", ".ply", ".dae")
 """Endings of meshes that are one file: what lies in several cannot go with a plan."""
 LONG = 500_000
@@ -46,7 +46,8 @@ def mesh_calls(declaration: syntax.Declaration) -> Iterator[tuple[syntax.Call, s
 
 def _shapes(declaration: syntax.Declaration) -> Iterator[syntax.Call]:
     if isinstance(declaration, syntax.SceneDecl | syntax.TaskDecl):
-        yield from _shapes_of_bodies(declaration.items)
+        for shape in _shapes_of_bodies(declaration.items):
+            yield from (part for part in parts(shape) if isinstance(part, syntax.Call))
     elif isinstance(declaration, syntax.ModuleDecl):
         for item in declaration.flat():
             if isinstance(item, syntax.EffectorItem) and item.shape is not None:
@@ -64,8 +65,10 @@ def _shapes_of_bodies(items: Sequence[syntax.SceneItem]) -> Iterator[syntax.Call
 def load_mesh(
     path: str, call: syntax.Call, where: syntax.Text, files: Files
 ) -> tuple[Source | None, list[Diagnostic]]:
-    """The corners of the mesh at `path`, and what is wrong with the file. `mesh` asks for a convex one."""
-    from .hulls import HullError, corners_of, fill
+    """The corners of what the mesh at `path` holds, as `mesh_solids.listed` gives them, and what is wrong with the
+    file. `mesh` asks for convex parts, `hull` for the hull alone."""
+    from .hulls import HullError
+    from .mesh_solids import NoParts, listed, mesh_hull, mesh_solid
 
     if not where.value.strip() or "://" in where.value:
         told, help = ("the mesh has no file", None) if not where.value.strip() else (
@@ -73,7 +76,8 @@ def load_mesh(
         )  # fmt: skip
         return None, [Diagnostic("E0515", told, where.span, help=help)]
     try:
-        points, triangles = read_mesh(path, files.read(path))
+        content = files.read(path)
+        points, triangles = read_mesh(path, content)
     except XmlError as reason:
         return None, [Diagnostic("E0515", f"{path}: {reason}", where.span)]
     except Missing as reason:
@@ -81,16 +85,24 @@ def load_mesh(
         return None, [Diagnostic("E0515", message, where.span, help=reason.help)]
     except (ValueError, RuntimeError):
         return None, [Diagnostic("E0515", f"the mesh file {path} cannot be read", where.span)]
-    source = Source(path, "".join(f"{x!r} {y!r} {z!r}\n" for x, y, z in corners_of(points).tolist()))
     try:
-        inside, around = fill(points, triangles)
+        whole = call.function == "hull"
+        solid = mesh_hull(points, triangles) if whole else mesh_solid(content, points, triangles, files.made(path))
     except HullError as error:
         return None, [Diagnostic("E0509", f"the mesh file {path} holds no body: {error}", where.span)]
-    if call.function == "mesh" and not (1 - BULGE) * around <= inside <= (1 + BULGE) * around:
-        message = f"the mesh of {path} is not convex: it fills {inside / around:.0%} of its hull"
+    except NoParts as reason:
         help = f'write `hull("{where.value}")` to take the hull, or build the body of several convex ones'
+        help = f"{reason.help}; or {help}" if reason.help else help
+        message = f"the mesh of {path} cannot be cut into convex parts: {reason}"
         return None, [Diagnostic("E0518", message, where.span, help=help)]
-    return source, []
+    text = listed(solid)
+    told = [Diagnostic("W0022", f"the mesh of {path}: {'; '.join(solid.faults)}", where.span)] if solid.faults else []
+    if solid.grown > 1.0:
+        count, grown = len(solid.parts), solid.grown
+        message = f"the mesh of {path} is split into {count} convex parts, of {grown:.2f} times its volume"
+        told.append(Diagnostic("W0006", message, where.span))
+        files.make(path, text)
+    return Source(path, text), told
 
 
 def read_mesh(path: str, content: bytes, scale: Sequence[float] = (1.0, 1.0, 1.0)) -> tuple[Array, Array]:
@@ -139,8 +151,3 @@ def _holds_nothing(ending: str, content: bytes) -> bool:
 def _shape_alone(content: bytes) -> bytes:
     lines = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\\\n", b" ").split(b"\n")
     return b"".join(line + b"\n" for line in lines if line.split(None, 1)[:1] and line.split(None, 1)[0] in OBJ_LINES)
-
-
-def corner_list(source: Source) -> list[tuple[float, ...]]:
-    """The corners that the text of a mesh lists."""
-    return [tuple(map(float, line.split())) for line in source.text.splitlines()]

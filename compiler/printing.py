@@ -162,6 +162,8 @@ def _numbers(values: Iterable[float]) -> str:
 
 
 def _shape(shape: ir.Shape) -> str:
+    if shape.parts:
+        return f"union({', '.join(f'{_shape(p.shape)} at {_numbers(p.at)}' for p in shape.parts)})"
     return f"{shape.kind}({', '.join(f'{s:g}' for s in shape.size)})"
 
 

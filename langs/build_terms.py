@@ -127,6 +127,8 @@ class TermBuilder:
                 return s.Attribute(self.term(children[0]), str(children[1]), span=span)
             case "call":
                 return self.call(tree)
+            case "placed":
+                return s.Call("at", self.terms(children), span=span)
             case "group":
                 return self.term(children[0])
             case "vector":

@@ -181,7 +181,8 @@ CODES: dict[str, CodeInfo] = {
         "them."),
     "E0509": CodeInfo("bad shape", "scene",
         "Shapes are box(x, y, z), sphere(r), capsule(r, length), cylinder(r, length) with positive sizes, "
-        "hull((x, y, z), …) of at least four corners that do not lie in a plane, and mesh(FILE) or hull(FILE)."),
+        "hull((x, y, z), …) of at least four corners that do not lie in a plane, mesh(FILE) or hull(FILE), and of "
+        "bodies union(box(x, y, z) at (x, y, z), …)."),
     "E0510": CodeInfo("too many objects", "scene",
         "The loops of the scene make more things than can be planned for."),
     "E0511": CodeInfo("more than one", "scene",
@@ -198,8 +199,9 @@ CODES: dict[str, CodeInfo] = {
         "at a time."),
     "E0517": CodeInfo("bad breakdown", "scene",
         "`fail` names a module, a time that is not negative, and `locked` or `gone`."),
-    "E0518": CodeInfo("mesh not convex", "scene",
-        "Bodies are convex. `hull` takes the hull of a mesh; a body with hollows is built of several."),
+    "E0518": CodeInfo("mesh that cannot be split", "scene",
+        "A mesh that is not convex is cut into convex parts along its faces, or split by `coacd` where it has too "
+        "many; one with holes holds nothing that can be told. `hull` takes the hull of a mesh, `union` joins parts."),
     "E0519": CodeInfo("unfit parameter", "scene",
         "A value on the command line names a parameter of the task and fits its type and range: a finite number, with "
         "a unit where the type has units."),
@@ -257,8 +259,8 @@ CODES: dict[str, CodeInfo] = {
     "W0004": CodeInfo("negative cycle", "warning", "Actions that cancel each other make the heuristic ever smaller."),
     "W0005": CodeInfo("unused parameter", "warning", "The declaration never uses this parameter."),
     "W0006": CodeInfo("simplified mesh", "warning",
-        "Bodies are convex and have at most 100 corners. A finer one is replaced by one of 26 faces around it, and a "
-        "mesh of a URDF by its hull."),
+        "Convex parts have at most 100 corners. A finer one is replaced by one of 26 faces around it, a mesh of a URDF "
+        "by its hull, and one that `coacd` splits by parts that are somewhat larger."),
     "W0007": CodeInfo("moves into something", "warning",
         "A body that moves on its own gets into a thing that stands still at the start. Nothing stops it."),
     "W0008": CodeInfo("scene that moves", "warning",
@@ -303,6 +305,9 @@ CODES: dict[str, CodeInfo] = {
         "parts to be somewhere to each other, and none has it do anything to another thing, it is taken for something "
         "like a drawer: its joints move only while something that drives move holds it. `passive` behind the joints "
         "says so, a `speed` says otherwise."),
+    "W0022": CodeInfo("unsound mesh", "warning",
+        "The surface of a mesh has holes, looks inward, or has faces that are flat or there twice. What it holds is "
+        "told all the same, as the message says."),
 }
 
 

@@ -66,7 +66,7 @@ class Attribute(Node):
 
 @dataclass(frozen=True, slots=True)
 class Call(Node):
-    """`distance(X, Y)`, `box(1 m, 1 m, 5 cm)`."""
+    """`distance(X, Y)`, `box(1 m, 1 m, 5 cm)`. A part of `union(…)`, `box(…) at (…)`, is one of `at`."""
 
     function: str
     args: tuple[Term, ...]

@@ -124,7 +124,8 @@ SHAPES: Mapping[str, str] = {
     "capsule": "capsule(r, length): a cylinder with round ends; along a link, capsule(r)",
     "cylinder": "cylinder(r, length): an upright cylinder",
     "hull": 'hull((x, y, z), …) of four corners or more, or hull("FILE") of a mesh',
-    "mesh": 'mesh("FILE", unit): a convex mesh from a file',
+    "mesh": 'mesh("FILE", unit): a mesh from a file, cut into convex parts',
+    "union": "union(box(…) at (x, y, z), …): a body of several shapes",
 }
 JOINTS: Mapping[str, str] = {
     "revolute": "revolute(axis): turns about x, y or z",

@@ -15,7 +15,8 @@ PASSIVE = "passive"
 JERK = "jerk"
 PLACES = "places"
 STATICS = "statics"
-KNOWN_NEEDS = frozenset({COUPLINGS, PASSIVE, JERK, PLACES, STATICS})
+PARTS = "parts"
+KNOWN_NEEDS = frozenset({COUPLINGS, PASSIVE, JERK, PLACES, STATICS, PARTS})
 """The optional parts of the format that this version understands."""
 NO_LIMIT = 1e9
 """Stands for an infinite limit: JSON has no infinity."""
@@ -26,9 +27,24 @@ class Record(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     mean."""
 
 
-class ShapeRecord(Record, frozen=True):
+class ShapeRecord(Record, frozen=True, omit_defaults=True):
+    """A body that is not convex has convex `parts`; its own shape is the hull around them."""
+
     kind: str
     size: list[float]
+    parts: list[PartRecord] = []
+
+    @property
+    def solids(self) -> list[PartRecord]:
+        """The convex shapes that it is made of."""
+        return self.parts or [PartRecord([0.0, 0.0, 0.0], self)]
+
+
+class PartRecord(Record, frozen=True):
+    """A part, its frame at `at` in that of the body, and turned like it."""
+
+    at: list[float]
+    shape: ShapeRecord
 
 
 class CouplingRecord(Record, frozen=True):

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from ...langs import syntax
 from ...langs.diagnostics import did_you_mean
 from .. import ir
 from ..foreign import beside
-from ..mesh_files import corner_list
 from .context import Context
 from .kinds import LENGTH
 from .names import Scope
 from .values import number, vector
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 SHAPES: Mapping[str, tuple[str, ...]] = {
     ir.ShapeKind.BOX: ("x", "y", "z"),
@@ -30,7 +33,9 @@ SAME_SHAPES = {
 """What other tools call a shape."""
 SMALLEST = 1e-6
 """Metres: no shape is smaller."""
-HULLS: Mapping[str, str] = {"hull": "hull((x, y, z), …)", "mesh": 'mesh("file.stl")'}
+HULLS: Mapping[str, str] = {
+    "hull": "hull((x, y, z), …)", "mesh": 'mesh("file.stl")', "union": "union(box(…) at (x, y, z), …)",
+}  # fmt: skip
 LINK_SHAPES: Mapping[str, tuple[str, ...]] = {
     ir.ShapeKind.BOX: ("x", "y"),
     ir.ShapeKind.SPHERE: ("radius",),
@@ -45,7 +50,7 @@ def shape(
     """The shape with its sizes in metres, or None where they are not known yet or wrong."""
     findings = context.findings
     if shapes is SHAPES and call.function in HULLS:
-        return _convex(context, scope, call)
+        return (_union if call.function == "union" else _convex)(context, scope, call)
     where = findings.word(call.span, call.function)
     form = shapes.get(call.function)
     if form is None:
@@ -76,6 +81,16 @@ def shape(
     return None if None in sizes else ir.Shape(ir.ShapeKind(call.function), tuple(s for s in sizes if s is not None))
 
 
+def end_shape(context: Context, scope: Scope, call: syntax.Call) -> ir.Shape | None:
+    """The shape of an effector, which is convex."""
+    made = shape(context, scope, call)
+    if made is not None and made.parts:
+        message = f"an effector has one convex shape, and this one is of {len(made.parts)} parts"
+        context.findings.report("E0509", call.span, message, help="take its hull, or what of it touches things")
+        return None
+    return made
+
+
 def _sizes_help(context: Context, call: syntax.Call, form: Sequence[str]) -> str:
     """A comma for a decimal point, else the sizes that the shape has."""
     written = context.findings.text(call.span)
@@ -88,31 +103,65 @@ def _sizes_help(context: Context, call: syntax.Call, form: Sequence[str]) -> str
 def _convex(context: Context, scope: Scope, call: syntax.Call) -> ir.Shape | None:
     """The hull of the points in the text, or of a mesh in a file, which may be followed by the length of its unit."""
     from ..hulls import HullError, convex_shape
+    from ..unions import union
 
     named = bool(call.args) and isinstance(call.args[0], syntax.Text)
     if not named and call.function == "mesh":
         context.findings.report("E0509", call.span, "`mesh` names a file", help='write `mesh("file.stl")`')
         return None
-    points = _mesh_points(context, scope, call) if named else _listed_points(context, scope, call)
-    if points is None:
+    hulls = _mesh_parts(context, scope, call) if named else _listed_points(context, scope, call)
+    if hulls is None:
         return None
     try:
-        made, _, simpler = convex_shape(points)
+        made = [convex_shape(points) for points in hulls]
     except HullError as error:
         context.findings.report("E0509", call.span, f"`{call.function}` is no body: {error}")
         return None
-    if simpler:
+    if any(simpler for _, _, simpler in made):
         message = "this body has many corners, and is replaced by a simpler one around it"
         context.findings.report("W0006", call.span, message)
-    return made
+    return union([(middle, shape) for shape, middle, _ in made])[0]
 
 
-def _listed_points(context: Context, scope: Scope, call: syntax.Call) -> list[tuple[float, ...]] | None:
+def _union(context: Context, scope: Scope, call: syntax.Call) -> ir.Shape | None:
+    """Shapes at places in one frame, as one shape."""
+    from ..hulls import HullError
+    from ..unions import union
+
+    parts: list[tuple[ir.Vec3, ir.Shape] | None] = [_placed(context, scope, arg) for arg in call.args]
+    if not parts:
+        help = "write `union(box(…) at (x, y, z), …)`"
+        context.findings.report("E0509", call.span, "`union` has no parts", help=help)
+    if not parts or None in parts:
+        return None
+    try:
+        return union([part for part in parts if part is not None])[0]
+    except HullError as error:
+        context.findings.report("E0509", call.span, f"`union` is no body: {error}")
+        return None
+
+
+def _placed(context: Context, scope: Scope, arg: syntax.Term) -> tuple[ir.Vec3, ir.Shape] | None:
+    """A part of a union, and where its middle is."""
+    inner, place = arg.args if isinstance(arg, syntax.Call) and arg.function == "at" else (arg, None)
+    if not isinstance(inner, syntax.Call):
+        help = "write `union(box(…) at (x, y, z), …)`"
+        context.findings.report("E0509", arg.span, "a part of `union` is a shape", help=help)
+        return None
+    form = shape(context, scope, inner)
+    at = (0.0, 0.0, 0.0) if place is None else vector(context, scope, place, 3, LENGTH, "the place of a part")
+    return None if form is None or at is None else ((at[0], at[1], at[2]), form)
+
+
+def _listed_points(context: Context, scope: Scope, call: syntax.Call) -> list[ArrayLike] | None:
     found = [vector(context, scope, arg, 3, LENGTH, "a corner of a hull") for arg in call.args]
-    return None if None in found else [p for p in found if p is not None]
+    return None if None in found else [[p for p in found if p is not None]]
 
 
-def _mesh_points(context: Context, scope: Scope, call: syntax.Call) -> list[tuple[float, ...]] | None:
+def _mesh_parts(context: Context, scope: Scope, call: syntax.Call) -> list[ArrayLike] | None:
+    """The corners of the hull of a mesh, or of its convex parts."""
+    from ..mesh_solids import parts_of
+
     name, *rest = call.args
     assert isinstance(name, syntax.Text)
     unit: float | None = 1.0
@@ -130,4 +179,5 @@ def _mesh_points(context: Context, scope: Scope, call: syntax.Call) -> list[tupl
     source = next((s for s in context.library.models if s.path == path), None)
     if source is None or unit is None:
         return None
-    return [tuple(unit * x for x in corner) for corner in corner_list(source)]
+    whole, *parts = parts_of(source.text)
+    return [unit * corners for corners in parts if call.function == "mesh"] or [unit * whole]

@@ -137,6 +137,11 @@ def _cover_cylinder(radius: float, length: float, margin: float) -> Iterator[tup
 
 def cover(shape: Shape, margin: float) -> tuple[tuple[Vec3, float], ...]:
     """Spheres `(centre, radius)` in the frame of the shape, within it, that cover it within `margin`."""
+    if shape.parts:
+        return tuple(
+            ((x + p.at[0], y + p.at[1], z + p.at[2]), radius)
+            for p in shape.parts for (x, y, z), radius in cover(p.shape, margin)
+        )  # fmt: skip
     size = shape.size
     if shape.kind == ShapeKind.SPHERE:
         return (((0.0, 0.0, 0.0), size[0]),)

@@ -147,7 +147,7 @@ def _size_count(shape: ir.ShapeKind | ir.Shape) -> int:
 def _shaped(frame: Frame, shape: ir.ShapeKind | ir.Shape, sizes: Expression, mass: float | None) -> DistanceShape:
     balance = None if mass is None else lambda: (ca.SX(mass), frame.position)
     if isinstance(shape, ir.Shape):
-        return DistanceShape(frame, shape.kind, shape.size, balance)
+        return DistanceShape(frame, shape.kind, shape.size, balance, shape.parts)
     return DistanceShape(frame, shape, [sizes[i] for i in range(SIZES[shape])], balance)
 
 

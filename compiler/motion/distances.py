@@ -10,9 +10,9 @@ import numpy as np
 
 from ...langs.frozen import dataclass
 from ..hulls import Array, Hull, hull, top_edges
-from ..ir import Shape, ShapeKind
+from ..ir import Shape, ShapeKind, SolidPart
 from ..physics.masses import DENSITY
-from .kinematics import Expression, Frame, axis, unrotate
+from .kinematics import Expression, Frame, axis, compose, unrotate
 
 SMOOTH = 1e-10
 """Squared metres under the roots: keeps their derivatives finite where a distance is zero."""
@@ -29,13 +29,24 @@ NOWHERE = -1.0
 
 @dataclass(frozen=True, slots=True)
 class DistanceShape:
-    """A shape at a symbolic frame. `size` as in `ir.Shape`; an object without a shape is a sphere of radius 0."""
+    """A shape at a symbolic frame. `size` and `parts` as in `ir.Shape`; an object without a shape is a sphere of
+    radius 0."""
 
     frame: Frame
     kind: ShapeKind
     size: Sequence[Expression]
     balance: Callable[[], tuple[Expression, Expression]] | None = None
     """Mass and centre of mass of the whole module that the shape belongs to; None for a body that states no mass."""
+    parts: tuple[SolidPart, ...] = ()
+
+    @property
+    def solids(self) -> list[DistanceShape]:
+        """The convex shapes that it is made of; the first bears what stands on it."""
+        if not self.parts:
+            return [self]
+        return [
+            DistanceShape(compose(self.frame, part.placement), part.shape.kind, part.shape.size) for part in self.parts
+        ]
 
 
 def _length(v: Expression) -> Expression:
@@ -150,6 +161,10 @@ def _faces_apart(a: DistanceShape, b: DistanceShape) -> Expression:
 
 def gap(a: DistanceShape, b: DistanceShape) -> Expression:
     """Signed distance between two shapes, negative when they overlap. Exact when one is a sphere."""
+    return -_largest([-_convex_gap(one, other) for one in a.solids for other in b.solids])
+
+
+def _convex_gap(a: DistanceShape, b: DistanceShape) -> Expression:
     if a.kind == ShapeKind.SPHERE:
         return _point_gap(a.frame.position, b) - a.size[0]
     if b.kind == ShapeKind.SPHERE:
@@ -158,8 +173,9 @@ def gap(a: DistanceShape, b: DistanceShape) -> Expression:
 
 
 def top(solid: DistanceShape) -> Expression:
-    """Height of the highest point."""
-    return solid.frame.position[2] + extent(solid, ca.SX([0, 0, 1]))
+    """Height of the highest point; of several parts, of that on which things stand."""
+    bearer = solid.solids[0]
+    return bearer.frame.position[2] + extent(bearer, ca.SX([0, 0, 1]))
 
 
 def bottom(solid: DistanceShape) -> Expression:
@@ -171,6 +187,7 @@ def inside(solid: DistanceShape, surface: DistanceShape) -> Expression:
     """How far the centre of `solid` is inside the four sides of the top face of `surface`, in the axes of
     `surface` (4,); for a round surface four times the distance to its rim, for a convex one to a quarter of its edges
     each."""
+    surface = surface.solids[0]
     local = unrotate(surface.frame.quaternion, solid.frame.position - surface.frame.position)
     if surface.kind == ShapeKind.BOX:
         x, y = surface.size[0] / 2, surface.size[1] / 2
@@ -198,6 +215,8 @@ def radius(solid: DistanceShape) -> Expression:
 
 def mass(solid: DistanceShape) -> Expression:
     """Kilograms of a solid shape at the density of water."""
+    if solid.parts:
+        return sum(mass(part) for part in solid.solids)
     size = solid.size
     if solid.kind == ShapeKind.CONVEX:
         return ca.SX(DENSITY * _hull(solid).volume)

@@ -11,7 +11,9 @@ DENSITY = 1000.0
 
 
 def shape_mass(shape: Shape, density: float = DENSITY) -> float:
-    """Kilograms of a solid shape."""
+    """Kilograms of a solid shape; where its parts overlap, they count twice."""
+    if shape.parts:
+        return sum(shape_mass(part.shape, density) for part in shape.parts)
     size = shape.size
     if shape.kind == ShapeKind.CONVEX:
         from ..hulls import hull

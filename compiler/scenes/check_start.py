@@ -103,7 +103,9 @@ def _freedom(world: ir.World, fixed: Set[str], *volumes: Volume) -> str | None:
 def volumes(world: ir.World) -> Iterator[Volume]:
     """All shapes of the scene at the start."""
     for body in world.bodies.values():
-        yield Volume(body.name, body.name, body.shape, body.pose, bounds(body.shape, body.pose), body.span, body.name)
+        for solid in body.shape.solids:
+            pose = compose(body.pose, solid.placement)
+            yield Volume(body.name, body.name, solid.shape, pose, bounds(solid.shape, pose), body.span, body.name)
     for module in world.modules.values():
         type_ = module.type
         frames = joint_frames(type_, module.pose, module.joints)

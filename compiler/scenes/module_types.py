@@ -19,7 +19,7 @@ from ..checks.context import Context
 from ..checks.formulas import check_literal
 from ..checks.kinds import LENGTH, NUMBER
 from ..checks.names import Entry, Family, Objects, Scope
-from ..checks.shapes import LINK_SHAPES, shape
+from ..checks.shapes import LINK_SHAPES, end_shape, shape
 from ..checks.values import number, parameter_entries, vector
 from ..physics.masses import shape_volume
 from ..physics.statements import stated
@@ -113,7 +113,7 @@ def _from_urdf(context: Context, scope: Scope, module: syntax.ModuleDecl, name: 
 def _urdf_end(context: Context, scope: Scope, item: syntax.EffectorItem) -> End | None:
     kind = effector_kind(context, item)
     place = effector_place(context, scope, item)
-    form = None if item.shape is None else shape(context, scope, item.shape)
+    form = None if item.shape is None else end_shape(context, scope, item.shape)
     if item.link is None:
         help = f'write `effector {item.name}: "LINK"`'
         context.findings.report("E0508", item.span, "an effector of this module names a link of its URDF", help=help)
@@ -190,7 +190,7 @@ def _check_names(context: Context, module: syntax.ModuleDecl) -> None:
 def _add_effector(context: Context, scope: Scope, item: syntax.EffectorItem, line: _Line) -> None:
     kind = effector_kind(context, item)
     place = effector_place(context, scope, item)
-    form = None if item.shape is None else shape(context, scope, item.shape)
+    form = None if item.shape is None else end_shape(context, scope, item.shape)
     if item.link is not None:
         context.findings.report("E0508", item.link.span, "only a module from a URDF has links with names")
     if form is None or place is None:

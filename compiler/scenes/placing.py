@@ -19,6 +19,7 @@ def top_of(shape: ir.Shape) -> float:
 
 def has_flat_top(shape: ir.Shape) -> bool:
     """Whether things can be put on an upright shape."""
+    shape = shape.solids[0].shape
     if shape.kind != ir.ShapeKind.CONVEX:
         return shape.kind in (ir.ShapeKind.BOX, ir.ShapeKind.CYLINDER)
     from ..hulls import top_edges
@@ -28,20 +29,23 @@ def has_flat_top(shape: ir.Shape) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Support:
-    """The top face of a body: its centre in the world, the heading of its x-axis, and the shape of the body."""
+    """The top face of a body: the point of it above or below the middle of the body, in the world, the heading of its
+    x-axis, and the part of the body that has it, with its place in the body."""
 
     name: str
     type: str
     centre: ir.Vec3
     heading: float
     shape: ir.Shape
+    at: ir.Vec3
 
     @staticmethod
     def of(body: ir.Body) -> Support:
         x, y, z = position(body.pose)
         axis = rotate(orientation(body.pose), (1.0, 0.0, 0.0))
-        top = (x, y, z + top_of(body.shape))
-        return Support(body.name, body.type, top, math.atan2(axis[1], axis[0]), body.shape)
+        bearer = body.shape.solids[0]
+        top = (x, y, z + bearer.at[2] + top_of(bearer.shape))
+        return Support(body.name, body.type, top, math.atan2(axis[1], axis[0]), bearer.shape, bearer.at)
 
     def point(self, at: tuple[float, float]) -> ir.Vec3:
         """The point of the top face at `at`, measured from its centre along its own axes, in the world."""
@@ -49,6 +53,7 @@ class Support:
         return self.centre[0] + dx, self.centre[1] + dy, self.centre[2]
 
     def carries(self, at: tuple[float, float]) -> bool:
+        at = at[0] - self.at[0], at[1] - self.at[1]
         if self.shape.kind == ir.ShapeKind.CONVEX:
             from ..hulls import top_edges
 

@@ -185,19 +185,22 @@ class SceneLengths:
         key = (kind, i, j, inset) if i <= j else (kind, j, i, inset)
         if key not in self._pairs:
             if kind == "stride":
-                firsts: tuple[Placed, ...] = tuple(top_face(p, inset) for p in self._shapes[i])
-                seconds: tuple[Placed, ...] = tuple(top_face(p, inset) for p in self._shapes[j])
+                firsts, seconds = (tuple(top_face(p, inset) for p in self._bearers(k)) for k in (i, j))
             else:
                 firsts, seconds = self._shapes[i], self._shapes[j]
             self._pairs[key] = min((shape_distance(a, b) for a in firsts for b in seconds), default=0.0)
         return self._pairs[key]
+
+    def _bearers(self, i: int) -> tuple[Placed, ...]:
+        """The shapes of an object that things stand on: of a body of several parts the first."""
+        return self._shapes[i][:1] if self.names[i] in self.problem.world.bodies else self._shapes[i]
 
     def _placed(self, name: str) -> tuple[Placed, ...]:
         """The shapes of an object at the start: a body's, an effector's, or all of a module's links and effectors."""
         world = self.problem.world
         if name in world.bodies:
             body = world.bodies[name]
-            return (Placed(body.shape, body.pose),)
+            return tuple(Placed(p.shape, compose(body.pose, p.placement)) for p in body.shape.solids)
         if name in world.modules:
             module = world.modules[name]
             frames = joint_frames(module.type, module.pose, module.joints)
@@ -212,6 +215,9 @@ class SceneLengths:
         return (Placed(effector.shape or Shape(ShapeKind.SPHERE, (0.0,)), compose(frame, effector.placement)),)
 
     def _measure(self, i: int, placed: tuple[Placed, ...]) -> None:
+        body = self.problem.world.bodies.get(self.names[i])
+        if body is not None and body.shape.parts:
+            self._radius[i] = shape_radius(body.shape)
         if len(placed) != 1:
             return
         shape, pose = placed[0].shape, placed[0].pose

@@ -19,6 +19,7 @@ from ...compiler.physics.frames import Weight, module_weights
 from ...compiler.physics.masses import body_mass
 from ...compiler.physics.moments import shape_moments
 from ...compiler.physics.structure import WORLD, Node
+from ...compiler.poses import compose
 from ..native import load_native
 from ..seeds import Seed
 from ..skeleton import Array
@@ -81,9 +82,11 @@ def build(
             mass = body_mass(body)
             _weigh(made, Weight(mass, np.zeros(3), shape_moments(body.shape, mass)))
             names[name, -1] = f"b.{name}"
-            _shown(mujoco, made, body.shape, ir.IDENTITY, SUPPORT, f"p.{name}.-1")
+            for number, part in enumerate(body.shape.solids):
+                _shown(mujoco, made, part.shape, part.placement, SUPPORT, "" if number else f"p.{name}.-1")
         else:
-            _shown(mujoco, spec.worldbody, body.shape, body.pose, SUPPORT)
+            for part in body.shape.solids:
+                _shown(mujoco, spec.worldbody, part.shape, compose(body.pose, part.placement), SUPPORT)
     for name, module in problem.world.modules.items():
         names |= _module(mujoco, spec, name, module)
     listed = list(dict.fromkeys(pairs))

@@ -11,10 +11,11 @@ from xml.etree import ElementTree as Xml
 
 import numpy as np
 
-from ...compiler.ir import JointKind, ShapeKind
+from ...compiler.ir import IDENTITY, JointKind, ShapeKind
+from ...compiler.poses import compose
 from ..plan import ModuleRecord, Plan, ShapeRecord
 from .docks import docks
-from .motion import Array, moved, poses, times, trajectory
+from .motion import Array, moved, pose_of, poses, times, trajectory
 
 HALVES = {ShapeKind.BOX: (0.5, 0.5, 0.5), ShapeKind.SPHERE: (1.0,), ShapeKind.CAPSULE: (1.0, 0.5),
           ShapeKind.CYLINDER: (1.0, 0.5)}  # fmt: skip
@@ -92,6 +93,11 @@ def _geom(
     assets: Xml.Element, frame: Xml.Element, name: str, shape: ShapeRecord, pose: Sequence[float] | None
 ) -> None:
     where = {} if pose is None else _place(pose)
+    if shape.parts:
+        for number, part in enumerate(shape.parts, start=1):
+            at = compose(pose_of(IDENTITY if pose is None else pose), pose_of([*part.at, *IDENTITY[3:]]))
+            _geom(assets, frame, f"{name}/part{number}", part.shape, at)
+        return
     if shape.kind == ShapeKind.CONVEX:
         Xml.SubElement(assets, "mesh", name=name, vertex=_numbers(shape.size))
         Xml.SubElement(frame, "geom", {"name": name, "type": "mesh", "mesh": name, **where})

@@ -19,7 +19,7 @@ def touching(world: ir.World, within: float = TOUCHING) -> frozenset[Pair]:
     which can be moved, that are less than `within` metres apart."""
     found: set[Pair] = set()
     movers = _movers(world)
-    still = [(b.name, Placed(b.shape, b.pose)) for b in world.solids if not b.movable]
+    still = [(b.name, placed) for b in world.solids if not b.movable for placed in _placed(b)]
     centres = np.array([placed.pose[:3] for _, placed in still]).reshape(-1, 3)
     radii = np.array([bounding_radius(placed.shape) for _, placed in still])
     for index, (name, placed) in enumerate(movers):
@@ -41,7 +41,11 @@ def _movers(world: ir.World) -> list[tuple[str, Placed]]:
             if effector.shape is not None:
                 placed = Placed(effector.shape, compose(frames[effector.joint], effector.placement))
                 found.append((f"{module.name}.{effector.name}", placed))
-    return found + [(b.name, Placed(b.shape, b.pose)) for b in world.solids if b.movable]
+    return found + [(b.name, placed) for b in world.solids if b.movable for placed in _placed(b)]
+
+
+def _placed(body: ir.Body) -> list[Placed]:
+    return [Placed(part.shape, compose(body.pose, part.placement)) for part in body.shape.solids]
 
 
 def _near(first: Placed, second: Placed, within: float) -> bool:

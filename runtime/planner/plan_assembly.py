@@ -101,7 +101,8 @@ def _needs(world: ir.World) -> list[str]:
     joints = [j for m in world.modules.values() for j in m.type.joints]
     follows, passive = any(j.follows is not None for j in joints), any(j.passive for j in joints)
     jerk, places = any(math.isfinite(j.jerk) for j in joints), any(not b.collides for b in world.bodies.values())
-    told = (record.COUPLINGS, follows), (record.PASSIVE, passive), (record.JERK, jerk), (record.PLACES, places)
+    told = [(record.COUPLINGS, follows), (record.PASSIVE, passive), (record.JERK, jerk), (record.PLACES, places)]
+    told.append((record.PARTS, any(b.shape.parts for b in world.bodies.values())))
     return [need for need, has in told if has]
 
 
@@ -191,7 +192,8 @@ def _task_record(problem: ir.Problem) -> record.TaskRecord:
 
 
 def _shape(shape: ir.Shape) -> record.ShapeRecord:
-    return record.ShapeRecord(shape.kind, list(shape.size))
+    parts = [record.PartRecord(list(part.at), _shape(part.shape)) for part in shape.parts]
+    return record.ShapeRecord(shape.kind, list(shape.size), parts)
 
 
 def _bounded(value: float) -> float:

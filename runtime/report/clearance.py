@@ -212,11 +212,13 @@ def _module_parts(plan: Plan, chosen: NDArray[np.intp], times: Array) -> Iterato
 def _body_parts(plan: Plan, chosen: NDArray[np.intp]) -> Iterator[_Moving]:
     tracks, there = body_rows(plan), np.ones(len(chosen), dtype=bool)
     for body in plan.bodies:
-        shape = _shape(body.shape) if body.collides else None
-        if shape is not None:
-            rows = tracks.get(body.name) or [body.pose]
-            poses = pose_rows([rows[min(int(i), len(rows) - 1)] for i in chosen])
-            yield _Moving(body.name, (body.name, BODY), shape, poses, there)
+        for part in body.shape.solids if body.collides else []:
+            shape = _shape(part.shape)
+            if shape is not None and len(part.at) == 3:
+                rows = tracks.get(body.name) or [body.pose]
+                poses = pose_rows([rows[min(int(i), len(rows) - 1)] for i in chosen])
+                local = np.broadcast_to([*part.at, 0.0, 0.0, 0.0, 1.0], poses.shape)
+                yield _Moving(body.name, (body.name, BODY), shape, compose(poses, local), there)
 
 
 def _shape(record: ShapeRecord | None) -> Shape | None:

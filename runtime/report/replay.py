@@ -92,6 +92,11 @@ def parts(shape: ShapeRecord) -> list[tuple[str, Any, Array]]:
     """Name, meshcat geometry and placement of every part of a shape; none for an unknown shape."""
     from meshcat import geometry
 
+    if shape.parts:
+        return [
+            (f"part{number}-{name}", form, np.add(pose, [*part.at, 0.0, 0.0, 0.0, 0.0]))
+            for number, part in enumerate(shape.parts) for name, form, pose in parts(part.shape)
+        ]  # fmt: skip
     size = [float(s) for s in shape.size]
     centre, upright = pose_rows([(0, 0, 0, 0, 0, 0, 1)])[0], pose_rows([UPRIGHT])[0]
     if shape.kind == ShapeKind.BOX and len(size) == 3:

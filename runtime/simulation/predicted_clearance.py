@@ -45,13 +45,13 @@ def nearest(
     kept = {pair(*(carrier(problem, name) for name in names)) for names in kept_pairs(problem, phase.mode)}
     world, held = problem.world, followers(problem, phase.mode)
     movers = {m.name: _parts(m, poses[m.name], joints[m.name]) for m in world.modules.values() if m.type.joints}
-    movers |= {name: [(world.bodies[name].shape, poses[name])] for name in sorted(held) if world.bodies[name].collides}
+    movers |= {name: _solids(world.bodies[name], poses[name]) for name in sorted(held) if world.bodies[name].collides}
     found = {}
     for name, parts in movers.items():
         for body in world.solids:
             if body.name in held or pair(name, body.name) in kept:
                 continue
-            distance = _nearest(parts, body.shape, poses[body.name], SIMULATION.far)
+            distance = _nearest(parts, body, poses[body.name], SIMULATION.far)
             if distance < SIMULATION.far:
                 found[name, body.name] = distance
     return found
@@ -64,7 +64,7 @@ def clearances(world: ir.World, configuration: Configuration, within: float) -> 
         state = configuration.modules[module.name][None, :]
         parts = _parts(module, state[:, :7], state[:, 7:])
         for body in world.solids:
-            distance = _nearest(parts, body.shape, configuration.bodies[body.name][None, :], within)
+            distance = _nearest(parts, body, configuration.bodies[body.name][None, :], within)
             if distance < within:
                 found[module.name, body.name] = distance
     return found
@@ -76,9 +76,18 @@ def _parts(module: ir.Module, poses: Array, joints: Array) -> list[tuple[ir.Shap
     return [(p.shape, compose(frames[p.joint + 1], np.asarray(p.placement))) for p in module_parts(module.type)]
 
 
-def _nearest(parts: Sequence[tuple[ir.Shape, Array]], shape: ir.Shape, poses: Array, within: float) -> float:
-    """The least distance of parts from a shape at `poses`, `(T, 7)` or `(1, 7)`; infinite where it is `within` or
+def _solids(body: ir.Body, poses: Array) -> list[tuple[ir.Shape, Array]]:
+    """The convex parts of a body at `poses`, `(T, 7)` or `(1, 7)`, and theirs."""
+    return [(part.shape, compose(poses, np.asarray(part.placement))) for part in body.shape.solids]
+
+
+def _nearest(parts: Sequence[tuple[ir.Shape, Array]], body: ir.Body, poses: Array, within: float) -> float:
+    """The least distance of parts from a body at `poses`, `(T, 7)` or `(1, 7)`; infinite where it is `within` or
     more."""
+    return min(_nearest_to(parts, shape, at, within) for shape, at in _solids(body, poses))
+
+
+def _nearest_to(parts: Sequence[tuple[ir.Shape, Array]], shape: ir.Shape, poses: Array, within: float) -> float:
     forms, least = Forms([shape, *(part for part, _ in parts)]), np.inf
     for number, (_, rows) in enumerate(parts, start=1):
         where = np.broadcast_to(poses, rows.shape)
@@ -92,6 +101,8 @@ def _nearest(parts: Sequence[tuple[ir.Shape, Array]], shape: ir.Shape, poses: Ar
 
 def signed_distance(shape: ir.Shape, points: Array) -> Array:
     """Signed distances `(…)` in metres of points `(…, 3)` to a shape, in its own frame; negative inside."""
+    if shape.parts:
+        return np.asarray(np.min([signed_distance(p.shape, points - np.array(p.at)) for p in shape.parts], axis=0))
     if shape.kind == ir.ShapeKind.BOX:
         beyond = np.abs(points) - 0.5 * np.array(shape.size)
     elif shape.kind == ir.ShapeKind.CYLINDER:

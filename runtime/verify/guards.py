@@ -58,7 +58,8 @@ class Guards:
 
     def radius(self, name: str) -> float:
         """Radius of a round shape, or of the sphere around a box; 0 for what does not have one shape."""
-        shapes = [placed.shape for placed in self._shapes(name)]
+        body = self._world.bodies.get(name)
+        shapes = [placed.shape for placed in self._shapes(name)] if body is None else [body.shape]
         if len(shapes) != 1 or shapes[0].size == (POINT,):
             return 0.0
         return round_radius(shapes[0].kind, shapes[0].size)
@@ -115,7 +116,8 @@ class Guards:
     def _find_shapes(self, name: str) -> Iterator[_Placed]:
         body, end = self._world.bodies.get(name), self._world.effector(name)
         if body is not None:
-            yield _Placed(body.shape, frames(body.pose))
+            for part in body.shape.solids:
+                yield _Placed(part.shape, frames(body.pose).compose(frames(part.placement)))
             return
         module = end[0] if end is not None else self._world.modules[name]
         if module.name not in self._joints:

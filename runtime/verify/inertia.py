@@ -15,6 +15,8 @@ KILOGRAMS_PER_LITRE = 1.0
 
 def mass_of(shape: ir.Shape) -> float:
     """Kilograms of a solid shape given in metres, at the density of water."""
+    if shape.parts:
+        return sum(mass_of(part.shape) for part in shape.parts)
     if shape.kind == ir.ShapeKind.CONVEX:
         return 1000.0 * KILOGRAMS_PER_LITRE * volume(shape.size)
     match shape.kind, [10.0 * s for s in shape.size]:

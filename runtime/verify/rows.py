@@ -10,7 +10,7 @@ import numpy as np
 
 from ...compiler import ir
 from ...langs.frozen import dataclass
-from .geometry import Array, Frames, Indices
+from .geometry import Array, Frames, Indices, frames
 from .inertia import body_mass, centre_of, mass_of
 from .shapes import Ruler, geometry, heights, inside_top, round_radius, transform
 
@@ -125,17 +125,25 @@ class Evaluator:
 
     def _heights(self, name: str, frame: Frames, up: bool) -> Array:
         shape = self._shapes[name]
-        return np.zeros(len(frame)) if shape is None else heights(shape.kind, shape.size, frame.rotation, up)
+        if shape is None:
+            return np.zeros(len(frame))
+        if not (up and shape.parts):
+            return heights(shape.kind, shape.size, frame.rotation, up)
+        bearer = shape.parts[0]
+        return heights(bearer.shape.kind, bearer.shape.size, frame.rotation) + frame.rotation[:, 2] @ bearer.at
 
     def _gap(self, first: ir.Term, second: ir.Term, names: Mapping[str, str], index: Indices) -> Array:
         sides = []
         for node in (first, second):
-            shape = self._shapes[name_of(node, names)] or ir.Shape(ir.ShapeKind.SPHERE, (1e-9,))
-            sides.append((geometry(shape.kind, shape.size), self.frame(node, names, index)))
-        (a, at_a), (b, at_b) = sides
+            shape, frame = self._shapes[name_of(node, names)], self.frame(node, names, index)
+            solids = (shape or ir.Shape(ir.ShapeKind.SPHERE, (1e-9,))).solids
+            sides.append([(geometry(p.shape.kind, p.shape.size), frame.compose(frames(p.placement))) for p in solids])
         return np.array([
-            [self._ruler.distance(
-                a, transform(at_a.position[t], at_a.rotation[t]), b, transform(at_b.position[t], at_b.rotation[t])
+            [min(
+                self._ruler.distance(
+                    a, transform(at_a.position[t], at_a.rotation[t]), b, transform(at_b.position[t], at_b.rotation[t])
+                )
+                for a, at_a in sides[0] for b, at_b in sides[1]
             )]
             for t in range(len(index))
         ])  # fmt: skip
@@ -145,6 +153,8 @@ class Evaluator:
         local = self.frame(first, names, index).relative_to(self.frame(second, names, index)).position
         if shape is None:
             raise MeaninglessRow(f"{name_of(second, names)} has no shape to be inside of")
+        bearer = shape.solids[0]
+        shape, local = bearer.shape, local - np.array(bearer.at)
         if shape.kind == ir.ShapeKind.CONVEX:
             return np.repeat(inside_top(shape.size, local[:, :2])[:, None], 4, axis=1)
         if shape.kind != ir.ShapeKind.BOX:

@@ -42,7 +42,11 @@ def _near(first: Sequence[float], second: Sequence[float]) -> bool:
 def _same_shape(record: ShapeRecord | None, shape: ir.Shape | None) -> bool:
     if record is None or shape is None:
         return record is None and shape is None
-    return record.kind == shape.kind and _near(record.size, shape.size)
+    parts = list(zip(record.parts, shape.parts, strict=False))
+    return (
+        record.kind == shape.kind and _near(record.size, shape.size) and len(record.parts) == len(shape.parts)
+        and all(_near(a.at, b.at) and _same_shape(a.shape, b.shape) for a, b in parts)
+    )  # fmt: skip
 
 
 def _bounded(*values: float) -> list[float]:

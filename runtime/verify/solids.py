@@ -51,7 +51,7 @@ class Solid:
     def frames(self, placement: Placement) -> Frames:
         """The frames of the shape, at all times of the placement; one of what rests."""
         carrier = placement.thing(self.thing)[self.node[1]]
-        return carrier if self.joint is None else carrier.compose(self.placement)
+        return carrier.compose(self.placement) if self.joint is not None or self.offset > 0.0 else carrier
 
 
 def solids(plan: Plan) -> list[Solid]:
@@ -65,7 +65,10 @@ def solids(plan: Plan) -> list[Solid]:
         for number, link in enumerate(module.links):
             name = f"{module.name} link {number + 1}"
             found.append(_solid(name, module.name, link.joint, link.placement, link.shape))
-    return found + [_solid(b.name, b.name, None, IDENTITY, b.shape) for b in plan.bodies if b.collides]
+    for body in plan.bodies:
+        parts = body.shape.solids if body.collides else []
+        found += [_solid(body.name, body.name, None, [*part.at, *IDENTITY[3:]], part.shape) for part in parts]
+    return found
 
 
 def _solid(name: str, thing: str, joint: int | None, at: Sequence[float], shape: ShapeRecord) -> Solid:
@@ -112,7 +115,7 @@ def pairs(
         partners = range(i + 1, len(found)) if a.thing in moving else moved[bisect_right(moved, i) :]
         for k in partners:
             b = found[k]
-            if a.thing == b.thing and neighbours[a.thing].include(a, b):
+            if a.thing == b.thing and (a.joint is None or neighbours[a.thing].include(a, b)):
                 continue
             result.append((i, k))
     return result

@@ -15,6 +15,7 @@ from ..plan import (
     COUPLINGS,
     FORMAT,
     KNOWN_NEEDS,
+    PARTS,
     PASSIVE,
     PLACES,
     STATICS,
@@ -72,6 +73,7 @@ def check_structure(plan: Plan, findings: Findings) -> Samples | None:
     joints = [j for m in plan.modules for j in m.joints]
     for need, has in ((COUPLINGS, any(j.follows for j in joints)), (PASSIVE, any(j.passive for j in joints)),
                       (PLACES, not all(b.collides for b in plan.bodies)),
+                      (PARTS, any(b.shape.parts for b in plan.bodies)),
                       (STATICS, told(plan) is not None)):  # fmt: skip
         if has and need not in plan.needs:
             findings.fail("structure", f"the plan has {need}, but does not say that it needs that")
@@ -160,6 +162,11 @@ def _check_shape(shape: ShapeRecord, owner: str, findings: Findings) -> None:
     if not good:
         message = f"{owner} has a {shape.kind} of size {shape.size}"
         findings.fail("structure", message, between=[owner])
+    for part in shape.parts:
+        if not _numbers([part.at], 3) or part.shape.parts:
+            findings.fail("structure", f"{owner} has a part that is none", between=[owner])
+        else:
+            _check_shape(part.shape, owner, findings)
 
 
 def _check_poses(poses: Rows, count: int, what: str, owner: str, findings: Findings) -> Array | None:

@@ -135,9 +135,10 @@ def test_a_robot_climbs_a_mesh(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
     assert tamplang.read_plan("plan.json").verify().verified
 
 
-def test_no_convex_mesh_is_asked_for_its_hull(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_open_mesh_is_asked_for_its_hull(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(PROGRAMS / "bad")
-    text = """object a: hull("parts/corner.stl") at (0, 0, 0) object b: mesh("parts/corner.stl") at (9 m, 0, 0)"""
+    name = "parts/open_corner.stl"
+    text = f"""object a: hull("{name}") at (0, 0, 0) object b: mesh("{name}") at (9 m, 0, 0)"""
     found = check_sources([Source("t.tamp", f"predicate (lit)\ntask t {{ {text} goal (lit) }}")])
     assert "E0518" in [d.code for d in found]
 

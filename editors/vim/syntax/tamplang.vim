@@ -10,7 +10,7 @@ syn match tampModifier /[.(\[]\@1<!\<\(functional\|symmetric\|passive\|static\|b
 syn match tampControl /[.(\[]\@1<!\<\(previous\|exists\|forall\|else\|then\|ANY\|and\|for\|max\|min\|not\|sum\|if\|is\|or\)\>(\@!/
 syn match tampControl /\<\(previous\|exists\|forall\|else\|then\|ANY\|and\|for\|not\|if\|is\|or\)\>/
 syn match tampType /[.(\[]\@1<!\<\(inertia\|length\|object\|region\|angle\|real\|time\|int\)\>/
-syn match tampFunction /\<\(prismatic\|cylinder\|revolute\|capsule\|planar\|sphere\|hull\|mesh\|box\)\>(\@=/
+syn match tampFunction /\<\(prismatic\|cylinder\|revolute\|capsule\|planar\|sphere\|union\|hull\|mesh\|box\)\>(\@=/
 syn match tampPredicate /(\@1<=\h\w*\%(\%(\s\+[A-Za-z0-9_.\[\]]\+\)*)\)\@=/
 syn match tampMotion /\[\@1<=\h\w*\%(\%(\s\+[A-Za-z0-9_.\[\]]\+\)\+\]\)\@=/
 syn match tampNumber /\<\d\+\%(\.\d\+\)\?\%([eE][+-]\?\d\+\)\?\%(\s*\%(kg m^2\|kg\/m^3\|kg m²\|kg\/m³\|kN m\|N m\|deg\|min\|rad\|cm\|kN\|kg\|mm\|N\|g\|m\|s\)\%(\/s\%(^[23]\)\?\)\?\>\)\?/

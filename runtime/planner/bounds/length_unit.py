@@ -151,7 +151,11 @@ class LengthUnit:
         return tuple(replace(h, moment=h.moment / self.metres, twist=h.twist / self.metres) for h in holds)
 
     def _shape(self, shape: ir.Shape) -> ir.Shape:
-        return replace(shape, size=tuple(value / self.metres for value in shape.size))
+        parts = tuple(ir.SolidPart(self._point(p.at), self._shape(p.shape)) for p in shape.parts)
+        return replace(shape, size=tuple(value / self.metres for value in shape.size), parts=parts)
+
+    def _point(self, at: ir.Vec3) -> ir.Vec3:
+        return at[0] / self.metres, at[1] / self.metres, at[2] / self.metres
 
     def _pose(self, pose: ir.Pose) -> ir.Pose:
         x, y, z, *turn = pose

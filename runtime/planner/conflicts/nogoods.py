@@ -85,7 +85,7 @@ class GeneralisedNoGoods:
             body = self.problem.world.bodies.get(arg) if bodies and isinstance(arg, str) else None
             if body is None or not isinstance(arg, str):
                 return self._lifting.token(arg, names) if modules else arg
-            return body.shape.kind, body.shape.size, numbers.setdefault(arg, len(numbers))
+            return body.shape, numbers.setdefault(arg, len(numbers))
 
         actions = tuple((p.action.rule, *map(token, p.action.args)) for p in phases)
         relations = frozenset((fact[0], *map(token, fact[1:])) for fact in self._relations(phases))

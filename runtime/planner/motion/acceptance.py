@@ -141,7 +141,9 @@ def _body_parts(problem: Problem, motion: Resampled, start: Configuration) -> It
     for body in problem.world.solids:
         poses = motion.bodies.get(body.name)
         rest = np.broadcast_to(start.bodies[body.name], (len(motion.times), 7))
-        yield _part(body.name, body.name, body.name, body.shape, rest if poses is None else poses)
+        for part in body.shape.solids:
+            placed = compose(rest if poses is None else poses, np.asarray(part.placement))
+            yield _part(body.name, body.name, body.name, part.shape, placed)
 
 
 def _part(thing: str, tag: str, name: str, shape: Shape, poses: Array) -> _Part:

@@ -49,9 +49,10 @@ class Solids:
                 shapes.append(part.shape)
         for name, body in world.bodies.items():
             if body.movable:
-                self.thing.append(name)
-                self._local.append((-1, np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])))
-                shapes.append(body.shape)
+                for solid in body.shape.solids:
+                    self.thing.append(name)
+                    self._local.append((-1, np.asarray(solid.placement)))
+                    shapes.append(solid.shape)
         self.forms = Forms(shapes)
         self.of: dict[str, Indices] = {
             name: np.array([k for k, t in enumerate(self.thing) if t == name], dtype=np.intp)

@@ -32,13 +32,14 @@ class Obstacles:
         self._matrices: list[Array] = []
         self._of: dict[tuple[str, int], int] = {}
 
-    def add(self, body: Body, place: int, pose: Array) -> int:
-        """The number of a body that rests at `pose`, which `place` stands for."""
+    def add(self, body: Body, place: int, pose: Array) -> Indices:
+        """The numbers of the parts of a body that rests at `pose`, which `place` stands for."""
         if (body.name, place) not in self._of:
             self._of[body.name, place] = len(self._shapes)
-            self._shapes.append(body.shape)
-            self._matrices.append(pose_matrix(pose))
-        return self._of[body.name, place]
+            for part in body.shape.solids:
+                self._shapes.append(part.shape)
+                self._matrices.append(pose_matrix(pose) @ pose_matrix(part.placement))
+        return np.asarray(self._of[body.name, place] + np.arange(len(body.shape.solids)))
 
     def posed(self) -> Posed:
         """All of them."""

@@ -47,14 +47,14 @@ class Labels:
         self.parts: list[str] = []
         """How each part is called."""
 
-    def take_in(self, thing: str, objects: list[str]) -> int:
-        """The number of the first part of a thing, whose parts belong to `objects`."""
+    def take_in(self, thing: str, objects: list[str], numbered: bool) -> int:
+        """The number of the first part of a thing, whose parts belong to `objects`; links are `numbered`."""
         if thing not in self.first:
             self.first[thing] = len(self.names)
             for name in objects:
                 self.of.setdefault(name, []).append(len(self.names))
                 self.names.append(name)
-            self.parts += part_names(thing, objects)
+            self.parts += part_names(thing, objects) if numbered else objects
         return self.first[thing]
 
     def label(self, tag: Indices) -> RowLabel:
@@ -113,7 +113,7 @@ class Collisions:
     def _label(self, name: str) -> int:
         """The label of a thing's first part."""
         objects = [f"{name}.{part.effector}" if part.effector else name for part in self.cloud.parts(name)]
-        return self._labels.take_in(name, objects)
+        return self._labels.take_in(name, objects, name in self.problem.world.modules)
 
     def _scene(self, bodies: tuple[tuple[str, int], ...]) -> Runs:
         """The bodies that rest at known places, by their names and places in z (-1: those that never move)."""
@@ -121,8 +121,8 @@ class Collisions:
             found = []
             for name, place in bodies:
                 pose = self.layout.resting[name] if place < 0 else self.layout.constants[place : place + 7]
-                number = self.obstacles.add(self.problem.world.bodies[name], place, pose)
-                found.append((number, 1, self._label(name)))
+                numbers, label = self.obstacles.add(self.problem.world.bodies[name], place, pose), self._label(name)
+                found += [(number, 1, label + k) for k, number in enumerate(numbers.tolist())]
             self._scenes[bodies] = np.array(found, dtype=np.int64).reshape(-1, 3)
         return self._scenes[bodies]
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from .....compiler.extents import box_sides
 from .....compiler.ir import Problem, Shape, ShapeKind, Vec3
-from .....compiler.module_parts import NOWHERE, ModulePart, module_parts
+from .....compiler.module_parts import ModulePart, module_parts
 from .....compiler.motion.collision import pose_matrix
 from .....compiler.motion.constraints import sphere_stage
 from .....compiler.motion.stages import Stage
@@ -104,7 +104,7 @@ class Cloud:
         """The parts of a module or body."""
         module = self.problem.world.modules.get(name)
         if module is None:
-            return (ModulePart(-1, NOWHERE, self.problem.world.bodies[name].shape),)
+            return [ModulePart(-1, p.placement, p.shape) for p in self.problem.world.bodies[name].shape.solids]
         return module_parts(module.type)
 
     def first(self, slice_: int, name: str) -> int:

@@ -10,7 +10,7 @@ import numpy as np
 
 from .....compiler import poses
 from .....compiler.extents import box_sides
-from .....compiler.ir import Body, Effector, Fact, Module, Pose, Problem, ShapeKind
+from .....compiler.ir import Effector, Fact, Module, Pose, Problem, Shape, ShapeKind
 from .....compiler.motion.collision import bounding_radius, keeps_pose
 from ....geometry.attachments import followers, looped
 from ....geometry.drives import braked
@@ -39,10 +39,10 @@ def put_effector(module: Module, effector: str, slot: Array, target: Pose) -> No
     slot[:7] = poses.compose(target, poses.inverse(local))
 
 
-def _height(body: Body) -> float:
-    """Half the height of a body that lies in its own axes."""
-    flat = body.shape.kind in (ShapeKind.BOX, ShapeKind.CONVEX)
-    return box_sides(body.shape)[2] / 2 if flat else bounding_radius(body.shape)
+def _height(shape: Shape) -> float:
+    """Half the height of a shape that lies in its own axes."""
+    flat = shape.kind in (ShapeKind.BOX, ShapeKind.CONVEX)
+    return box_sides(shape)[2] / 2 if flat else bounding_radius(shape)
 
 
 class Guess:
@@ -86,7 +86,8 @@ class Guess:
     def _above(self, base: str, lift: float, turn: tuple[float, float, float, float]) -> Pose:
         body = self.problem.world.bodies[base]
         x, y, z = self.current.bodies[base][:3]
-        return (float(x), float(y), float(z) + _height(body) + lift, *turn)
+        bearer = body.shape.solids[0]
+        return (float(x), float(y), float(z) + bearer.at[2] + _height(bearer.shape) + lift, *turn)
 
     def _aside(self, base: str, phase: int, thing: str) -> Array:
         """Where on a base: as laid out, or shifted at random from its middle, as two things that lie in the very same
@@ -145,7 +146,7 @@ class Guess:
                     placed.add(found[0].name)
             elif follower in world.bodies and base in world.bodies:
                 body = world.bodies[follower]
-                self.current.bodies[follower][:] = self._above(base, _height(body), body.pose[3:])
+                self.current.bodies[follower][:] = self._above(base, _height(body.shape), body.pose[3:])
                 self.current.bodies[follower][:2] = self._aside(base, phase, follower)
         return feet
 
@@ -167,7 +168,8 @@ class Guess:
                 if not found or other not in world.bodies:
                     continue
                 thing = name if name in world.bodies else other
-                distance = _height(world.bodies[thing]) + (bounding_radius(found[1].shape) if found[1].shape else 0.0)
+                distance = _height(world.bodies[thing].shape)
+                distance += bounding_radius(found[1].shape) if found[1].shape else 0.0
                 aim = Aim(found[1].name, self.current.bodies[thing][:3], distance)
                 if hand in feet:
                     aim = Aim(found[1].name, np.array(feet[hand][:3]), 0.0)

@@ -64,13 +64,14 @@ def reach(skeleton: Skeleton, phase: int, before: Configuration, after: Configur
     carried = followers(skeleton.problem, skeleton.phases[phase].mode)
     for body in world.solids:
         name = body.name
-        if name in carried or body.shape.kind not in (ShapeKind.BOX, ShapeKind.CONVEX):
-            continue
-        frame, half = pose_matrix(before.bodies[name]), np.array(box_sides(body.shape)) / 2
-        for points in slid:
-            within = (np.abs((points - frame[:3, 3]) @ frame[:3, :3]) < half).all(axis=2)
-            if within.mean(axis=1).max() > KEYFRAMES.sweep_through:
-                least = min(least, int(np.flatnonzero(within.sum(axis=1))[0]))
+        flat = [p for p in body.shape.solids if p.shape.kind in (ShapeKind.BOX, ShapeKind.CONVEX)]
+        for part in [] if name in carried else flat:
+            frame = pose_matrix(before.bodies[name]) @ pose_matrix(part.placement)
+            half = np.array(box_sides(part.shape)) / 2
+            for points in slid:
+                within = (np.abs((points - frame[:3, 3]) @ frame[:3, :3]) < half).all(axis=2)
+                if within.mean(axis=1).max() > KEYFRAMES.sweep_through:
+                    least = min(least, int(np.flatnonzero(within.sum(axis=1))[0]))
     return least / KEYFRAMES.sweep_looks
 
 

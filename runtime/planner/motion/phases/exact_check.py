@@ -75,7 +75,8 @@ def phase_parts(lineage: Lineage, world: World, obstacles: list[Obstacle]) -> Ph
             parts.append(MovingPart(node, local @ pose_matrix(part.placement), part.shape, module, tag, name))
     for name, (node, local) in tree.bodies.items():
         if world.bodies[name].collides:
-            parts.append(MovingPart(node, local, world.bodies[name].shape, name, name, name))
+            for solid in world.bodies[name].shape.solids:
+                parts.append(MovingPart(node, local @ pose_matrix(solid.placement), solid.shape, name, name, name))
     pairs += [
         (i, k) for k in range(len(parts)) for i in range(k) if parts[i].owner != parts[k].owner
     ]  # fmt: skip

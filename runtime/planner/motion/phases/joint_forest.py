@@ -328,7 +328,10 @@ def phase_tree(problem: Problem, index: int, phase: Phase, start: Configuration,
 
 def _obstacles(scene: Scene) -> list[Obstacle]:
     bodies = [b for b in scene.world.solids if b.name in scene.rest]
-    found = [Obstacle(b.shape, scene.poses[b.name], b.name, b.name) for b in bodies]
+    found = [
+        Obstacle(part.shape, scene.poses[b.name] @ pose_matrix(part.placement), b.name, b.name)
+        for b in bodies for part in b.shape.solids
+    ]  # fmt: skip
     for module in scene.world.modules.values():
         if module.name not in scene.rest:
             continue
