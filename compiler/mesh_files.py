@@ -96,13 +96,14 @@ def load_mesh(
         message = f"the mesh of {path} cannot be cut into convex parts: {reason}"
         return None, [Diagnostic("E0518", message, where.span, help=help)]
     text = listed(solid)
-    told = [Diagnostic("W0022", f"the mesh of {path}: {'; '.join(solid.faults)}", where.span)] if solid.faults else []
+    unsound = f"the mesh of {path}: {'; '.join(solid.faults)}"
+    warnings = [Diagnostic("W0022", unsound, where.span)] if solid.faults else []
     if solid.grown > 1.0:
         count, grown = len(solid.parts), solid.grown
         message = f"the mesh of {path} is split into {count} convex parts, of {grown:.2f} times its volume"
-        told.append(Diagnostic("W0006", message, where.span))
+        warnings.append(Diagnostic("W0006", message, where.span))
         files.make(path, text)
-    return Source(path, text), told
+    return Source(path, text), warnings
 
 
 def read_mesh(path: str, content: bytes, scale: Sequence[float] = (1.0, 1.0, 1.0)) -> tuple[Array, Array]:
