@@ -6,6 +6,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import tamplang
+from tamplang.runtime.planner.plan_assembly import scene_at_rest
+from tamplang.runtime.report.ending import ending_of
+from tamplang.runtime.report.pictures import drawn
+from tamplang.runtime.report.render import render_replay
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = Path(__file__).parent / "pictures"
@@ -16,6 +20,27 @@ SHOWN: dict[str, tuple[dict[str, int], float]] = {
 }
 """Examples, their parameters, and the share of the motion after which they are drawn."""
 
+STIFF = """import std.rules
+module stiff {
+    effector A: gripper sphere(0.05 m) normal (0, 0, -1)
+    joint j1: revolute(z) in -3.1 rad .. 3.1 rad
+    link 0.3 m: capsule(0.04 m)
+    joint j2: revolute(y) in -20 deg .. 20 deg
+    link 0.3 m: capsule(0.04 m)
+    joint j3: revolute(y) in -20 deg .. 20 deg
+    link 0.3 m: capsule(0.04 m)
+    effector B: gripper sphere(0.05 m)
+    fact (linked A B)
+}
+task stiff() {
+    base ground: box(2 m, 2 m, 5 cm) at (0, 0, 0)
+    object b: sphere(4 cm) at (0, 0.5 m, 30 cm)
+    stiff c: A on ground at (0, 0)
+    fact (grippable b)
+    goal (held b)
+}
+"""
+
 
 def main() -> None:
     """Write a still of each example."""
@@ -24,6 +49,16 @@ def main() -> None:
         plan = tamplang.load(ROOT / "examples" / f"{name}.tamp", **parameters).solve(time=120.0).plan
         assert plan is not None, name
         plan.export("png", FOLDER / f"{name}.png", at=share * plan.record.times[-1])
+    (FOLDER / "nearest_posture.png").write_bytes(nearest_posture())
+
+
+def nearest_posture() -> bytes:
+    """What the report of a solve shows that finds nothing."""
+    task = tamplang.loads(STIFF)
+    found = task.solve()
+    scene = scene_at_rest(task.problem, found.statistics, found.timing)
+    ending = ending_of(task.problem, found.status, found.explanation, found.misses, scene)
+    return next(drawn(render_replay(scene, ending), [1.0]))
 
 
 if __name__ == "__main__":

@@ -164,3 +164,21 @@ class BoundResult:
     violations: list[Violation]
     cost_before: float | None = None
     unobstructed: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class NearestMiss:
+    """The posture in which a refused `action` comes nearest to what it needs; the action is empty where none was tried.
+
+    `message` is that of the diagnostic that tells it, `row` what failed, in words. `marked` are the modules, effectors
+    and bodies that this concerns, `apart` the two of them between which something is missing, if there are two; `bent`
+    modules with the joints that would have to go past their limits.
+    """
+
+    action: str
+    message: str
+    row: str
+    marked: tuple[str, ...]
+    apart: tuple[str, ...]
+    bent: tuple[tuple[str, str], ...]
+    posture: Configuration = field(compare=False, repr=False)

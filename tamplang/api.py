@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .runtime.simulation.actuators import Noise
     from .runtime.simulation.results import RunProgress
     from .runtime.simulation.tracking import Deviations
+    from .runtime.skeleton import NearestMiss
 
 
 __all__ = ["Plan", "Result", "RunResult", "Task", "load", "loads", "read_plan", "task_of_plan"]
@@ -147,6 +148,7 @@ class Task:
             tuple(outcome.actions),
             outcome.cost,
             None if outcome.refused is None else Plan(outcome.refused, fresh=True),
+            tuple(outcome.misses),
         )
 
     def run(
@@ -195,7 +197,7 @@ class Result:
     """What a run found. `status` equals one of the words "solved", "infeasible" (proved), "exhausted", "budget",
     "memory", "interrupted" or "refused" (by the verifier); `plans` are best first, and all verified; `explanation`
     says what refused the task. `refused` is a plan that the verifier does not believe, or had no time for, to look
-    into, where there is no other."""
+    into, where there is no other; `misses` are postures that came nearest, which the report draws."""
 
     status: Status
     plans: tuple[Plan, ...]
@@ -205,6 +207,7 @@ class Result:
     actions: tuple[str, ...]
     cost: float
     refused: Plan | None = None
+    misses: tuple[NearestMiss, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Result {self.status}: {len(self.plans)} plans, cost {self.cost:g}>"

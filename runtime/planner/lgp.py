@@ -27,7 +27,7 @@ from ..budget import ASIDE, SECONDS, Budget, OutOfTime, Status, ending
 from ..geometry.start_contacts import touching
 from ..plan import ObjectiveRecord, Plan, StatisticsRecord, TimingRecord
 from ..seeds import Seed
-from ..skeleton import Bound, PhasePath, Skeleton
+from ..skeleton import Bound, NearestMiss, PhasePath, Skeleton
 from .bounds.length_unit import length_unit
 from .bounds.multi_bound import MultiBound
 from .bounds.speculation import Speculation
@@ -98,6 +98,8 @@ class Outcome:
     interrupted or refused (by the verifier). `plans` are best first, all of them verified; `refused` is one that the
     verifier does not believe, or had no time for, where there is no other.
 
+    `misses` are the postures that came nearest to what the explanation says is missing.
+
     With bound "seq" there is no motion, hence no plan: `actions` and `cost` tell the skeleton that P_seq accepts.
     """
 
@@ -109,6 +111,7 @@ class Outcome:
     actions: list[str] = field(default_factory=list)
     cost: float = 0.0
     refused: Plan | None = None
+    misses: list[NearestMiss] = field(default_factory=list)
 
 
 def solve(
@@ -302,7 +305,8 @@ class _SolveRun:
         if self.distrusted is not None and not self.accepted:
             actions = [phase.action for phase in self.distrusted.phases]
         refused = None if self.accepted else self.distrusted
-        return Outcome(status, plans, statistics, timing, explanation, actions, statistics.cost, refused)
+        misses = [] if self.accepted or refused is not None else self.refusals.misses
+        return Outcome(status, plans, statistics, timing, explanation, actions, statistics.cost, refused, misses)
 
     def _worth(self, index: int) -> float:
         """What the plan, or without motion the candidate, of this number is worth: less is better."""

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+from msgspec import structs
+
 from ...compiler.ir import Problem
 from ...langs.diagnostics import Diagnostic
 from ...langs.frozen import dataclass
 from ...langs.render import render
 from ...langs.source import Source
 from ..budget import Status
+from ..plan import BodyTrackRecord, Plan, TrackRecord
+from ..skeleton import Configuration, NearestMiss, start_configuration
 
 HEADLINES = {
     Status.INFEASIBLE: "no plan: proved",
@@ -30,12 +35,24 @@ WHY = {
 
 
 @dataclass(frozen=True, slots=True)
+class Told:
+    """A message, as code and text with the lines that it points to; `seconds` are those at which its misses are drawn.
+    """
+
+    code: str
+    text: str
+    seconds: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Ending:
-    """`status` is that of the solve; `told` holds what refused the task, as code and text with the lines that it points
-    to."""
+    """`status` is that of the solve; `told` holds what refused the task. `postures` is the scene at the start, and
+    second after second in the postures that came nearest, `misses` what they miss."""
 
     status: Status
-    told: tuple[tuple[str, str], ...]
+    told: tuple[Told, ...]
+    misses: tuple[NearestMiss, ...]
+    postures: Plan
 
     @property
     def headline(self) -> str:
@@ -51,7 +68,35 @@ class Ending:
         return "refused" if self.status in (Status.INFEASIBLE, Status.REFUSED) else "unfinished"
 
 
-def ending_of(problem: Problem, status: Status, explanation: Sequence[Diagnostic]) -> Ending:
-    """The ending of a solve of `problem`."""
+def ending_of(
+    problem: Problem, status: Status, explanation: Sequence[Diagnostic], misses: Sequence[NearestMiss], scene: Plan
+) -> Ending:
+    """The ending of a solve of `problem`, whose `scene` at the start is drawn, and what of it `misses` tell."""
     sources: dict[str, Source] = {s.path: s for s in problem.sources}
-    return Ending(status, tuple((d.code, render([d], sources)) for d in explanation))
+    waiting = list(enumerate(misses, start=1))
+    told = []
+    for diagnostic in explanation:
+        own = [second for second, miss in waiting if _tells(diagnostic, miss)]
+        told.append(Told(diagnostic.code, render([diagnostic], sources), tuple(own)))
+    postures = in_postures(scene, problem, [miss.posture for miss in misses])
+    return Ending(status, tuple(told), tuple(misses), postures)
+
+
+def _tells(diagnostic: Diagnostic, miss: NearestMiss) -> bool:
+    return diagnostic.message == miss.message and miss.row in f"{diagnostic.message} {diagnostic.note}"
+
+
+def in_postures(scene: Plan, problem: Problem, postures: Sequence[Configuration]) -> Plan:
+    """The scene at the start, and then each posture, a second for each."""
+    rows = [start_configuration(problem), *postures]
+    tracks = []
+    for name in problem.world.modules:
+        slots = np.stack([row.modules[name] for row in rows])
+        tracks.append(TrackRecord(name, slots[:, :7].tolist(), slots[:, 7:].tolist()))
+    bodies = [
+        BodyTrackRecord(name, 0, np.stack([row.bodies[name] for row in rows]).tolist())
+        for name, start in rows[0].bodies.items()
+        if any(not np.array_equal(row.bodies[name], start) for row in rows)
+    ]
+    times = [float(second) for second in range(len(rows))]
+    return structs.replace(scene, times=times, tracks=tracks, body_tracks=bodies)

@@ -62,7 +62,7 @@ def _picture(plan: Plan, form: str, rate: float | None, moment: float | None) ->
         at = end if moment is None else moment
         if not 0.0 <= at <= end:
             raise UsageError(f"the plan lasts from 0 to {end:.2f} s, and {at:g} is not in it")
-        return next(_drawn(plan, [at]))
+        return next(drawn(render_replay(plan), [at]))
     rate = RATE if rate is None else rate
     if not 0.0 < rate <= 60.0:
         raise UsageError(f"films have up to 60 pictures a second, not {rate:g}")
@@ -70,15 +70,15 @@ def _picture(plan: Plan, form: str, rate: float | None, moment: float | None) ->
     if count > MOST:
         raise UsageError(f"the film would have {count} pictures, more than {MOST}; a lower --rate has fewer")
     moments = [k / rate for k in range(count)]
-    pictures = _drawn(plan, moments if end - moments[-1] < 1e-6 else [*moments, end])
+    pictures = drawn(render_replay(plan), moments if end - moments[-1] < 1e-6 else [*moments, end])
     return _gif(pictures, rate) if form == "gif" else _mp4(pictures, rate)
 
 
-def _drawn(plan: Plan, moments: list[float]) -> Iterator[bytes]:
-    """The replay at each of the moments, as PNG."""
+def drawn(replay: str, moments: list[float]) -> Iterator[bytes]:
+    """The page of a replay at each of the moments, as PNG. Raises what `picture` does."""
     with TemporaryDirectory() as folder, _page() as page:
         file = Path(folder) / "replay.html"
-        file.write_text(render_replay(plan), encoding="utf-8")
+        file.write_text(replay, encoding="utf-8")
         page.goto(file.as_uri())
         page.add_style_tag(content=STYLE)
         for _ in range(600):

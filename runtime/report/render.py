@@ -18,6 +18,7 @@ from ..plan import Plan
 from .clearance import build_clearance
 from .ending import Ending
 from .loads import build_loads
+from .postures import posture_data
 from .rates import build_rates
 from .replay import replay_data
 from .support import build_support
@@ -88,12 +89,13 @@ def render_report(plan: Plan, checked: bool = True, ending: Ending | None = None
     )  # fmt: skip
 
 
-def render_replay(plan: Plan) -> str:
-    """A page with nothing but the replay of `plan`, for a frame in a notebook; it works offline too."""
-    return _page("alone.html.j2", plan, view=build_view(plan, checked=True), ending=None)
+def render_replay(plan: Plan, ending: Ending | None = None) -> str:
+    """A page with nothing but the replay of `plan`, for a frame in a notebook, or the postures of an `ending`; it works
+    offline too."""
+    return _page("alone.html.j2", plan, ending, view=build_view(plan, checked=True))
 
 
-def _page(template: str, plan: Plan, **content: Any) -> str:
+def _page(template: str, plan: Plan, ending: Ending | None = None, **content: Any) -> str:
     viewer, licences = meshcat_script()
     scripts = [script_text((FOLDER / name).read_text(encoding="utf-8")) for name in SCRIPTS]
     return environment().get_template(template).render(
@@ -101,7 +103,8 @@ def _page(template: str, plan: Plan, **content: Any) -> str:
         scripts=scripts,
         hashes=[script_hash(s) for s in (viewer, *scripts)],
         viewer=Markup(packed_viewer()),
-        replay=script_json(replay_data(plan)),
+        replay=script_json(replay_data(plan) if ending is None else posture_data(ending.postures, ending.misses)),
+        ending=ending,
         licences=licences,
         **content,
     )

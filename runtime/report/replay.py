@@ -215,6 +215,8 @@ class Builder:
             shape = effector.shape or ShapeRecord(ShapeKind.SPHERE, [0.015])
             for part in self.add_shape(path, shape, placement, lighten(colour, 0.45)):
                 self.scene.paint.append((part, index, 0.45))
+            ends = frames[at][:, :3] + rotate(frames[at][:, 3:], np.broadcast_to(placement[:3], (len(frames[at]), 3)))
+            self.scene.points.append(np.column_stack([ends, np.full(len(ends), extent(shape))]))
         size = max([0.02, *(extent(e.shape) for e in module.effectors)])
         for at in sorted(used):
             self.add_frame(f"{root}/frame{at}", frames[at], size, gone)

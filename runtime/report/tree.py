@@ -75,7 +75,8 @@ def build_tree(plan: Plan) -> Tree:
     open_branches: list[Branch] = []
     for branch, path in found:
         candidates = refused.get(path[-1], []) if path else []
-        branch.reasons = [r for r in candidates if tuple(r.actions) == path[-len(r.actions) :]]
+        own = [r for r in candidates if tuple(r.actions) == path[-len(r.actions) :]]
+        branch.reasons = list({(r.bound, r.reason): r for r in own}.values())
         del open_branches[branch.depth :]
         for above in open_branches:
             above.below += 1

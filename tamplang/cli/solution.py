@@ -83,7 +83,9 @@ def _report_without_plan(problem: Problem, result: Result, file: Path) -> None:
         result.refused.report(file)
         return
     drawn = scene_at_rest(problem, result.statistics, result.timing)
-    ending = None if result.status == Status.SOLVED else ending_of(problem, result.status, result.explanation)
+    ending = None
+    if result.status != Status.SOLVED:
+        ending = ending_of(problem, result.status, result.explanation, result.misses, drawn)
     write_report(drawn, file, ending=ending)
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import base64
+import json
 import os
 import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -28,7 +32,7 @@ task far() {
 def solved(folder: Path, *arguments: str) -> tuple[int, str]:
     """The status of a solve, and the text of its report."""
     done = subprocess.run(
-        [sys.executable, "-m", "tamplang", "solve", *arguments, "--report", "page.html"], cwd=folder,
+        [sys.executable, "-m", "tamplang", "solve", *arguments, "--report", "page.html", "--time", "110"], cwd=folder,
         env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, timeout=120, check=False,
     )  # fmt: skip
     assert "Traceback" not in done.stderr
@@ -40,6 +44,14 @@ def body(page: str) -> str:
     return re.sub(r"<(script|style)\b.*?</\1>", "", page, flags=re.DOTALL)
 
 
+def drawn(page: str) -> dict[str, Any]:
+    """What the player gets."""
+    found = re.search(r'<script type="application/json" id="replay-data">(.*?)</script>', page, re.DOTALL)
+    assert found is not None
+    shown: dict[str, Any] = json.loads(found[1])
+    return shown
+
+
 def test_a_proof_that_there_is_no_plan(tmp_path: Path) -> None:
     (tmp_path / "far.tamp").write_text(FAR)
     status, page = solved(tmp_path, "far.tamp")
@@ -47,7 +59,9 @@ def test_a_proof_that_there_is_no_plan(tmp_path: Path) -> None:
     text = body(page)
     assert "no plan: proved" in text and 'class="verdict refused"' in text
     assert "1.94 m too little" in text and "never applicable where it would help" in text
-    assert "Scene at the start" in text
+    assert ">Show where that is</button>" in text
+    (start, far) = drawn(page)["marks"]
+    assert start == [[], []] and far[1] == ["ground", "b"], "what is too far from what"
     assert "Out of &lt;reach&gt;" in text
 
 
@@ -67,9 +81,48 @@ def test_refused_candidates_stand_in_the_report(tmp_path: Path) -> None:
     text = body(page)
     assert status in (3, 4)
     assert "Why there is no plan" in text
+    shown = drawn(page)
+    overlaps = [mark for mark, phase in zip(shown["marks"], shown["phases"], strict=True) if "overlap" in phase[2]]
+    assert overlaps and all(len(paths) == 2 and not apart for paths, apart in overlaps), "the two that would overlap"
     assert re.search(r"grasp\(", text)
 
 
+def test_the_nearest_posture_is_drawn_with_the_joints_that_would_have_to_go_on(tmp_path: Path) -> None:
+    """The arm leans to the ball as far as its joints go, and dots show what is missing."""
+    (tmp_path / "stiff.tamp").write_text(STIFF)
+    status, page = solved(tmp_path, "stiff.tamp")
+    assert status == 4 and "Nearest postures" in body(page)
+    shown = drawn(page)
+    (second,) = [k for k, phase in enumerate(shown["phases"]) if "grasp(c.B, b)" in phase[2]]
+    assert "past the limit" in shown["phases"][second][2]
+    paths, apart = shown["marks"][second]
+    assert apart == ["c.B", "b"] and {"module0/frame2", "module0/frame3"} <= set(paths), "what j2 and j3 move"
+    joints = np.frombuffer(base64.b64decode(shown["joints"][0]), "<f4").reshape(len(shown["phases"]), 3)
+    assert np.allclose(np.abs(joints[second, 1:]), np.radians(20.0), atol=1e-2), "both bend as far as they may"
+    text = body(page)
+    assert text.count(">Show the nearest posture</button>") == text.count('class="posture"') - 1 >= 1
+
+
+STIFF = """import std.rules
+module stiff {
+    effector A: gripper sphere(0.05 m) normal (0, 0, -1)
+    joint j1: revolute(z) in -3.1 rad .. 3.1 rad
+    link 0.3 m: capsule(0.04 m)
+    joint j2: revolute(y) in -20 deg .. 20 deg
+    link 0.3 m: capsule(0.04 m)
+    joint j3: revolute(y) in -20 deg .. 20 deg
+    link 0.3 m: capsule(0.04 m)
+    effector B: gripper sphere(0.05 m)
+    fact (linked A B)
+}
+task stiff() {
+    base ground: box(2 m, 2 m, 5 cm) at (0, 0, 0)
+    object b: sphere(4 cm) at (0, 0.5 m, 30 cm)
+    stiff c: A on ground at (0, 0)
+    fact (grippable b)
+    goal (held b)
+}
+"""
 SHUT = (
     FAR.replace("far()", "shut()")
     .replace("(0, 0.3 m, 3 m)", "(0, 0.3 m, 7 cm)")

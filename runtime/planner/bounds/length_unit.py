@@ -198,7 +198,10 @@ class LengthUnit:
 
     def cause(self, cause: Cause) -> Cause:
         """Why something is refused, in metres."""
-        return replace(cause, missed=self._violation(cause.missed), at=tuple(map(self._violation, cause.at)))
+        return replace(
+            cause, missed=self._violation(cause.missed), at=tuple(map(self._violation, cause.at)),
+            nearest=self._configuration(cause.nearest, self.metres),
+        )  # fmt: skip
 
     def _path(self, path: PhasePath) -> PhasePath:
         """A little slower than in its own unit, so that times are round."""
@@ -219,7 +222,8 @@ class LengthUnit:
         )))  # fmt: skip
 
     def _conflict(self, conflict: Conflict) -> Conflict:
-        return replace(conflict, violations=tuple(self._violation(v) for v in conflict.violations))
+        switches = tuple(self._configuration(c, self.metres) for c in conflict.switches)
+        return replace(conflict, violations=tuple(self._violation(v) for v in conflict.violations), switches=switches)
 
     def _violation(self, violation: Violation) -> Violation:
         long = violation.unit in ("m", "N m", "Nm")

@@ -22,7 +22,7 @@ from .length_unit import LengthUnit
 from .requests import SequenceRequest, WindowRequest
 from .settings import BOUNDS
 from .solves import Solves
-from .verdicts import Conflict, Judgement
+from .verdicts import Conflict, Judgement, missed
 
 
 class MultiBound(Solves):
@@ -106,7 +106,7 @@ class MultiBound(Solves):
             return None
         found = cause(
             self.unit.skeleton(skeleton), conflict.first, conflict.last, conflict.first > 0, self.settings, self.seed,
-            self.budget.whole,
+            self.budget.whole, [self.unit.configuration(c) for c in conflict.switches],
         )  # fmt: skip
         return None if found is None else self.unit.cause(found)
 
@@ -166,7 +166,7 @@ class MultiBound(Solves):
             self._expect_actions(skeleton, strains, order[number + 1 :], whole=not conflicts)
             result = self._window(skeleton, k, k)
             if not result.feasible:
-                conflicts.append(Conflict(Bound.SEQ, k, k, k == 0, tuple(result.violations)))
+                conflicts.append(missed(result, k, k, k == 0))
             elif k:
                 self.experience.accept(phase, strains[k])
             else:
@@ -259,8 +259,8 @@ class MultiBound(Solves):
             self._expect_windows(skeleton, first, end - 1)
             window = self._window(skeleton, first, end - 1)
             if not window.feasible:
-                return Conflict(Bound.SEQ, first, end - 1, False, tuple(window.violations))
-        return Conflict(Bound.SEQ, 0, end - 1, True, tuple(refused.violations))
+                return missed(window, first, end - 1, False)
+        return missed(refused, 0, end - 1, True)
 
     # --- what is probably asked next ------------------------------------------------------------------------------
 

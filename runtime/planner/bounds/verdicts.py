@@ -15,13 +15,15 @@ from .settings import BOUNDS
 @dataclass(frozen=True, slots=True)
 class Conflict:
     """Phases `first` … `last` of a skeleton cannot be done one after the other; with `from_start` only when they begin
-    in the start configuration (then `first` is 0)."""
+    in the start configuration (then `first` is 0). `switches` are the state before and the postures that P_seq came to,
+    where it refuses."""
 
     bound: Bound
     first: int
     last: int
     from_start: bool
     violations: tuple[Violation, ...]
+    switches: tuple[Configuration, ...] = field(default=(), compare=False, repr=False)
 
 
 @dataclass(slots=True)
@@ -42,6 +44,11 @@ def with_motion(world: World, result: BoundResult, ahead: list[Configuration]) -
     it."""
     paths = eased(world, result.paths)
     return Judgement(True, paths, path_cost=result.cost, path_cost_before=result.cost_before, ahead=ahead)
+
+
+def missed(refused: BoundResult, first: int, last: int, from_start: bool) -> Conflict:
+    """The conflict of phases whose switches P_seq refuses: `refused` has the state before `first`, too."""
+    return Conflict(Bound.SEQ, first, last, from_start, tuple(refused.violations), tuple(refused.configurations))
 
 
 def blame(bound: Bound, refused: BoundResult, blamed: Sequence[set[int]], phases: int) -> Conflict:

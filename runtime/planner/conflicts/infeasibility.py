@@ -13,11 +13,12 @@ from ...budget import Status, unless_spent
 from ...geometry.attachments import carrier
 from ...geometry.drives import braked
 from ...plan import RefusalRecord, VerdictRecord
-from ...skeleton import Bound, Breach, Skeleton, Violation
+from ...skeleton import Bound, Breach, NearestMiss, Skeleton, Violation
 from ..bounds.verdicts import Conflict
 from ..motion.keyframes.causes import Cause, Why
 from ..motion.nlp.program import DIVERGED
 from ..plan_assembly import placed
+from .misses import lack_of, miss_of
 from .nearest_miss import nearest
 from .settings import CONFLICTS
 from .shortfall import achievers, lacking
@@ -34,6 +35,8 @@ class Refusals:
         """`cause` may say more of a conflict than its violations do."""
         self.problem, self._cause_of = problem, cause
         self._found: list[tuple[Skeleton, Conflict]] = []
+        self.misses: list[NearestMiss] = []
+        """What can be drawn of what was explained last."""
 
     def add(self, skeleton: Skeleton, conflict: Conflict) -> None:
         self._found.append((skeleton, conflict))
@@ -43,6 +46,7 @@ class Refusals:
 
     def explain(self, status: Status) -> list[Diagnostic]:
         """S-diagnostics: what ended the run, where that was not the last candidate, then the refusals."""
+        self.misses = []
         if status == Status.INFEASIBLE:
             return unless_spent(self._unreachable) or [Diagnostic("S0001", UNREACHABLE)]
         if not self._found:
@@ -56,6 +60,7 @@ class Refusals:
     def most_telling(self) -> list[Diagnostic]:
         """The refusals: those of the fewest actions first, then those that were met most often, then the smallest miss;
         one for each row of the program, and with whom it was met."""
+        self.misses = []
         groups: dict[object, list[tuple[Skeleton, Conflict]]] = {}
         for skeleton, conflict in self._found:
             groups.setdefault(self._cause(skeleton, conflict), []).append((skeleton, conflict))
@@ -85,7 +90,9 @@ class Refusals:
         blamed = f"; what achieves it is {names}, never applicable where it would help" if rules else ""
         bounds = [(rule, bound.span) for rule, bound in rules if bound is not None and bound.span is not None]
         labels = [Label(span, f"a bound that `{rule.name}` needs") for rule, span in bounds]
-        lacks = lacking(self.problem)[:CONFLICTS.most_explained]
+        found = lacking(self.problem)[:CONFLICTS.most_explained]
+        message, lacks = f"{UNREACHABLE}{blamed}", [*map(str, found)]
+        self.misses = [lack_of(self.problem, message, lack) for lack in found]
         if not lacks:
             near = nearest(self.problem, [rule for rule, _ in rules])
             lacks = [str(near)] if near else [""]
@@ -93,7 +100,7 @@ class Refusals:
         return [
             Diagnostic(
                 "S0001",
-                f"{UNREACHABLE}{blamed}",
+                message,
                 rules[0][0].span if rules else None,
                 tuple(labels),
                 note=lack or None,
@@ -116,9 +123,13 @@ class Refusals:
         notes += self._still(skeleton, conflict)
         if count > 1:
             notes.append(f"this was met in {count} such sequences; the smallest miss is shown")
+        row = f"{self._reason(conflict)}{told(cause)}"
+        message = f"{_BOUND_NAMES[conflict.bound]} refuses {action}: {row}"
+        miss = miss_of(self.problem, str(action), message, row, conflict, cause)
+        self.misses += [] if miss is None else [miss]
         return Diagnostic(
             "S0002",
-            f"{_BOUND_NAMES[conflict.bound]} refuses {action}: {self._reason(conflict)}{told(cause)}",
+            message,
             span or (rule.span if rule else None),
             labels if span else (),
             note="; ".join(notes) or None,

@@ -24,25 +24,39 @@ from ....compiler.ir import (
     Var,
 )
 from ....compiler.symbolic.geometry import SceneLengths
+from ....langs.frozen import dataclass
 from ....langs.trees import parts
 
 
-def lacking(problem: Problem) -> list[str]:
-    """One sentence for each object of the goal that stands still out of reach of everything that modules stand on."""
+@dataclass(frozen=True, slots=True)
+class Lack:
+    """How far an object is from the nearest support that robots can come to, and how far they reach at most; metres."""
+
+    name: str
+    support: str
+    distance: float
+    reach: float
+    modules: int
+
+    def __str__(self) -> str:
+        robots = "the module reaches" if self.modules == 1 else f"all {self.modules} modules in one line reach"
+        text = f"{self.name} is {self.distance:.2f} m from {self.support}, the nearest that robots can come to"
+        return f"{text}; {robots} {self.reach:.2f} m: {self.distance - self.reach:.2f} m too little"
+
+
+def lacking(problem: Problem) -> list[Lack]:
+    """The objects of the goal that stand still out of reach of everything that modules stand on, the farthest first."""
     geometry = SceneLengths(problem)
     reach = geometry.longest_reach(len(problem.world.modules))
     named = [name for name in dict.fromkeys(_named(problem, problem.goal)) if name in problem.world.bodies]
     supports = _within(geometry, [name for name in _supports(problem) if name not in named], problem, reach)
-    sentences: list[tuple[float, str]] = []
+    found: list[Lack] = []
     for name in named:
         far = [(geometry.distance(geometry.index[s], geometry.index[name]), s) for s in supports]
         if far and min(far)[0] > reach:
             distance, support = min(far)
-            modules = len(problem.world.modules)
-            robots = "the module reaches" if modules == 1 else f"all {modules} modules in one line reach"
-            text = f"{name} is {distance:.2f} m from {support}, the nearest that robots can come to"
-            sentences.append((distance - reach, f"{text}; {robots} {reach:.2f} m: {distance - reach:.2f} m too little"))
-    return [text for _, text in sorted(sentences, reverse=True)]
+            found.append(Lack(name, support, distance, reach, len(problem.world.modules)))
+    return sorted(found, key=lambda lack: (lack.distance, lack.name), reverse=True)
 
 
 def achievers(problem: Problem) -> list[tuple[Rule, Compare | None]]:

@@ -255,7 +255,8 @@ class _HorizonRun:
             self.found(plan)
         actions = [phase.action for found in (plan or refused,) if found is not None for phase in found.phases]
         plans = [] if plan is None else [plan]
-        return Outcome(status, plans, statistics, timing, explanation, actions, statistics.cost, refused)
+        misses = self.memory.refusals.misses if plan is None and refused is None else []
+        return Outcome(status, plans, statistics, timing, explanation, actions, statistics.cost, refused, misses)
 
     def _explanation(self, status: Status) -> list[Diagnostic]:
         """Why the goal was not reached, what was tried, and what stands."""

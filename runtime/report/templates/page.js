@@ -18,7 +18,8 @@
     }
     player.listen(() => {
       const last = data.colours.length - 1;
-      scene.show(player.now, data.colours[player.atEnd || player.phase < 0 ? last : player.phase]);
+      const mark = data.marks ? data.marks[player.phase] : null;
+      scene.show(player.now, data.colours[player.atEnd || player.phase < 0 ? last : player.phase], mark);
     });
     get("follow").addEventListener("change", (event) => scene.follow(event.target.checked));
     get("traces").addEventListener("change", (event) => {
@@ -232,6 +233,7 @@
   startPlots();
   startLoads();
   startTree();
+  if (data.still) player.seek(1);
   window.addEventListener("hashchange", openTarget);
   openTarget();
   window.tamplang = {

@@ -74,7 +74,8 @@ class ReplayScene {
     this.painted = data.paint.map(([path, module, share]) =>
       ({ material: this.node(path + "/<object>").material, module, share }));
     this.light();
-    this.drawTraces();
+    this.restore = [];
+    if (!data.still) this.drawTraces();
     this.setBackground();
     this.setUpCamera();
   }
@@ -230,8 +231,9 @@ class ReplayScene {
     return new MeshCat.THREE.Vector3(x, z, -y);
   }
 
-  show(time, colours) {
-    const { low, next, share } = locate(this.times, time);
+  show(time, colours, mark) {
+    const { low, next, share: passed } = locate(this.times, time);
+    const share = this.data.still ? 0 : passed;
     const count = this.times.length;
     const before = this.following ? this.movingCentre() : null;
     this.frames.forEach((object, frame) => {
@@ -247,11 +249,48 @@ class ReplayScene {
       this.viewer.camera.position.add(shift);
       this.viewer.controls.target.add(shift);
     }
+    this.restore.forEach((undo) => undo());
     if (colours && colours !== this.colours) {
       this.colours = colours;
       for (const part of this.painted) part.material.color.setHex(mixWithWhite(colours[part.module], part.share));
     }
+    this.restore = mark ? this.markFault(...mark) : [];
     this.viewer.set_dirty();
+  }
+
+  /* Paints things in the colour of what is at fault, and dots the line between two of them; gives how to undo it. */
+  markFault(paths, apart) {
+    const { THREE } = MeshCat;
+    const undo = [];
+    for (const path of paths) {
+      this.node(path).traverse(({ isMesh, material }) => {
+        if (!isMesh) return;
+        const before = { hex: material.color.getHex(), opacity: material.opacity, transparent: material.transparent };
+        undo.push(() => {
+          material.color.setHex(before.hex);
+          Object.assign(material, { opacity: before.opacity, transparent: before.transparent });
+        });
+        material.color.set(this.data.fault);
+        Object.assign(material, { opacity: 0.8, transparent: true });
+      });
+    }
+    if (apart.length) {
+      const [from, to] = apart.map((name) => new THREE.Vector3(...this.pose(name).slice(0, 3)));
+      const size = 0.007 * this.bounds().radius;
+      const count = Math.max(2, Math.min(200, Math.round(from.distanceTo(to) / (3.5 * size))));
+      const dots = new THREE.Group();
+      const form = new THREE.SphereGeometry(size, 12, 8);
+      const paint = new THREE.MeshBasicMaterial({ color: this.data.fault, depthTest: false });
+      for (let i = 0; i <= count; i++) {
+        const dot = new THREE.Mesh(form, paint);
+        dot.position.lerpVectors(from, to, i / count);
+        dot.renderOrder = 1;
+        dots.add(dot);
+      }
+      this.viewer.set_object(["meshcat", "apart"], dots);
+      undo.push(() => this.viewer.delete_path(["meshcat", "apart"]));
+    }
+    return undo;
   }
 
   /* Where the origin of a drawn object lies in the picture: across and up, -1 to 1. */

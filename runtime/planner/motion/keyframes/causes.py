@@ -6,7 +6,10 @@ without collisions, something is in the way; where nothing is without joint limi
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import field
 from enum import StrEnum
+from itertools import chain
 
 import numpy as np
 
@@ -16,7 +19,7 @@ from .....langs.frozen import dataclass
 from ....budget import Budget
 from ....geometry.attachments import followers, involved, looped
 from ....seeds import Seed
-from ....skeleton import Array, Breach, Skeleton, Violation, start_configuration
+from ....skeleton import Array, Breach, Configuration, Skeleton, Violation, start_configuration
 from ..nlp.features import limits
 from ..nlp.row_groups import LinearGroup, LinearWish
 from ..settings import MotionSettings
@@ -41,10 +44,12 @@ class Why(StrEnum):
 class Cause:
     """Why a posture is refused, and the row of its literals that is missed least by all means but for that; what is
     `at` fault: the parts that are in the way, the joint and by how much it would have to go past its limit; or the
-    `names` of the modules of a ring, or of a literal that keeps where it is what would have to move."""
+    `names` of the modules of a ring, or of a literal that keeps where it is what would have to move. The `nearest`
+    posture is the one that misses least, and where things are in the way, the one in which they overlap."""
 
     why: Why
     missed: Violation
+    nearest: Configuration = field(compare=False, repr=False)
     at: tuple[Violation, ...] = ()
     names: tuple[str, ...] = ()
 
@@ -71,25 +76,32 @@ class _Nearest:
     unknowns: Array
     missed: Violation
 
+    @property
+    def posture(self) -> Configuration:
+        """At the switch of the last phase."""
+        return self.program.unpack(self.unknowns)[-1]
+
 
 def cause(
-    skeleton: Skeleton, first: int, last: int, free: bool, settings: MotionSettings, seed: Seed, budget: Budget
-) -> Cause | None:
-    """Why phases `first` … `last` cannot follow each other, `free`: from anywhere; None where it is not plain, for one
-    where another guess does it. Raises OutOfTime."""
+    skeleton: Skeleton, first: int, last: int, free: bool, settings: MotionSettings, seed: Seed, budget: Budget,
+    switches: Sequence[Configuration],
+) -> Cause | None:  # fmt: skip
+    """Why phases `first` … `last` cannot follow each other, `free`: from anywhere; `switches` is where P_seq came to,
+    the state before included. None where it is not plain, for one where another guess does it. Raises OutOfTime."""
     start = start_configuration(skeleton.problem)
 
     def nearest(kind: type[SwitchProgram]) -> _Nearest | None:
-        switches = kind(skeleton, first, last, start, settings, free)
+        program = kind(skeleton, first, last, start, settings, free)
         random = seed.child("cause").random()
         span = SpanSolver(skeleton, first, last, settings, random, budget, start, free)
         best: _Nearest | None = None
-        for number in range(KEYFRAMES.causes_tried):
-            guess = switches.pack(span.guess(wide=number > 1, steady=number == 0))
-            x = run(switches.loose, guess, span.options, settings, budget).x
-            missed = switches.loose.violations(x, 0.0)
+        guesses = (span.guess(wide=number > 1, steady=number == 0) for number in range(KEYFRAMES.causes_tried))
+        known = [switches] if len(switches) == last - first + 2 else []
+        for guess in chain(known, guesses):
+            x = run(program.loose, program.pack(guess), span.options, settings, budget).x
+            missed = program.loose.violations(x, 0.0)
             if missed and (best is None or missed[0].amount < best.missed.amount):
-                best = _Nearest(switches, x, missed[0])
+                best = _Nearest(program, x, missed[0])
         return best
 
     bound = nearest(_Yielding)
@@ -100,11 +112,11 @@ def cause(
     unbound = nearest(_Unlimited)
     if unbound is not None and unbound.missed.amount <= settings.tolerance:
         past = _past_limits(unbound, settings.tolerance)
-        return Cause(Why.LIMIT, bound.missed, past) if past else None
+        return Cause(Why.LIMIT, bound.missed, bound.posture, past) if past else None
     ring = looped(skeleton.problem, skeleton.phases[last].mode) & involved(skeleton, last)
     held = _holding(skeleton.problem, skeleton.phases[last].mode)
     why = Why.RING if ring else Why.HELD if held else Why.REACH
-    return Cause(why, bound.missed, names=tuple(sorted(ring)) or held)
+    return Cause(why, bound.missed, bound.posture, names=tuple(sorted(ring)) or held)
 
 
 def _holding(problem: Problem, mode: frozenset[Fact]) -> Fact:
@@ -140,4 +152,4 @@ def _in_the_way(nearest: _Nearest, settings: MotionSettings, budget: Budget) -> 
     rows = [v for v in program.violations(outcome.x, settings.tolerance) if v.kind not in CLEARANCES]
     if not overlaps or not rows:
         return None
-    return Cause(Why.IN_THE_WAY, rows[0], tuple(overlaps[:1]))
+    return Cause(Why.IN_THE_WAY, rows[0], nearest.posture, tuple(overlaps[:1]))
