@@ -62,6 +62,7 @@ def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str
         built_in = {first.owner, second.owner} <= fixed
         within = first.owner == second.owner
         apart = "give its joints other values at home" if within else "move them apart, or put one `on` the other"
+        apart = _below_foot(world, exempt, depth, one, other) or _below_foot(world, exempt, depth, other, one) or apart
         findings.report(
             "W0012" if built_in else "E0502",
             second.span,
@@ -70,6 +71,21 @@ def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str
             note="neither ever moves" if built_in else _freedom(world, fixed, first, second),
             labels=labels,
         )
+
+
+def _below_foot(
+    world: ir.World, stands: Set[frozenset[str]], depth: float, part: Volume, support: Volume
+) -> str | None:
+    """What helps where a part that is rigid with an effector reaches into what that effector stands on."""
+    ends = world.modules[part.owner].type.effectors if part.owner in world.modules else ()
+    for end in ends:
+        foot = f"{part.owner}.{end.name}"
+        if end.joint == part.joint and part.name != foot and frozenset((foot, support.name)) in stands:
+            return (
+                f"`{part.part}` reaches {depth * 1000:.0f} mm past the face on which `{foot}` stands: set that "
+                "effector further out, with `at`, or make the link smaller there"
+            )
+    return None
 
 
 def _kept_apart(world: ir.World, one: Volume, other: Volume) -> bool:
