@@ -6,10 +6,12 @@ from collections.abc import Callable, Iterator, Sequence
 
 from ....compiler.ir import Action, Chain, Problem
 from ...budget import Budget, unless_spent
+from ...geometry.attachments import followers
 from ...plan import Plan, StatisticsRecord, TimingRecord
 from ...seeds import Seed
 from ...skeleton import Bound, BoundResult, Configuration, PhasePath, Skeleton, Violation, beginning
 from ...verify import verify
+from ..conflicts.lifting import objects_of
 from ..conflicts.nogoods import GeneralisedNoGoods
 from ..conflicts.openings import holds_whatever_others_do, movers, opening, taking_part
 from ..motion.keyframes.causes import Cause, cause
@@ -166,7 +168,7 @@ class MultiBound(Solves):
             self._expect_actions(skeleton, strains, order[number + 1 :], whole=not conflicts)
             result = self._window(skeleton, k, k)
             if not result.feasible:
-                conflicts.append(missed(result, k, k, k == 0))
+                conflicts.append(missed(result, self._begin(skeleton, k, k), k, k == 0))
             elif k:
                 self.experience.accept(phase, strains[k])
             else:
@@ -205,9 +207,22 @@ class MultiBound(Solves):
         return self._windows[key]
 
     def _window_key(self, skeleton: Skeleton, first: int, last: int) -> tuple[object, ...]:
-        """From the start itself names matter, elsewhere interchangeable ones do not."""
+        """From the start itself names matter, elsewhere interchangeable ones do not; but it matters what was just taken
+        from where it was at the start."""
         phases = skeleton.phases[first : last + 1]
-        return self.experience.lifted(phases) if first else tuple(phase.action for phase in phases)
+        if not first:
+            return tuple(phase.action for phase in phases)
+        return *self.experience.lifted(phases), self._begin(skeleton, first, last) < first
+
+    def _begin(self, skeleton: Skeleton, first: int, last: int) -> int:
+        """Where a conflict of phases `first` … `last` begins: one earlier where that action took a thing which has not
+        moved since, as the window has it where it was at the start."""
+        world, mode = self.problem.world, skeleton.phases[first].mode
+        earlier = (followers(self.problem, phase.mode) for phase in skeleton.phases[:first])
+        taken = followers(self.problem, mode).difference(*earlier) if first else frozenset()
+        movers = {world.owner(n) for phase in skeleton.phases[first : last + 1] for n in objects_of(phase.action)}
+        tied = any(taken.intersection(fact) and movers.intersection(map(world.owner, fact[1:])) for fact in mode)
+        return first - 1 if tied else first
 
     def _whole(self, skeleton: Skeleton) -> tuple[BoundResult, int]:
         """P_seq of a skeleton; where it is refused, of the shortest beginning that is, and how long that is. It takes
@@ -259,7 +274,7 @@ class MultiBound(Solves):
             self._expect_windows(skeleton, first, end - 1)
             window = self._window(skeleton, first, end - 1)
             if not window.feasible:
-                return missed(window, first, end - 1, False)
+                return missed(window, self._begin(skeleton, first, end - 1), end - 1, False)
         return missed(refused, 0, end - 1, True)
 
     # --- what is probably asked next ------------------------------------------------------------------------------

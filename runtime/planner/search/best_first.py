@@ -133,7 +133,9 @@ class SkeletonSearch:
         return state
 
     def readmit(self) -> bool:
-        """Give refused sequences a second chance; False when there were none."""
+        """Give refused sequences a second chance, and modules that stand for each other a chance each; False when
+        there were none."""
+        self.renaming = None
         return self.no_goods.readmit()
 
     def value(self, state: int) -> float:
