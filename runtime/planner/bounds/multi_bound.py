@@ -168,7 +168,7 @@ class MultiBound(Solves):
             self._expect_actions(skeleton, strains, order[number + 1 :], whole=not conflicts)
             result = self._window(skeleton, k, k)
             if not result.feasible:
-                conflicts.append(missed(result, self._begin(skeleton, k, k), k, k == 0))
+                conflicts.append(self._missed(skeleton, result, k, k))
             elif k:
                 self.experience.accept(phase, strains[k])
             else:
@@ -213,6 +213,11 @@ class MultiBound(Solves):
         if not first:
             return tuple(phase.action for phase in phases)
         return *self.experience.lifted(phases), self._begin(skeleton, first, last) < first
+
+    def _missed(self, skeleton: Skeleton, refused: BoundResult, first: int, last: int) -> Conflict:
+        """The conflict of phases that are refused alone; the state before is also the one before what it begins with."""
+        found, begin = missed(refused, first, last, first == 0), self._begin(skeleton, first, last)
+        return found if begin == first else replace(found, first=begin, switches=found.switches[:1] + found.switches)
 
     def _begin(self, skeleton: Skeleton, first: int, last: int) -> int:
         """Where a conflict of phases `first` … `last` begins: one earlier where that action took a thing which has not
@@ -274,7 +279,7 @@ class MultiBound(Solves):
             self._expect_windows(skeleton, first, end - 1)
             window = self._window(skeleton, first, end - 1)
             if not window.feasible:
-                return missed(window, self._begin(skeleton, first, end - 1), end - 1, False)
+                return self._missed(skeleton, window, first, end - 1)
         return missed(refused, 0, end - 1, True)
 
     # --- what is probably asked next ------------------------------------------------------------------------------
