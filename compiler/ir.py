@@ -307,6 +307,7 @@ class Options:
     physics: str | None = None
     safety: float | None = None
     minimise: Objective | None = None
+    gap: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,8 +15,8 @@ from .objectives import Objective
 @dataclass(frozen=True, slots=True)
 class Option:
     """`kind` is "word" (one of `choices`), "whole" (a number from 1, to `most` if that is given), "time" (seconds),
-    "length" (metres), "objective" (a weighted sum of measures) or "number" (from 1). Without `default` nothing is
-    limited, or the task's scene decides. `places` are where it may be given: "task" (the `options` block), "solve" and
+    "length" (metres), "objective" (a weighted sum of measures), "number" (from 1) or "amount" (from 0). Without `default`
+    nothing is limited, or the task's scene decides. `places` are where it may be given: "task" (the `options` block), "solve" and
     "sweep" (the commands), "python" (`Task.solve`)."""
 
     name: str
@@ -46,6 +46,8 @@ OPTIONS: Mapping[str, Option] = {
         Option("margin", "length", "Distance that things wish to keep, metres.", frozenset(("task",))),
         Option("minimise", "objective", "What plans are to be best at.", frozenset(("task", "solve", "python")),
                "actions"),
+        Option("gap", "amount", "Go on until no plan can be better by more than this, as far as is known.",
+               frozenset(("task", "solve", "python"))),
         Option("solutions", "whole", "How many plans to find.", frozenset(("solve", "python")), 1, most=1000),
     )
 }  # fmt: skip
@@ -82,6 +84,9 @@ def _fault(option: Option, value: object) -> str | None:
     if option.kind == "number":
         fits = isinstance(value, int | float) and not isinstance(value, bool) and 1 <= value < math.inf
         return None if fits else "a number from 1"
+    if option.kind == "amount":
+        fits = isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value < math.inf
+        return None if fits else "a number from 0"
     if option.kind == "objective":
         if isinstance(value, str):
             from .objective_terms import spelled

@@ -93,6 +93,7 @@ class Task:
         solver: str | None = None,
         slices: int | None = None,
         minimise: str | None = None,
+        gap: float | None = None,
         horizon: int | str | None = None,
         jobs: int = 1,
         cluster: str | None = None,
@@ -105,7 +106,8 @@ class Task:
 
         `bound` is "seq", "seq-path" or "path"; `search` "astar", "wastar", "bfs" or "guide"; `time` seconds from now
         (`math.inf`: no limit); `nodes` of the search tree; `solver` "algn" or "ipopt"; `slices` per phase;
-        `minimise` an objective such as "makespan + 0.1 * travel"; `horizon`
+        `minimise` an objective such as "makespan + 0.1 * travel"; behind a first plan `gap` lets the search go on until
+        none can be better by more than this, as far as is known; `horizon`
         plans the motion of so many actions at a time, "auto" as many as seem wise. With `jobs` above 1, so many
         processes work side by side, or this one and the workers of the `cluster` at tcp://HOST:PORT: the result is the
         same. `progress` is called with where the run stands, or is a bar as tqdm's: what has `update` and `total`.
@@ -122,7 +124,7 @@ class Task:
 
         chosen = {
             "bound": bound, "search": search, "time": time, "nodes": nodes, "solutions": solutions, "solver": solver,
-            "slices": slices, "minimise": minimise,
+            "slices": slices, "minimise": minimise, "gap": gap,
         }  # fmt: skip
         check_given("python", chosen | unknown, BESIDE_OPTIONS)
         from .bars import callback

@@ -16,7 +16,7 @@ from ..objective_terms import ObjectiveFault, objective_of
 from ..objectives import Objective
 from ..options import Option, given_at
 
-KINDS = {"whole": NUMBER, "number": NUMBER, "time": TIME, "length": LENGTH}
+KINDS = {"whole": NUMBER, "number": NUMBER, "amount": NUMBER, "time": TIME, "length": LENGTH}
 
 
 def check_options(context: Context, scope: Scope, item: syntax.OptionsItem, before: ir.Options) -> ir.Options:
@@ -72,8 +72,9 @@ def _number(context: Context, scope: Scope, option: Option, term: syntax.Term) -
     value = number(context, scope, term, kind, f"option `{name}`")
     if value is None:
         return None
-    if value < 0 or (value == 0 and name != "margin"):
-        context.findings.report("E0210", term.span, f"option `{name}` must be positive")
+    if value < 0 or (value == 0 and name not in ("margin", "gap")):
+        least = "at least 0" if name in ("margin", "gap") else "positive"
+        context.findings.report("E0210", term.span, f"option `{name}` must be {least}")
         return None
     if option.kind == "number" and value < 1:
         context.findings.report("E0210", term.span, f"option `{name}` must be at least 1")

@@ -28,19 +28,21 @@ from ..geometry.start_contacts import touching
 from ..plan import ObjectiveRecord, Plan, StatisticsRecord, TimingRecord
 from ..seeds import Seed
 from ..skeleton import Bound, NearestMiss, PhasePath, Skeleton
+from .anytime import Steps, better, cheaper
 from .bounds.length_unit import length_unit
 from .bounds.multi_bound import MultiBound
 from .bounds.speculation import Speculation
 from .bounds.verdicts import Judgement
 from .candidate_loop import CandidateLoop
-from .conflicts.infeasibility import Refusals, distrust, fewer, unverified
+from .conflicts.infeasibility import Refusals, distrust, fewer, unverified, wider
 from .motion.settings import MotionSettings
 from .schedule.at_once import AtOnce
+from .schedule.clocked_search import Clocked
 from .schedule.distinct_plans import DistinctPlans
 from .schedule.improvement import Improvement
 from .schedule.objective_value import bounded, valued
 from .schedule.settings import SCHEDULE
-from .search.best_first import Candidate, SkeletonSearch
+from .search.best_first import EQUAL, Candidate, SkeletonSearch
 from .search.slack_maximisation import maximise_slack
 
 FINEST = Bound(OPTIONS["bound"].default)
@@ -59,6 +61,7 @@ class SolveOptions:
     seed: int = 0
     slices: int | None = None
     minimise: Objective = ACTIONS
+    gap: float | None = None
     ahead: Speculation = field(default_factory=Speculation, compare=False, repr=False)
 
 
@@ -147,6 +150,8 @@ class _SolveRun:
         self.at_once = AtOnce(problem, settings, seed, self.budget, self._tell)
         self.search: SkeletonSearch | None = None
         self.distinct: DistinctPlans | None = None
+        self.least: float | None = None
+        """What no plan of any actions falls below, as far as is known, once better ones were searched for."""
 
     def run(self) -> Outcome:
         return self._outcome(ending(self._loop))
@@ -161,26 +166,43 @@ class _SolveRun:
             if candidate is not None:
                 self._take(loop, candidate)
             if len(self.accepted) >= self.options.solutions:
-                self._improve(loop)
-                return Status.SOLVED
-        return loop.search.status
+                break
+        self._improve(loop)
+        return Status.SOLVED if len(self.accepted) >= self.options.solutions else loop.search.status
 
     def _improve(self, loop: CandidateLoop) -> None:
-        """Try candidates that promise to be better by the objective, and tell below what none falls."""
-        if self.options.minimise == ACTIONS or not self.plans:
+        """Look for better plans behind those that stand, and tell below what none falls."""
+        if not self.accepted:
             return
-        bound: float | None = None
-        with suppress(OutOfTime):
-            for tried in range(SCHEDULE.better + 1):
-                self._tell("search", "searching for what is better")
-                with self.bounds.clock("search"):
-                    clocked = self.improvement.better(loop.search)
-                bound = clocked.bound
-                if clocked.candidate is None or tried == SCHEDULE.better:
-                    break
-                self._take(loop, clocked.candidate)
-        if bound is not None:
-            self.plans = [bounded(plan, bound) for plan in self.plans]
+        steps = Steps(partial(self._propose, loop), partial(self._take, loop), self._repeats, self._best_worth,
+                      partial(self._promising, loop))  # fmt: skip
+        try:
+            with suppress(OutOfTime):
+                if self.options.minimise == ACTIONS:
+                    cheaper(steps, self.options.gap, self.first_bound or 0.0)
+                elif self.plans:
+                    better(steps, self.options.gap, self.budget)
+        finally:
+            if self.least is not None:
+                self.plans = [bounded(plan, self.least) for plan in self.plans]
+
+    def _promising(self, loop: CandidateLoop, below: float | None, nodes: int) -> Clocked:
+        self._tell("search", "searching for what is better")
+        with self.bounds.clock("search"):
+            clocked = self.improvement.better(loop.search, below, nodes)
+        self.least = clocked.bound
+        return clocked
+
+    def _repeats(self, candidate: Candidate) -> bool:
+        return self.distinct is not None and self.distinct.repeats(candidate, self.accepted)
+
+    def _best_worth(self) -> float:
+        return min(self._worth(k) for k in range(len(self.accepted)))
+
+    def _gap(self) -> float:
+        """By how much a plan of any actions may be better than the best one, as far as is known."""
+        known = self.first_bound if self.options.minimise == ACTIONS else self.least
+        return self._best_worth() - (known or 0.0)
 
     def _propose(self, loop: CandidateLoop) -> Candidate | None:
         self._tell("search", "searching for a skeleton")
@@ -189,7 +211,7 @@ class _SolveRun:
             if candidate is None:
                 return None
             candidate = maximise_slack(loop.search, loop.strain, candidate)
-            if self.distinct is None or not self.distinct.repeats(candidate, self.accepted):
+            if not self._repeats(candidate):
                 return candidate
         loop.search.status = Status.EXHAUSTED
         return None
@@ -283,7 +305,7 @@ class _SolveRun:
         return TimingRecord({"total": self.budget.elapsed, **self.bounds.clock.seconds})
 
     def _outcome(self, status: Status) -> Outcome:
-        statistics, timing = self._statistics(), self._timing()
+        statistics, timing, apart = self._statistics(), self._timing(), self._apart(status)
         order = sorted(range(len(self.accepted)), key=self._worth)[: self.options.solutions]
         self.accepted = [self.accepted[i] for i in order]
         plans = [_with_statistics(self.plans[i], statistics, timing, self.accepted[k].cost)
@@ -294,6 +316,7 @@ class _SolveRun:
         if self.accepted:
             missing = self.options.solutions - len(self.accepted)
             explanation = [fewer(status, len(self.accepted), self.options.solutions)] if missing else []
+            explanation += apart
             status = Status.INTERRUPTED if status == Status.INTERRUPTED else Status.SOLVED
         elif self.distrusted is not None and self.distrusted.verdict is None:
             explanation = [unverified()]
@@ -307,6 +330,15 @@ class _SolveRun:
         refused = None if self.accepted else self.distrusted
         misses = [] if self.accepted or refused is not None else self.refusals.misses
         return Outcome(status, plans, statistics, timing, explanation, actions, statistics.cost, refused, misses)
+
+    def _apart(self, status: Status) -> list[Diagnostic]:
+        """What is told where the gap stayed wider than was asked for."""
+        asked = self.options.gap
+        if asked is None or not self.accepted or self._gap() <= asked + EQUAL:
+            return []
+        if status == Status.SOLVED:
+            status = Status.BUDGET if self.budget.remaining <= 0.0 or self.budget.full else Status.EXHAUSTED
+        return [wider(status, self._gap(), asked, self.options.minimise.unit)]
 
     def _worth(self, index: int) -> float:
         """What the plan, or without motion the candidate, of this number is worth: less is better."""

@@ -88,7 +88,7 @@ def planner_option(name: str, *argument: str, **more: Any) -> Callable[[Command]
     option = OPTIONS[name]
     kinds: dict[str, click.ParamType[Any]] = {
         "word": click.Choice(option.choices), "whole": WholeNumber(1, option.most), "time": Seconds(),
-        "objective": ObjectiveText(),
+        "objective": ObjectiveText(), "amount": Real(min=0, max=math.inf, max_open=True),
     }  # fmt: skip
     return click.option(f"--{name}", *argument, **{"type": kinds[option.kind], "help": option.help, **more})
 

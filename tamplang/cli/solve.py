@@ -33,6 +33,7 @@ from .watch import watch_option, watching
 @click.option("--horizon", callback=checked_horizon, metavar="N|auto", help="Plan the motion of N actions at a time.")
 @planner_option("solutions", default=1, show_default=True)
 @planner_option("minimise", metavar="OBJECTIVE")
+@planner_option("gap")
 @planner_option("time", "seconds")
 @memory_option
 @planner_option("nodes")
@@ -56,6 +57,7 @@ def solve(
     horizon: int | str | None,
     solutions: int,
     minimise: str | None,
+    gap: float | None,
     seconds: float | None,
     memory: int | None,
     nodes: int | None,
@@ -77,6 +79,8 @@ def solve(
         return watching([file], sys.argv[1:])
     if horizon is not None and (solutions > 1 or bound == "seq"):
         raise click.UsageError("--horizon gives one plan with motion: it goes neither with --solutions nor --bound seq")
+    if horizon is not None and gap is not None:
+        raise click.UsageError("--horizon gives the first plan that it finds: leave out --gap")
     if horizon is not None and minimise is not None:
         raise click.UsageError("--horizon plans window after window, each of fewest actions: leave out --minimise")
     if horizon is not None and ((jobs or 1) > 1 or cluster is not None):
@@ -119,6 +123,7 @@ def solve(
                 nodes=nodes,
                 solutions=solutions,
                 minimise=minimise,
+                gap=gap,
                 solver=solver,
                 horizon=horizon,
                 jobs=jobs or 1,

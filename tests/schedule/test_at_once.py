@@ -133,10 +133,15 @@ task two() {
 
 
 def test_the_planner_chooses_who_does_what() -> None:
-    """Both things are nearer to one arm, which the cheapest plan of least strain takes for both."""
-    result = loads(PRESS).solve(time=300, minimise="makespan")
+    """Both things are nearer to one arm, which the cheapest plan of least strain takes for both; all others are tried
+    that may be better by more than the gap."""
+    met: list[Plan] = []
+    result = loads(PRESS).solve(time=300, minimise="makespan", gap=0.3, found=met.append)
     assert result.plan is not None and len(result.plans) == 1
     assert {action.split("[")[1][0] for action in result.actions} == {"1", "2"}
     told = result.plan.record.statistics.objective
     alike = told.bounds["any actions, none below those here"]
+    assert told.value == min(plan.record.statistics.objective.value for plan in met) and len(met) > 1
+    assert told.value - alike > 0.3 and [d.code for d in result.explanation] == ["S0002"]
+    assert f"a gap of {told.value - alike:.3g} instead of 0.3 s" in result.explanation[0].message
     assert 0.0 < alike <= told.value < 0.7 * sum(s.knots[-1] - s.knots[0] for s in result.plan.record.splines)

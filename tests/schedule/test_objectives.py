@@ -59,13 +59,21 @@ def test_a_task_states_its_objective_with_its_parameters(entry: str) -> None:
 @pytest.mark.parametrize(
     ("entry", "code"),
     [("minimise = speed", "E0212"), ("minimise = makespan - w * travel", "E0214"), ("minimise = travel + 1 m", "E0215"),
-     ("minimise = energy", "E0524")],
+     ("minimise = energy", "E0524"), ("gap = -1", "E0210"), ("gap = 2 m", "E0203")],
 )  # fmt: skip
 def test_a_task_is_told_where_its_objective_is_wrong(entry: str, code: str) -> None:
     with pytest.raises(SourceError) as caught:
         compile_text(TASK.format(entry))
     (found,) = (d for d in caught.value.diagnostics if d.is_error)
     assert found.code == code and found.span is not None and found.span.line == 4
+
+
+@pytest.mark.parametrize("gap", ["-1", "nan", "inf", "1 s", "٣"])
+def test_a_gap_is_a_number_from_zero(gap: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["solve", str(EXAMPLES / "climb.tamp"), "--gap", gap]) == 2
+    assert "--gap" in capsys.readouterr().err
+    with pytest.raises(UsageError, match="`gap` is a number from 0"):
+        loads(TASK.format("time = 5 s")).solve(gap=-1.0)
 
 
 def test_energy_needs_physics(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

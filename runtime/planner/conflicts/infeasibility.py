@@ -207,6 +207,11 @@ def fewer(status: Status, found: int, wanted: int) -> Diagnostic:
     return ended(status, f"after {found} of {wanted} plans")
 
 
+def wider(status: Status, gap: float, wanted: float, unit: str) -> Diagnostic:
+    """Says that a run ended with a gap that is wider than was asked for."""
+    return ended(status, f"with a gap of {gap:.3g} instead of {wanted:.3g} {unit}".rstrip())
+
+
 ENDINGS = {
     Status.BUDGET: ("S0003", "the budget ended", "give more with --time or --nodes, or a smaller instance"),
     Status.MEMORY: ("S0010", "the memory was spent", "give more with --memory, or a smaller instance"),

@@ -42,11 +42,12 @@ class Pace:
 @dataclass(frozen=True, slots=True)
 class Clocked:
     """What a search came to: the best candidate, with its value (None: none was found), and a value that no sequence
-    of actions falls below, those that motion refused included."""
+    of actions falls below, those that motion refused included; `cut`: its nodes were spent."""
 
     candidate: Candidate | None
     value: float
     bound: float
+    cut: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +113,7 @@ class ClockedSearch:
             if self._successors.is_goal(node.state):
                 return Clocked(self._candidate(node, value), value, min(value, refused))
             if expanded >= most or search.budget.full:
-                return Clocked(None, math.inf, min(value, refused))
+                return Clocked(None, math.inf, min(value, refused), cut=not search.budget.full)
             expanded += 1
             search.budget.check()
             children = self._successors.expand(node.state)

@@ -29,9 +29,9 @@ class Improvement:
             self._seconds[rule] = min(own, self._seconds.get(rule, own))
             self._more[rule] = min(more, self._more.get(rule, more))
 
-    def better(self, search: SkeletonSearch) -> Clocked:
-        """The best candidate that promises to be worth more than those met by enough to be tried, and what no candidate
-        falls below by what was learnt. Raises OutOfTime."""
+    def better(self, search: SkeletonSearch, below: float | None, nodes: int) -> Clocked:
+        """The best candidate that promises to come `below` a value (None: below those met by enough to be tried), and
+        what no candidate falls below by what was learnt, after at most so many nodes. Raises OutOfTime."""
         weights = dict(self._objective.weights)
         rules = self._problem.rules
         least = min(self._seconds.values(), default=0.0), min(self._more.values(), default=0.0)
@@ -40,5 +40,6 @@ class Improvement:
             weights.get("makespan", 0.0), weights.get("actions", 0.0),
         )  # fmt: skip
         clocked = ClockedSearch(search, pace)
-        known = min(clocked.valued(c.numbers) for c in self._met)
-        return clocked.best((1.0 - SCHEDULE.worthwhile) * known)
+        if below is None:
+            below = (1.0 - SCHEDULE.worthwhile) * min(clocked.valued(c.numbers) for c in self._met)
+        return clocked.best(below, nodes)

@@ -44,7 +44,8 @@ class ScheduleSettings:
         "0.2 to 2 s of CPU; two arms and four things take 60.",
     )
     better: int = setting(
-        1, "candidates", "How many candidates that may be better are taken to motion behind the first plan.",
+        4, "candidates", "How many candidates that may be better are taken to motion behind the first plan at most, "
+        "where no gap is asked for: no more once one was not better.",
         "Each may cost as much as the plan itself.",
     )
     worthwhile: float = setting(
