@@ -15,9 +15,9 @@ from .objectives import Objective
 @dataclass(frozen=True, slots=True)
 class Option:
     """`kind` is "word" (one of `choices`), "whole" (a number from 1, to `most` if that is given), "time" (seconds),
-    "length" (metres), "objective" (a weighted sum of measures), "number" (from 1) or "amount" (from 0). Without `default`
-    nothing is limited, or the task's scene decides. `places` are where it may be given: "task" (the `options` block), "solve" and
-    "sweep" (the commands), "python" (`Task.solve`)."""
+    "length" (metres), "objective" (a weighted sum of measures), "number" (from 1) or "amount" (from 0). Without
+    `default` nothing is limited, or the task's scene decides. `places` are where it may be given: "task" (the `options`
+    block), "solve" and "sweep" (the commands), "python" (`Task.solve`)."""
 
     name: str
     kind: str

@@ -86,7 +86,7 @@ def test_every_setting_says_its_unit_and_what_it_does(name: str) -> None:
 
 
 def test_the_options_block_holds_what_the_table_says() -> None:
-    kinds = {"word": "str", "whole": "int", "time": "float", "length": "float", "number": "float"}
+    kinds = {"word": "str", "whole": "int", "time": "float", "length": "float", "number": "float", "amount": "float"}
     kinds["objective"] = "Objective"
     told = {name: f"{kinds[option.kind]} | None" for name, option in given_at("task").items()}
     assert {f.name: f.type for f in dataclasses.fields(Options)} == told
