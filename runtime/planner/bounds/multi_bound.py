@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 from ....compiler.ir import Action, Chain, Problem
 from ...budget import Budget, unless_spent
@@ -215,7 +216,7 @@ class MultiBound(Solves):
         return *self.experience.lifted(phases), self._begin(skeleton, first, last) < first
 
     def _missed(self, skeleton: Skeleton, refused: BoundResult, first: int, last: int) -> Conflict:
-        """The conflict of phases that are refused alone; the state before is also the one before what it begins with."""
+        """The conflict of phases refused alone; the state before them is also the one before what it begins with."""
         found, begin = missed(refused, first, last, first == 0), self._begin(skeleton, first, last)
         return found if begin == first else replace(found, first=begin, switches=found.switches[:1] + found.switches)
 
