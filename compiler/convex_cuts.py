@@ -8,13 +8,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from .hulls import Array, corners_of
-from .mesh_surfaces import Surface, Triangles
+from .mesh_surfaces import Surface, Triangles, volume
 
 MOST_PARTS = 64
 """Parts that a body is cut into: with more, what robots keep clear of takes longer than the search."""
 MOST_PLANES = 24
 """Planes that are tried at a cut, the largest first."""
-MOST_CUTS = 4 * MOST_PARTS
+PLANES, CUTS = 8, 4
+"""How many planes a surface may have, and how many cuts are made, for each part that is allowed."""
 FLAT = 1e-6
 """Share of the size of a body by which a point may lie off a plane and is on it."""
 EXACT = 1e-3
@@ -28,30 +29,28 @@ class TooMany(Exception):
     """The body has too many parts."""
 
 
-def cut(surface: Surface) -> list[Array] | None:
-    """The corners (N, 3) of convex parts that fill what a closed surface holds; None where they are too many, or where
-    the surface holds nothing that can be told."""
+def cut(surface: Surface, most: int = MOST_PARTS) -> list[Array] | None:
+    """The corners (N, 3) of convex parts that fill what a closed surface holds; None where they are more than `most`,
+    or where the surface holds nothing that can be told."""
     if not surface.even or surface.volume <= 0.0:
         return None
-    hollow = any(_volume(surface, surface.piece == k) < 0.0 for k in range(int(surface.piece.max()) + 1))
+    count = int(surface.piece.max()) + 1
+    if count > most:
+        return None
+    held = [volume(surface.points, surface.triangles[surface.piece == k]) for k in range(count)]
+    hollow = min(held) < 0.0
     pieces = [surface.triangles]
     if not hollow:
-        pieces = [surface.triangles[surface.piece == k] for k in range(int(surface.piece.max()) + 1)]
+        pieces = [surface.triangles[surface.piece == k] for k in range(count)]
     found: list[Array] = []
     try:
         for triangles in pieces:
-            found += _Cutter(surface.points, triangles).parts(MOST_PARTS - len(found))
+            found += _Cutter(surface.points, triangles, most - len(found)).parts()
     except TooMany:
         return None
     filled = sum(hull_volume(part) for part in found)
-    whole = sum(_volume(surface, surface.piece == k) for k in range(int(surface.piece.max()) + 1))
+    whole = sum(held)
     return found if abs(filled - whole) <= EXACT * whole else None
-
-
-def _volume(surface: Surface, chosen: Array) -> float:
-    from .mesh_surfaces import volume
-
-    return volume(surface.points, surface.triangles[chosen])
 
 
 def hull_volume(corners: Array) -> float:
@@ -68,7 +67,8 @@ class _Cutter:
     """Cuts what a piece of a surface holds. A cell is the hull of its corners; polygons are what of the surface runs
     through it."""
 
-    def __init__(self, points: Array, triangles: Triangles) -> None:
+    def __init__(self, points: Array, triangles: Triangles, most: int) -> None:
+        self.most = most
         self.corners = points[triangles]
         self.size = float(np.linalg.norm(np.ptp(points[np.unique(triangles)], axis=0)))
         self.off = FLAT * self.size
@@ -91,13 +91,12 @@ class _Cutter:
             else:
                 of[k] = len(kept)
                 kept.append(k)
-                if len(kept) > 40 * MOST_PARTS:
+                if len(kept) > PLANES * self.most:
                     raise TooMany
         return planes[kept] * np.array([1.0, 1.0, 1.0, self.size]), of
 
-    def parts(self, most: int) -> list[Array]:
+    def parts(self) -> list[Array]:
         """The corners of the convex parts. Raises TooMany."""
-        self.most = most
         cell = corners_of(self.corners.reshape(-1, 3))
         inner = []
         for k, corners in enumerate(self.corners):
@@ -112,7 +111,7 @@ class _Cutter:
 
     def _cut(self, cell: Array, polygons: Sequence[Polygon]) -> None:
         self.cuts += 1
-        if self.cuts > MOST_CUTS:
+        if self.cuts > CUTS * self.most:
             raise TooMany
         chosen = self._plane(polygons)
         plane = self.planes[chosen]

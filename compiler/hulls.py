@@ -148,18 +148,6 @@ def top_edges(shape: Shape) -> tuple[Array, Array]:
     return normals, np.einsum("ij,ij->i", normals, outline)
 
 
-def fill(points: ArrayLike, triangles: ArrayLike) -> tuple[float, float]:
-    """The volume inside a closed surface of points (M, 3) and triangles (T, 3), and that of its hull. Raises
-    HullError."""
-    cloud, faces = np.asarray(points, dtype=float), np.asarray(triangles, dtype=int)
-    a, b, c = (cloud[faces[:, i]] - cloud.mean(axis=0) for i in range(3))
-    inside = abs(float(np.einsum("ij,ij->", a, np.cross(b, c)))) / 6
-    made = _made(cloud)
-    if made is None:
-        raise HullError("the corners lie in a plane")
-    return inside, made[1]
-
-
 def corners_of(points: Array) -> Array:
     """The corners of the hull of points (M, 3); all of them where there is none."""
     made = _made(points)

@@ -18,8 +18,13 @@ from ..langs.writer import write_atomically
 from .collada import asset
 from .ir import Vec3
 
-METHOD = "1"
+METHOD = "2"
 """Told apart in the cache: how bodies are made of meshes. To be counted up with every change of it."""
+
+
+HOLLOW, MOST_PARTS = 0.7, 8
+"""A mesh that fills less of its hull is cut into convex parts, where it has no more than so many: robots with bent or
+hollow links of flat faces, not those with castings, the hulls of which are fine."""
 
 
 class NoBody(Exception):
@@ -30,7 +35,8 @@ class NoBody(Exception):
 class MeshBody:
     """A convex body around a mesh: the corners of its shape, x, y, z, x, …; where the middle of the box around it lies
     in the frame of the mesh; what share of its hull the mesh fills (0: it is not closed); how many times as large as
-    the hull the body is; and the unit (metres) and upward axis that the file itself names."""
+    the hull the body is; and the unit (metres) and upward axis that the file itself names. `parts` are convex ones that
+    fill a hollow mesh, as sizes and middles, and `faults` what is wrong with its surface."""
 
     size: tuple[float, ...]
     middle: Vec3
@@ -38,6 +44,8 @@ class MeshBody:
     grown: float
     unit: float = 1.0
     up: str = ""
+    faults: tuple[str, ...] = ()
+    parts: tuple[tuple[tuple[float, ...], Vec3], ...] = ()
 
     def told(self) -> str:
         """What the body is, with the size of the simplification."""
@@ -45,11 +53,13 @@ class MeshBody:
             words = [f"a body around it, of {self.grown:.2f} times the volume of its hull"]
         else:
             words = ["its hull" + (f", which it fills to {self.filled:.0%}" if 0.005 < self.filled < 0.995 else "")]
+        if self.parts:
+            words = [f"{len(self.parts)} convex parts"]
         if self.unit != 1.0:
             words.append(f"its unit of {self.unit:g} m counts")
         if self.up in ("X_UP", "Y_UP"):
             words.append(f"its axes are kept, though it says {self.up}, as other readers do")
-        return "; ".join(words)
+        return "; ".join([*words, *self.faults])
 
 
 def mesh_body(path: str, content: bytes, scale: Sequence[float]) -> MeshBody:
@@ -76,21 +86,30 @@ def _recalled(file: Path) -> MeshBody | None:
         size, (x, y, z) = tuple(map(float, told["size"])), map(float, told["middle"])
         numbers = float(told["filled"]), float(told["grown"]), float(told["unit"])
         whole = len(size) % 3 == 0 and len(size) >= 12
-        return MeshBody(size, (x, y, z), *numbers, str(told["up"])) if whole else None
+        parts = tuple((tuple(map(float, s)), (float(a), float(b), float(c))) for s, (a, b, c) in told["parts"])
+        rest = str(told["up"]), tuple(map(str, told["faults"])), parts
+        return MeshBody(size, (x, y, z), *numbers, *rest) if whole else None
     except (OSError, ValueError, KeyError, TypeError):
         return None
 
 
 def _made(path: str, content: bytes, scale: Sequence[float]) -> MeshBody:
-    from .hulls import HullError, convex_shape, fill, hull
+    from .convex_cuts import cut, hull_volume
+    from .hulls import HullError, convex_shape, hull
     from .mesh_files import Empty, read_mesh
+    from .mesh_surfaces import surface_of
 
     unit, up = asset(content) if path.lower().endswith(".dae") else (1.0, "")
     try:
         points, triangles = read_mesh(path, content, [unit * s for s in scale])
-        inside, around = fill(points, triangles)
         shape, middle, simpler = convex_shape(points)
     except (Empty, HullError) as reason:
         raise NoBody(str(reason)) from None
-    filled = inside / around if 0 < inside <= around * (1 + 1e-9) else 0.0
-    return MeshBody(shape.size, middle, filled, hull(shape).volume / around if simpler else 1.0, unit, up)
+    surface, around = surface_of(points, triangles), hull_volume(points)
+    filled = surface.volume / around if surface.even and surface.volume > 0.0 else 0.0
+    filled = filled if filled <= 1.0 + 1e-6 else 0.0
+    cuts = cut(surface, MOST_PARTS) if 0.0 < filled < HOLLOW else None
+    made = [convex_shape(corners) for corners in cuts or ()]
+    parts = tuple((part.size, at) for part, at, _ in made)
+    grown = hull(shape).volume / around if simpler and not parts else 1.0
+    return MeshBody(shape.size, middle, filled, grown, unit, up, tuple(surface.faults()), parts)

@@ -15,6 +15,9 @@ Triangles = NDArray[np.int64]
 SAME = 1e-6
 """Share of the size of a mesh by which two corners may differ and are one."""
 
+BITS = 21
+"""Of a number of a point, or of a place along an axis in such shares."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface:
@@ -35,9 +38,7 @@ class Surface:
     @property
     def even(self) -> bool:
         """Whether its faces look as much one way as the other, as those of a closed surface do."""
-        a, b, c = (self.points[self.triangles[:, k]] for k in range(3))
-        areas = np.cross(b - a, c - a)
-        return bool(np.linalg.norm(areas.sum(axis=0)) <= SAME * np.linalg.norm(areas, axis=1).sum())
+        return _even(self.points, self.triangles)
 
     def faults(self) -> list[str]:
         """What was wrong, in words."""
@@ -55,14 +56,12 @@ class Surface:
 def surface_of(points: Array, triangles: NDArray[np.number[Any]]) -> Surface:
     """The surface of a mesh of points (M, 3) and triangles (T, 3), numbers of points."""
     size = float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0
-    _, first, number = np.unique(
-        np.round((points - points.min(axis=0)) / (SAME * size)), axis=0, return_index=True, return_inverse=True
-    )
+    places = np.round((points - points.min(axis=0)) / (SAME * size)).astype(np.int64)
+    _, first, number = np.unique(_keys(places), return_index=True, return_inverse=True)
     points, faces = points[first], number.reshape(-1)[np.asarray(triangles, dtype=np.int64)]
-    kept = np.array([len(set(face)) == 3 for face in faces.tolist()], dtype=bool) if len(faces) else np.zeros(0, bool)
-    kept &= _areas(points, faces) > (SAME * size) ** 2
+    kept = _areas(points, faces) > (SAME * size) ** 2
     flat, faces = int((~kept).sum()), faces[kept]
-    _, once = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+    _, once = np.unique(_keys(np.sort(faces, axis=1)), return_index=True)
     double, faces = len(faces) - len(once), faces[np.sort(once)]
     faces, turned = _outward(points, faces)
     return Surface(
@@ -70,10 +69,23 @@ def surface_of(points: Array, triangles: NDArray[np.number[Any]]) -> Surface:
     )  # fmt: skip
 
 
+def _keys(rows: Triangles) -> Triangles:
+    """One number for each row of two or three: no file that may be read has more points than this tells apart."""
+    found = rows[:, 0]
+    for k in range(1, rows.shape[1]):
+        found = (found << BITS) | rows[:, k]
+    return found
+
+
 def volume(points: Array, triangles: Triangles) -> float:
     """The volume inside a closed surface, below zero where its faces look inward."""
+    return float(_volumes(points, triangles).sum())
+
+
+def _volumes(points: Array, triangles: Triangles) -> Array:
+    """The volumes (T,) between triangles and one point."""
     a, b, c = (points[triangles[:, k]] - points.mean(axis=0) for k in range(3))
-    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
+    return np.asarray(np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0)
 
 
 def _areas(points: Array, triangles: Triangles) -> Array:
@@ -89,7 +101,7 @@ def _edges(triangles: Triangles) -> tuple[Triangles, Triangles]:
 
 def _gaps(triangles: Triangles) -> int:
     ends, _ = _edges(triangles)
-    _, count = np.unique(np.sort(ends, axis=1), axis=0, return_counts=True)
+    _, count = np.unique(_keys(np.sort(ends, axis=1)), return_counts=True)
     return int((count % 2).sum())
 
 
@@ -106,25 +118,40 @@ def _pieces(points: int, triangles: Triangles) -> Triangles:
 
 def _outward(points: Array, triangles: Triangles) -> tuple[Triangles, int]:
     """The triangles with their corners in the order that makes them look outward, and how many that changed. Where
-    neighbours disagree they follow the first of their patch; patches that then hold less than nothing are turned, but
-    for those within others."""
+    neighbours disagree they follow the first of their patch; closed patches that then hold less than nothing are
+    turned, but for those that were sound within others."""
+    if not len(triangles):
+        return triangles, 0
     patch, against = _patches(triangles)
-    turn = against.copy()
-    boxes, volumes = [], []
-    for k in range(int(patch.max(initial=-1)) + 1):
-        own = triangles[patch == k]
-        own = np.where(against[patch == k][:, None], own[:, ::-1], own)
-        corners = points[np.unique(own)]
-        boxes.append((corners.min(axis=0), corners.max(axis=0)))
-        volumes.append(volume(points, own))
-    for k, inside in enumerate(volumes):
-        low, high = boxes[k]
-        hollow = any(
-            (boxes[m][0] < low).all() and (high < boxes[m][1]).all() for m in range(len(boxes)) if m != k
-        ) and not against[patch == k].any()  # fmt: skip
-        if inside < 0.0 and not hollow:
-            turn[patch == k] ^= True
+    count = int(patch.max()) + 1
+    signed = np.where(against, -1.0, 1.0) * _volumes(points, triangles)
+    inward = np.bincount(patch, signed, count) < 0.0
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    for k in range(3):
+        np.minimum.at(low, patch, points[triangles[:, k]])
+        np.maximum.at(high, patch, points[triangles[:, k]])
+    mixed = np.bincount(patch, against, count) > 0
+    for k in np.flatnonzero(inward).tolist():
+        hollow = not mixed[k] and bool(((low < low[k]) & (high[k] < high)).all(axis=1).any())
+        inward[k] = not hollow
+    ends, owner = _edges(triangles)
+    keys = np.column_stack([patch[owner], np.sort(ends, axis=1)])
+    _, found, times = np.unique(_keys(keys), return_index=True, return_counts=True)
+    inward[keys[found[times % 2 == 1], 0]] = False
+    turn = against ^ inward[patch]
+    if (
+        not inward.any()
+        and float(np.where(turn, -1.0, 1.0) @ _volumes(points, triangles)) < 0.0
+        and _even(points, np.where(turn[:, None], triangles[:, ::-1], triangles))
+    ):
+        turn = ~turn
     return np.where(turn[:, None], triangles[:, ::-1], triangles), int(turn.sum())
+
+
+def _even(points: Array, triangles: Triangles) -> bool:
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    areas = np.cross(b - a, c - a)
+    return bool(np.linalg.norm(areas.sum(axis=0)) <= SAME * np.linalg.norm(areas, axis=1).sum())
 
 
 def _patches(triangles: Triangles) -> tuple[Triangles, NDArray[np.bool_]]:
@@ -134,9 +161,9 @@ def _patches(triangles: Triangles) -> tuple[Triangles, NDArray[np.bool_]]:
     from scipy.sparse.csgraph import breadth_first_order, connected_components
 
     ends, owner = _edges(triangles)
-    key = np.sort(ends, axis=1)
-    order = np.lexsort((key[:, 1], key[:, 0]))
-    _, start, count = np.unique(key[order], axis=0, return_index=True, return_counts=True)
+    key = _keys(np.sort(ends, axis=1))
+    order = np.argsort(key, kind="stable")
+    _, start, count = np.unique(key[order], return_index=True, return_counts=True)
     pairs = start[count == 2]
     one, other = order[pairs], order[pairs + 1] if len(pairs) else order[pairs]
     same = (ends[one] == ends[other]).all(axis=1)

@@ -71,7 +71,8 @@ def build_urdf(
     joints = _coupled(reading, free, declared) if complete else None
     found = {n: _inertial(reading, link, frames) for n, link in links.items() if n in frames}
     weights = {n: inertial for n, inertial in found.items() if inertial is not None}
-    shapes = [s for n in found for s in _shapes(reading, links[n], frames, n in weights)]
+    whole = {end.item.link.value for end in ends if end.shape is None and end.item.link is not None}
+    shapes = [s for n in found for s in _shapes(reading, links[n], frames, n in weights, n in whole)]
     if not reading.sound or joints is None:
         return None
     placed = [_effector(context, end, frames, shapes) for end in ends]
@@ -152,9 +153,11 @@ def _coupled(
 # --- shapes --------------------------------------------------------------------------------------------------------
 
 
-def _shapes(reading: Reading, link: ElementTree.Element, frames: Frames, weighed: bool) -> Iterator[_LinkShape]:
+def _shapes(
+    reading: Reading, link: ElementTree.Element, frames: Frames, weighed: bool, whole: bool
+) -> Iterator[_LinkShape]:
     """The collision shapes of a link. Those that have no volume, or are unknown, are left out with a warning; those of
-    a link that is `weighed` by its inertial have no weight of their own."""
+    a link that is `weighed` by its inertial have no weight of their own. An effector takes meshes as a `whole`."""
     name = link.get("name", "")
     joint, frame = frames[name]
     for collision in link.findall("collision"):
@@ -165,11 +168,20 @@ def _shapes(reading: Reading, link: ElementTree.Element, frames: Frames, weighed
         if not forms:
             reading.warn(collision, f"a collision element of link `{name}` has no shape and is left out")
             continue
-        made = _shape(reading, name, forms[0])
-        if made is not None:
-            shape, middle = made
+        for shape, middle in _made(reading, name, forms[0], whole):
             shift, own = make(middle, (0.0, 0.0, 0.0, 1.0)), 0.0 if weighed else None
             yield _LinkShape(name, ir.Link(joint, compose(frame, compose(place, shift)), shape, own))
+
+
+def _made(
+    reading: Reading, link: str, form: ElementTree.Element, whole: bool
+) -> Sequence[tuple[ir.Shape, ir.Vec3]]:
+    """The shapes of an element: of a hollow mesh its parts, unless it is taken as a `whole`."""
+    body = reading.context.library.meshes.get(mesh_name(reading.source.path, form)) if form.tag == "mesh" else None
+    if body is not None and body.parts and not whole:
+        return [(ir.Shape(ir.ShapeKind.CONVEX, size), middle) for size, middle in body.parts]
+    made = _shape(reading, link, form)
+    return () if made is None else (made,)
 
 
 def _shape(reading: Reading, link: str, form: ElementTree.Element) -> tuple[ir.Shape, ir.Vec3] | None:

@@ -94,7 +94,7 @@ def test_problem_from_urdf_compiles_again_without_the_disk(
 
 def _write_stl(path: Path, corners: np.ndarray) -> None:
     lines = ["solid wedge"]
-    for a, b, c in ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3)):
+    for a, b, c in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)):
         lines += ["facet normal 0 0 1", "outer loop"]
         lines += ["vertex " + " ".join(map(str, corners[i])) for i in (a, b, c)]
         lines += ["endloop", "endfacet"]

@@ -190,6 +190,27 @@ task rings() {{
     assert sum(name.startswith("crate/part") for name in names) == 5
 
 
+def test_a_hollow_link_of_a_robot_is_cut_unless_an_effector_takes_it_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    points, faces = crate()
+    Path("crate.obj").write_bytes(as_obj(points, faces[:, ::-1]))
+    Path("r.urdf").write_text("""<robot name="r"><link name="base"><collision><origin xyz="1 0 0" rpy="0 0 0"/>
+        <geometry><mesh filename="crate.obj" scale="0.01 0.01 0.01"/></geometry></collision></link></robot>""")
+    for end, parts in (('"base" sphere(1 cm)', 5), ('"base"', 0)):
+        Path("t.tamp").write_text(f"""module r from urdf "r.urdf" {{ effector A: {end} }}
+            predicate (lit)
+            task t() {{ r a: at (0, 0, 0) goal (lit) }}
+            rule light() {{ post (lit) }}""")
+        problem, told = compile_problem("t.tamp")
+        assert [w.code for w in told] == ["W0006"] and "its 28 faces look inward" in told[0].message
+        assert ("5 convex parts" in told[0].message) == (parts > 0)
+        assert len(problem.world.modules["a"].type.links) == parts
+        heights = [link.placement[2] for link in problem.world.modules["a"].type.links]
+        assert min(heights, default=0.005) == pytest.approx(0.005)
+
+
 def test_what_stands_on_a_body_of_parts_stands_on_the_largest_flat_top() -> None:
     legs = [((x, y, 0.0), Shape("cylinder", (0.03, 0.7))) for x in (-0.4, 0.4) for y in (-0.2, 0.2)]
     shape, middle = union([*legs, ((0.0, 0.0, 0.36), Shape("box", (1.0, 0.6, 0.02)))])
