@@ -54,7 +54,7 @@ class MeshBody:
         else:
             words = ["its hull" + (f", which it fills to {self.filled:.0%}" if 0.005 < self.filled < 0.995 else "")]
         if self.parts:
-            words = [f"{len(self.parts)} convex parts"]
+            words = [f"{len(self.parts)} convex parts, as the shape of an effector by its hull"]
         if self.unit != 1.0:
             words.append(f"its unit of {self.unit:g} m counts")
         if self.up in ("X_UP", "Y_UP"):
