@@ -70,8 +70,14 @@ class Refusals:
         for group in ranked[: 2 * CONFLICTS.most_explained]:
             if len(told) == CONFLICTS.most_explained:
                 break
-            found = self._diagnostic(*min(group, key=_miss), len(group))
-            told.setdefault((found.message, found.span), found)
+            skeleton, conflict = min(group, key=_miss)
+            cause = self._looked_into(skeleton, conflict)
+            if cause is not None:
+                conflict = replace(conflict, violations=(cause.missed,))
+            missed = [(v.kind, v.names) for v in conflict.violations[:1]]
+            same = str(skeleton.phases[conflict.last].action), conflict.bound, *missed
+            if same not in told:
+                told[same] = self._diagnostic(skeleton, conflict, cause, len(group))
             left -= len(group)
         return _with_rest([*told.values()], left)
 
@@ -109,13 +115,10 @@ class Refusals:
             for lack in lacks
         ]
 
-    def _diagnostic(self, skeleton: Skeleton, conflict: Conflict, count: int) -> Diagnostic:
+    def _diagnostic(self, skeleton: Skeleton, conflict: Conflict, cause: Cause | None, count: int) -> Diagnostic:
         action = skeleton.phases[conflict.last].action
         rule = self.problem.rules.get(action.rule)
         where = " from the start" if conflict.from_start and conflict.first < conflict.last else ""
-        cause = self._looked_into(skeleton, conflict)
-        if cause is not None:
-            conflict = replace(conflict, violations=(cause.missed,))
         span = self._span(conflict)
         labels = (Label(rule.span, "the rule of this action"),) if rule is not None and rule.span else ()
         earlier = ", ".join(str(p.action) for p in skeleton.phases[conflict.first : conflict.last])
