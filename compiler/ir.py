@@ -145,7 +145,8 @@ class Joint:
     s, greatest acceleration per s², greatest `jerk` per s³. A `passive` joint has no drive; one that `follows` another
     has its leader's. A drive weighs `mass`, kg, sits at the joint on the parent's frame, gives at most `torque`, N m
     (N of a prismatic joint), and has the inertia `rotor`, kg m² (kg), behind the gear; across its axis a joint bears
-    the moment `bearing`, N m. `stated` is where that is written."""
+    the moment `bearing`, N m. While it does not move, a `brake` bears up to that, N m (N). `stated` is where that is
+    written."""
 
     name: str
     kind: JointKind
@@ -163,8 +164,13 @@ class Joint:
     torque: float = math.inf
     bearing: float = math.inf
     rotor: float = 0.0
+    brake: float = 0.0
     jerk: float = math.inf
     stated: Span | None = field(default=None, compare=False, repr=False)
+
+    def strength(self, *, still: bool) -> float:
+        """What it bears along its axis, N m (N): the drive, and while it does not move also the brake."""
+        return max(self.torque, self.brake) if still else self.torque
 
 
 @dataclass(frozen=True, slots=True)

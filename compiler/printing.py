@@ -145,6 +145,7 @@ def _drive(joint: ir.Joint) -> str:
     text = f" mass {joint.mass:g}" if joint.mass else ""
     text += f" torque {joint.torque:g}" if math.isfinite(joint.torque) else ""
     text += f" bearing {joint.bearing:g}" if math.isfinite(joint.bearing) else ""
+    text += f" brake {joint.brake:g}" if joint.brake else ""
     return text + (f" rotor {joint.rotor:g}" if joint.rotor else "")
 
 

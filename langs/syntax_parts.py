@@ -8,7 +8,7 @@ from .syntax_terms import Call, Node, Term, Text
 
 @dataclass(frozen=True, slots=True)
 class Stated(Node):
-    """`mass 0.5 kg`, `torque 38 N m`: `word` is mass, density, torque, force, bearing or rotor."""
+    """`mass 0.5 kg`, `torque 38 N m`: `word` is mass, density, torque, force, bearing, rotor or brake."""
 
     word: str
     value: Term

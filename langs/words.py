@@ -72,6 +72,7 @@ WORDS: Mapping[str, Word] = {
     "force": Word("clause", "the greatest force of a joint that slides"),
     "bearing": Word("clause", "the greatest load that the bearing of a joint takes"),
     "rotor": Word("clause", "the inertia of a joint's motor as the joint feels it"),
+    "brake": Word("clause", "the greatest torque or force that a joint bears while it does not move"),
     "holds": Word("clause", "how strongly an end or body holds, in a manner such as `pad` or `dock`"),
     "borne": Word("modifier", "the manner in which the pair of a motion predicate holds; `nothing` bears nothing"),
     "passive": Word("modifier", "the joint has no drive: it moves only while something driven holds it"),

@@ -58,7 +58,8 @@ def _weight(name: str, joint: int, weight: Weight) -> WeightRecord:
 
 def _drives(problem: ir.Problem) -> list[DriveRecord]:
     return [
-        DriveRecord(name, joint.name, min(joint.torque, NO_LIMIT), min(joint.bearing, NO_LIMIT), joint.rotor)
+        DriveRecord(name, joint.name, min(joint.torque, NO_LIMIT), min(joint.bearing, NO_LIMIT), joint.rotor,
+                    joint.brake)
         for name, module in problem.world.modules.items()
         for joint in module.type.joints
     ]

@@ -22,14 +22,15 @@ class WeightRecord(ForceRecord, frozen=True):
 
 
 class DriveRecord(ForceRecord, frozen=True):
-    """How strong a joint is: the `torque` of its drive and the moment `bearing` across its axis, N m (N), and the
-    inertia `rotor` of its drive, kg m²."""
+    """How strong a joint is: the `torque` of its drive and the moment `bearing` across its axis, N m (N), the inertia
+    `rotor` of its drive, kg m², and what its `brake` bears while it does not move, N m (N)."""
 
     module: str
     joint: str
     torque: float
     bearing: float
     rotor: float
+    brake: float = 0.0
 
 
 class HoldRecord(ForceRecord, frozen=True):

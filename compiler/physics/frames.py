@@ -18,6 +18,8 @@ from .structure import WORLD, Edge, Node, driven
 Array = NDArray[np.float64]
 GRAVITY = 9.81
 """Metres per second squared."""
+STILL = 1e-6
+"""Radians or metres by which a joint may change that does not move."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +39,8 @@ class Poses:
     places: Mapping[Node, Array]
     times: Array | None = None
     """Seconds of the samples where what moves has inertia, equidistant."""
+    moved: frozenset[Node] = frozenset()
+    """Joints, each as its moving frame, that move over the samples: brakes bear nothing there."""
 
 
 @lru_cache(maxsize=64)
@@ -116,7 +120,9 @@ def poses(
             turns[name, index], places[name, index] = base, at
     for name, rows in bodies.items():
         turns[name, -1], places[name, -1] = rotation(_unit(rows[:, 3:7])), rows[:, :3]
-    return Poses(turns, places, times)
+    change = {name: np.ptp(rows[:, 7:], axis=0) > STILL for name, rows in modules.items()}
+    moved = frozenset((name, k) for name, far in change.items() for k in np.flatnonzero(far).tolist())
+    return Poses(turns, places, times, moved)
 
 
 def _unit(quaternions: Array) -> Array:

@@ -88,7 +88,8 @@ def _functionals(problem: Problem, edge: Edge, at: Poses, safety: float) -> list
         node = (edge.names[0], edge.joint)
         turn, place = at.turns[node], at.places[node]
         axis = turn @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
-        both(_moment(axis, place) if joint.kind == JointKind.REVOLUTE else _force(axis), joint.torque)
+        strength = joint.strength(still=node not in at.moved)
+        both(_moment(axis, place) if joint.kind == JointKind.REVOLUTE else _force(axis), strength)
         if math.isfinite(joint.bearing):
             for direction in _across(axis):
                 both(_moment(direction, place), joint.bearing * math.cos(math.pi / (4 * SIDES)))

@@ -81,7 +81,8 @@ class SceneLoads:
                     mass, moment = self._total(chain, number, other, node, at)
                     drive = module.type.joints[joint]
                     turning = drive.kind == JointKind.REVOLUTE
-                    strength = (math.inf, drive.torque) if turning else (drive.torque, math.inf)
+                    along = drive.strength(still=True)
+                    strength = (math.inf, along) if turning else (along, math.inf)
                     yield from self._over(mass * GRAVITY, moment, *strength)
                     yield from self._over(0.0, moment, math.inf, drive.bearing)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 import casadi as ca
@@ -50,6 +51,8 @@ class LoadGraph:
     kinds: tuple[ModuleType | float, ...]
     bonds: tuple[Bond, ...]
     safety: float
+    still: bool = True
+    """Whether joints do not move there, so that brakes hold."""
 
     @property
     def sizes(self) -> list[int]:
@@ -93,12 +96,13 @@ def graph_of(problem: Problem, mode: frozenset[Fact], safety: float) -> tuple[Lo
     return LoadGraph(kinds, tuple(bonds), safety), tuple(names)
 
 
-def rows_of(problem: Problem, mode: frozenset[Fact], safety: float) -> Rows | None:
-    """The rows of a mode; None where nothing is bounded, or where loops leave loads open."""
+def rows_of(problem: Problem, mode: frozenset[Fact], safety: float, *, still: bool = True) -> Rows | None:
+    """The rows of a mode, while joints are `still` or move; None where nothing is bounded, or where loops leave loads
+    open."""
     found = graph_of(problem, mode, safety)
     if found is None or not found[0].bonds:
         return None
-    made = _stage(found[0])
+    made = _stage(replace(found[0], still=still))
     if made is None:
         return None
     edges = structure(problem, mode).edges
@@ -218,7 +222,7 @@ class SymbolicLoads:
             assert isinstance(kind, ModuleType)
             joint, along = kind.joints[bond.joint], self._along(number)
             bent = ca.sumsqr(self._turning(number, self._axis(number)[1].position))
-            within(along**2, joint.torque)
+            within(along**2, joint.strength(still=self.graph.still))
             within(bent - along**2 if joint.kind == JointKind.REVOLUTE else bent, joint.bearing)
             return found
         hold, mass = bond.hold, self._mass[number]

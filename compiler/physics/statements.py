@@ -15,6 +15,7 @@ from .records import MANNERS, Hold
 
 UNITS: dict[str, Kind] = {
     "mass": MASS, "density": DENSITY, "torque": TORQUE, "force": FORCE, "bearing": TORQUE, "rotor": INERTIA,
+    "brake": TORQUE,
 }  # fmt: skip
 STRENGTHS: dict[str, Kind] = {"force": FORCE, "shear": FORCE, "moment": TORQUE, "twist": TORQUE, "friction": NUMBER}
 LARGEST: dict[str, float] = {"mass": 1e6, "density": 1e5, "friction": 100.0, "inertia": 1e6}
@@ -31,6 +32,7 @@ class StatedPart:
     torque: float | None
     bearing: float | None
     rotor: float | None
+    brake: float | None
     holds: tuple[Hold, ...]
     span: Span | None
 
@@ -58,10 +60,13 @@ def stated(context: Context, scope: Scope, item: PhysicalNode, allowed: tuple[st
             help = "state the mass or the density" if key in ("mass", "density") else "leave one out"
             context.findings.report("E0522", clause.span, f"the {clause.word} of {what} is said twice", help=help)
             continue
-        found[key] = _value(context, scope, clause.value, UNITS[clause.word], f"the {clause.word} of {what}")
+        slides = clause.word == "brake" and "force" in allowed
+        unit = FORCE if slides else UNITS[clause.word]
+        found[key] = _value(context, scope, clause.value, unit, f"the {clause.word} of {what}")
         span = clause.span if clause.word in ("torque", "force") else span or clause.span
     get = found.get
-    return StatedPart(get("mass"), get("density"), get("torque"), get("bearing"), get("rotor"), tuple(holds), span)
+    strengths = get("torque"), get("bearing"), get("rotor"), get("brake")
+    return StatedPart(get("mass"), get("density"), *strengths, tuple(holds), span)
 
 
 def _hold(

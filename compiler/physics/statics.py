@@ -127,9 +127,10 @@ def _joint_loads(problem: Problem, edge: Edge, at: Poses, force: Array, moment: 
     along = (own if joint.kind == JointKind.REVOLUTE else force) * axis
     drive = np.abs(along.sum(axis=1))
     found = []
-    if math.isfinite(joint.torque):
+    strength = joint.strength(still=node not in at.moved)
+    if math.isfinite(strength):
         unit = "N m" if joint.kind == JointKind.REVOLUTE else "N"
-        found.append(Load(edge, "torque", safety * drive / joint.torque, drive, joint.torque, unit))
+        found.append(Load(edge, "torque", safety * drive / strength, drive, strength, unit))
     if math.isfinite(joint.bearing):
         across = own - axis * (own * axis).sum(axis=1, keepdims=True) if joint.kind == JointKind.REVOLUTE else own
         bent = np.linalg.norm(across, axis=1)

@@ -33,9 +33,9 @@ NO_JERK: Mapping[str, float] = dict.fromkeys(DEFAULT_SPEED, math.inf)
 DEFAULTS = {"speed": DEFAULT_SPEED, "acceleration": DEFAULT_ACCELERATION, "jerk": NO_JERK}
 AXIS_COUNT: Mapping[str, int] = {"revolute": 1, "prismatic": 1, "planar": 2}
 BEARS = {
-    "revolute": ("mass", "torque", "bearing", "rotor"),
-    "prismatic": ("mass", "force", "bearing"),
-    "planar": ("mass", "force"),
+    "revolute": ("mass", "torque", "bearing", "rotor", "brake"),
+    "prismatic": ("mass", "force", "bearing", "brake"),
+    "planar": ("mass", "force", "brake"),
 }
 FULL_TURN = 2 * math.pi
 STRAIGHT = (0.0, 0.0, 0.0, 1.0)
@@ -102,6 +102,7 @@ def drive_of(said: StatedPart) -> dict[str, Any]:
     """What a joint states of its drive, as fields of the joint. Where nothing is said, nothing is limited."""
     torque, bearing = (math.inf if value is None else value for value in (said.torque, said.bearing))
     fields = {"mass": said.mass or 0.0, "torque": torque, "bearing": bearing, "rotor": said.rotor or 0.0}
+    fields["brake"] = said.brake or 0.0
     return {**fields, "stated": said.span}
 
 

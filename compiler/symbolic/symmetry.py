@@ -50,7 +50,8 @@ def _seen(kind: ModuleType, frames: Mapping[int, Pose], end: Pose, i: int) -> Se
     frame = compose(end, frames[i])
     axis = rotate(orientation(frame), joint.axis)
     return joint.kind, position(frame), axis, joint.upper, joint.speed, (
-        joint.acceleration, joint.jerk, joint.mass, joint.torque, joint.bearing, joint.rotor
+        joint.acceleration, joint.jerk, joint.mass, joint.torque, joint.bearing, joint.rotor,
+        joint.brake,
     )
 
 

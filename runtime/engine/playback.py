@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 
 from ...compiler import ir
-from ...compiler.physics.frames import Poses, meeting, poses
+from ...compiler.physics.frames import STILL, Poses, meeting, poses
 from ...compiler.physics.safety import safety_of
 from ...compiler.physics.statics import drives, loads_of
 from ...compiler.physics.structure import WORLD, Edge, Node, structure
@@ -150,6 +150,7 @@ class _Playback:
         count = max(1, round((record.end - record.start) / STEP))
         times = np.minimum(record.start + STEP * np.arange(1, count + 1), record.end)
         values, targets = self._targets(number, record, times)
+        limits = self._clamped(values)
         data, step_on = self.world.data, self.world.engine.mj_step
         tracking, peaks = 0.0, np.zeros(len(self.drives))
         for step in range(count):
@@ -169,7 +170,7 @@ class _Playback:
                 self.watch.show()
             if step * STEP > SETTLED and step % LOOKED == 0:
                 self._strain(number, float(times[step]))
-        self._record(tracking, peaks)
+        self._record(tracking, peaks, limits)
         self.result.seconds = record.end
         last = int(np.searchsorted(np.asarray(self.plan.times), record.end + 1e-9, side="right")) - 1
         for name in self.problem.world.modules:
@@ -240,12 +241,25 @@ class _Playback:
         more = np.stack(extra, axis=1) if extra else np.zeros((len(times), 0))
         return wanted, wanted + (self.damping * speed + more) / self.gains
 
-    def _record(self, tracking: float, peaks: Array) -> None:
+    def _clamped(self, values: Array) -> Array:
+        """Clamp drives at what they give in a phase, and where their joints do not move at what brakes bear."""
+        still = np.ptp(values, axis=0) <= STILL
+        limits = np.array([
+            self.problem.world.modules[name].type.joints[index].strength(still=bool(still[k]))
+            for k, (name, index) in enumerate(self.world.joints)
+        ])  # fmt: skip
+        limited = np.isfinite(limits)
+        self.world.model.actuator_forcerange[self.drives[limited]] = np.outer(limits[limited], [-1.0, 1.0])
+        return limits
+
+    def _record(self, tracking: float, peaks: Array, limits: Array) -> None:
         self.result.tracking = max(self.result.tracking, tracking)
         for number, (name, index) in enumerate(self.world.joints):
             joint = self.problem.world.modules[name].type.joints[index]
-            before = self.result.peaks.get((name, joint.name), (0.0, 0.0))[0]
-            self.result.peaks[name, joint.name] = max(before, min(float(peaks[number]), joint.torque)), joint.torque
+            limit = float(limits[number])
+            now, before = (min(float(peaks[number]), limit), limit), self.result.peaks.get((name, joint.name))
+            if before is None or (now[0] / now[1], now[0]) > (before[0] / before[1], before[0]):
+                self.result.peaks[name, joint.name] = now
 
     def _strain(self, number: int, now: float) -> None:
         """Break the welds that bear more than they can, and tell what no longer stands."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import msgspec
 import numpy as np
@@ -18,6 +19,8 @@ POINTS = 300
 SILENT = 1e-6
 """N m or N: a drive that never gives more has no curve."""
 CONTACTS = ("pad", "rest")
+STILL = 1e-5
+"""Radians or metres by which a joint may change whose brake holds it."""
 KINDS = {"torque_ratio": "the drive of", "bearing_ratio": "the bearing of", "dock_ratio": "", "foot_ratio": ""}
 """How the verifier's figures of loads call what they are of."""
 Stretch = tuple[Array, Array]
@@ -104,21 +107,33 @@ def stamps(plan: Plan, phase: int, count: int) -> Array:
 
 
 def _drives(plan: Plan, given: StaticsRecord, name: str, joints: Sequence[JointRecord]) -> Iterator[LoadPlot]:
-    strengths = {d.joint: d.torque for d in given.drives if d.module == name}
+    strengths = {d.joint: (d.torque, d.brake) for d in given.drives if d.module == name}
     records = [
         t for t in given.torques
         if t.module == name and 0 <= t.phase < len(plan.phases) and t.values
         and all(len(row) == len(joints) for row in t.values)
     ]  # fmt: skip
     for column, joint in enumerate(joints):
-        stretches = []
+        torque, brake = strengths.get(joint.name, (NO_LIMIT, 0.0))
+        stretches, share = [], 0.0
         for record in records:
             values = np.array([row[column] for row in record.values])
             stretches.append((stamps(plan, record.phase, len(values)), np.resize(values, max(len(values), 2))))
+            strength = torque if brake <= torque or _moves(plan, name, column, record.phase) else brake
+            share = max(share, given.safety * float(np.abs(values).max()) / strength)
         most = max((float(np.abs(v).max()) for _, v in stretches), default=0.0)
         if most > SILENT:
             unit = "N m" if joint.kind == "revolute" else "N"
-            yield _plot(plan, joint.name, "", stretches, strengths.get(joint.name, NO_LIMIT) / given.safety, unit)
+            detail = f"brake {brake / given.safety:.3g} {unit}" if brake > torque else ""
+            plot = _plot(plan, joint.name, detail, stretches, torque / given.safety, unit)
+            yield replace(plot, share=share) if brake > torque else plot
+
+
+def _moves(plan: Plan, name: str, column: int, phase: int) -> bool:
+    """Whether a joint moves in a phase."""
+    own = [s for s in plan.splines if s.module == name and s.first <= phase <= s.until]
+    return any(max(row[column] for row in s.values) - min(row[column] for row in s.values) > STILL for s in own
+               if s.values and all(len(row) > column for row in s.values))  # fmt: skip
 
 
 def _pairs(plan: Plan, given: StaticsRecord) -> Iterator[LoadPlot]:

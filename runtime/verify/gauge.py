@@ -37,7 +37,7 @@ class Gauge:
         if function.name == "load":
             worst = np.zeros(len(at))
             for edge in [e for e in self._edges if owner in (e.near[0], e.far[0]) and e in found]:
-                for figure in judge(self._problem, edge, nodes, *found[edge], self.safety):
+                for figure in judge(self._problem, edge, nodes, *found[edge], self.safety, resting=True):
                     if figure.kind in RATIOS:
                         worst = np.maximum(worst, figure.amounts)
             return Quantity(worst[:, None], "")

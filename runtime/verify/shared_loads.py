@@ -9,7 +9,7 @@ import numpy as np
 
 from ...compiler import ir
 from .geometry import Array, Frames
-from .strengths import Joined, Node, Support, meeting_place
+from .strengths import Joined, Node, Support, meeting_place, moves
 
 CORNERS = 16
 """Of the polygons inside the circles that bound shear and bending."""
@@ -94,7 +94,8 @@ def _bounds(
         axis = one[edge.far].rotation[0] @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
         place = one[edge.far].position[0]
         turning = joint.kind == ir.JointKind.REVOLUTE
-        within(_about(axis, place) if turning else np.hstack([axis, np.zeros(3)]), joint.torque)
+        strength = joint.torque if moves(edge, nodes) else max(joint.torque, joint.brake)
+        within(_about(axis, place) if turning else np.hstack([axis, np.zeros(3)]), strength)
         side = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
         side /= np.linalg.norm(side)
         for direction in _round(side, np.cross(axis, side)):

@@ -119,7 +119,8 @@ class _Held:
 
     def _judge(self, joint: ir.Joint, mass: float, moment: float) -> None:
         drive = moment if joint.kind == ir.JointKind.REVOLUTE else mass * GRAVITY
-        self.worst = max(self.worst, self._safety * drive / joint.torque, self._safety * moment / joint.bearing)
+        strength = max(joint.torque, joint.brake)
+        self.worst = max(self.worst, self._safety * drive / strength, self._safety * moment / joint.bearing)
 
 
 def _radius(shape: ir.Shape | None) -> float:

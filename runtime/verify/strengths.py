@@ -16,6 +16,8 @@ from .shapes import heights
 Node = tuple[str, int]
 WORLD: Node = ("", -1)
 STRENGTHS = ("force", "shear", "moment", "twist", "friction")
+STILL = 1e-5
+"""Radians or metres by which a joint may change that does not move: planners keep a tenth of it."""
 UNBEARABLE = 1e3
 """Stands for the ratio of what nothing holds."""
 
@@ -218,11 +220,14 @@ def _on_wheels(kind: ir.ModuleType, node: int) -> int | None:
 
 
 def judge(
-    problem: ir.Problem, edge: Joined, nodes: Mapping[Node, Frames], force: Array, moment: Array, safety: float
-) -> list[Figure]:
-    """The figures of an edge under a wrench about the origin, times `safety`."""
+    problem: ir.Problem, edge: Joined, nodes: Mapping[Node, Frames], force: Array, moment: Array, safety: float,
+    *, resting: bool = False,
+) -> list[Figure]:  # fmt: skip
+    """The figures of an edge under a wrench about the origin, times `safety`. Brakes bear where joints do not move over
+    the instants, or everything is `resting`."""
     if edge.joint_of:
-        return _judge_joint(problem, edge, nodes, force, moment, safety)
+        still = resting or not moves(edge, nodes)
+        return _judge_joint(problem, edge, nodes, force, moment, safety, still)
     if not edge.strength:
         return []
     place, axes, radius = meeting_place(problem, edge, nodes)
@@ -275,19 +280,29 @@ def _at_joint(
     return joint, axis, moment - np.cross(frame.position, force)
 
 
+def moves(edge: Joined, nodes: Mapping[Node, Frames]) -> bool:
+    """Whether a joint moves over the instants: then its brake bears nothing."""
+    near, far = nodes[edge.near], nodes[edge.far]
+    turned = np.swapaxes(near.rotation, 1, 2) @ far.rotation
+    shift = np.einsum("tji,tj->ti", near.rotation, far.position - near.position)
+    return bool(max(np.ptp(turned, axis=0).max(), np.ptp(shift, axis=0).max()) > STILL)
+
+
 def _judge_joint(
-    problem: ir.Problem, edge: Joined, nodes: Mapping[Node, Frames], force: Array, moment: Array, safety: float
-) -> list[Figure]:
+    problem: ir.Problem, edge: Joined, nodes: Mapping[Node, Frames], force: Array, moment: Array, safety: float,
+    still: bool,
+) -> list[Figure]:  # fmt: skip
     name, joint_name = edge.names
     joint, axis, about = _at_joint(problem, edge, nodes, force, moment)
     rest = about
     if joint.kind == ir.JointKind.REVOLUTE:
         rest = about - axis * np.sum(about * axis, axis=1)[:, None]
     figures, what = [], f"joint {joint_name} of {name}"
-    if math.isfinite(joint.torque):
+    strength = max(joint.torque, joint.brake) if still else joint.torque
+    if math.isfinite(strength):
         drive = np.abs(along_axis(problem, edge, nodes, force, moment))
         figures.append(
-            Figure("torque_ratio", safety * drive / joint.torque, f"the drive of {what} is too weak", edge.span)
+            Figure("torque_ratio", safety * drive / strength, f"the drive of {what} is too weak", edge.span)
         )
     if math.isfinite(joint.bearing):
         bent = np.linalg.norm(rest, axis=1)

@@ -38,11 +38,11 @@ def check_weights(plan: Plan, problem: ir.Problem, findings: Findings) -> None:
         if not _near(numbers, wanted[node]):
             findings.fail("scene", f"a weight of {node[0]} differs from the scene", between=[node[0]])
     joints = {
-        (name, joint.name): [min(joint.torque, NO_LIMIT), min(joint.bearing, NO_LIMIT), joint.rotor]
+        (name, joint.name): [min(joint.torque, NO_LIMIT), min(joint.bearing, NO_LIMIT), joint.rotor, joint.brake]
         for name, module in problem.world.modules.items()
         for joint in module.type.joints
     }
-    drives = {(d.module, d.joint): [d.torque, d.bearing, d.rotor] for d in given.drives}
+    drives = {(d.module, d.joint): [d.torque, d.bearing, d.rotor, d.brake] for d in given.drives}
     if drives.keys() != joints.keys() or len(drives) != len(given.drives):
         findings.fail("scene", "the plan's strengths are not those of the joints of its scene")
     for key in drives.keys() & joints.keys():

@@ -86,6 +86,8 @@ FAULTS = [
     ("density 300 kg/m^3", "density -3 kg/m^3", "E0522", "must be positive"),
     ("density 300 kg/m^3", "mass 3 lb", "E0007", "unknown unit `lb`"),
     ("torque drive", "force 30 N", "E0522", "a revolute joint states no force"),
+    ("torque drive", "brake 30 N", "E0203", "must be a torque, not a force"),
+    ("torque drive", "brake 0 N m", "E0522", "must be positive"),
     ("torque drive", "torque 0 N m", "E0522", "must be positive"),
     ("torque drive", "torque 38 kg", "E0203", "must be a torque, not a mass"),
     ("rotor 0.02 kg m^2", "rotor 0.02 kg", "E0203", "must be a moment of inertia, not a mass"),

@@ -51,6 +51,7 @@ SCHEMA: Record = {
         "weights": [{"name": "text", "joint": "number", "mass": "number", "centre": ["number"], "inertia": ["number"]}],
         "drives": [{
             "module": "text", "joint": "text", "torque": "number", "bearing": "number", "rotor": "number",
+            "brake?": "number",
         }],
         "torques": [{"module": "text", "phase": "number", "values": [["number"]]}],
         "holds?": [{

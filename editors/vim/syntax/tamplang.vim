@@ -5,7 +5,7 @@ endif
 syn match tampFree /\<\h\w*\>/
 syn match tampDeclaration /[.(\[]\@1<!\<\(heuristic\|placement\|predicate\|function\|derived\|import\|module\|motion\|scene\|rule\|task\|type\)\>(\@!/
 syn match tampPart /[.(\[]\@1<!\<\(effector\|minimise\|touching\|disturb\|options\|branch\|during\|guide\|joint\|moves\|start\|where\|cost\|fact\|fail\|goal\|keep\|link\|post\|pre\)\>(\@!/
-syn match tampClause /[.(\[]\@1<!\<\(acceleration\|bearing\|density\|heading\|normal\|switch\|torque\|along\|chain\|force\|holds\|rotor\|speed\|back\|from\|home\|jerk\|mass\|urdf\|at\|by\|in\|of\|on\)\>(\@!/
+syn match tampClause /[.(\[]\@1<!\<\(acceleration\|bearing\|density\|heading\|normal\|switch\|torque\|along\|brake\|chain\|force\|holds\|rotor\|speed\|back\|from\|home\|jerk\|mass\|urdf\|at\|by\|in\|of\|on\)\>(\@!/
 syn match tampModifier /[.(\[]\@1<!\<\(functional\|symmetric\|passive\|static\|borne\)\>(\@!/
 syn match tampControl /[.(\[]\@1<!\<\(previous\|exists\|forall\|else\|then\|ANY\|and\|for\|max\|min\|not\|sum\|if\|is\|or\)\>(\@!/
 syn match tampControl /\<\(previous\|exists\|forall\|else\|then\|ANY\|and\|for\|not\|if\|is\|or\)\>/

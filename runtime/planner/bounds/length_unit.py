@@ -139,7 +139,7 @@ class LengthUnit:
             joint, placement=self._pose(joint.placement), lower=joint.lower / long, upper=joint.upper / long,
             home=joint.home / long, speed=joint.speed * time / long, follows=follows,
             acceleration=joint.acceleration * time**2 / long, torque=joint.torque / moment,
-            bearing=joint.bearing / size, rotor=joint.rotor / moment**2,
+            bearing=joint.bearing / size, rotor=joint.rotor / moment**2, brake=joint.brake / moment,
         )  # fmt: skip
 
     def _inertial(self, inertial: ir.Inertial) -> ir.Inertial:

@@ -25,13 +25,14 @@ def bearing_rows(skeleton: Skeleton, layout: UnknownsLayout, phases: range, free
 
 
 def bearing_groups(
-    problem: Problem, layout: UnknownsLayout, wanted: Iterable[tuple[int, int, frozenset[Fact]]]
+    problem: Problem, layout: UnknownsLayout, wanted: Iterable[tuple[int, int, frozenset[Fact]]], *, still: bool = True
 ) -> list[RowGroup]:
-    """Rows at slices, each with its phase and mode, whose loads are unknown and open to none of them."""
+    """Rows at slices, each with its phase and mode, whose loads are unknown and open to none of them. Brakes hold where
+    joints are `still`."""
     safety = safety_of(problem.options) / STATICS.room
     groups: list[RowGroup] = []
     for slice_, phase, mode in sorted(wanted, key=lambda w: (w[0], w[1], sorted(w[2]))):
-        rows = rows_of(problem, mode, safety)
+        rows = rows_of(problem, mode, safety, still=still)
         if rows is None or not any(layout.is_unknown(slice_, name) for name in rows.slots):
             continue
         index = np.concatenate([layout.slot(slice_, name) for name in rows.slots])[None]
