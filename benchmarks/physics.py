@@ -1,29 +1,34 @@
-"""Physics: statics against Pinocchio, and torques predicted against simulated.
+"""Physics: statics against Pinocchio and against MuJoCo, torques predicted against simulated, plans at their limits.
 
-    python benchmarks/physics.py [--assemblies N] [--plans N]
+    python benchmarks/physics.py [--assemblies N] [--loops N] [--plans N] [--limits N] [--first N]
 
-Random assemblies are chains of one to three docked arms of random lengths, weights and postures. Predicted peaks are
-the verifier's, of plans with inertia; simulated ones those of `tamplang simulate`.
+Random assemblies are chains of one to three docked arms of random lengths, weights and postures; closed loops are rings
+of two or three of them, held still in the engine. Predicted peaks are the verifier's, of plans with inertia; simulated
+ones those of `tamplang simulate`. Plans at their limit are of an arm that takes a thing, whose drives, foot or gripper
+are as strong as 1 / 1.05 and 1 / 0.9 of what the plan needs.
 """
 
 from __future__ import annotations
 
 import argparse
+import math
 import time
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from _physics_limits import BEYOND, STRENGTHS, WITHIN, Limited, limited, task
+from _physics_loops import RESTS, Held, held_still
 
 from tamplang.compiler import ir
 from tamplang.compiler.physics.frames import poses
 from tamplang.compiler.physics.statics import drives, loads
-from tamplang.compiler.pipeline import compile_text
+from tamplang.compiler.pipeline import compile_problem, compile_text
 from tamplang.runtime.engine import carry_out
 from tamplang.runtime.planner.lgp import SolveOptions, solve
 from tamplang.runtime.verify.inertia import weights
 
-EXAMPLE = Path(__file__).resolve().parent.parent / "examples" / "real_climb.tamp"
+EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 GRAVITY = 9.81
 SAFETY = 1.5
 
@@ -117,39 +122,96 @@ def statics(count: int) -> None:
     print(f"  in batches of 1000: {1e3 * (time.process_time() - begun):.0f} µs each, {joints} joints")
 
 
+PLANS = (
+    ("real_climb", {"n": "1", "crawlers": "1"}), ("real_climb", {"n": "2", "crawlers": "1"}),
+    ("real_climb", {"n": "3", "crawlers": "1"}), ("tow", {"load": "5 kg"}), ("tow", {"load": "10 kg"}),
+    ("payload", {"load": "1 kg"}), ("payload", {"load": "3 kg"}), ("real_bridge", {}),
+    ("real_climb", {"n": "4", "crawlers": "1"}), ("tow", {"load": "7 kg"}),
+)  # fmt: skip
+
+
 def peaks(count: int) -> None:
-    """Greatest torque ratio of a plan with inertia, predicted and simulated."""
-    text = EXAMPLE.read_text(encoding="utf-8").replace("physics = statics", "physics = dynamics")
+    """Greatest torque ratio of plans with inertia, predicted and simulated."""
+    worst, base = 0.0, 0.0
     for number in range(count):
-        n = 1 + number % 3
-        problem, _ = compile_text(text, "real_climb.tamp", None, {"n": str(n), "crawlers": "1"}, number)
-        outcome = solve(problem, SolveOptions(time=60.0, seed=number))
-        print(f"real_climb n={n} seed={number}: ", end="")
+        name, given = PLANS[number % len(PLANS)]
+        seed = number // len(PLANS)
+        problem, _ = compile_problem(EXAMPLES / f"{name}.tamp", None, given, seed)
+        outcome = solve(problem, SolveOptions(time=120.0, seed=seed))
+        print(f"  {name} {' '.join(given.values())} seed {seed}: ", end="")
         if not outcome.plans:
-            print(outcome.status)
+            print(outcome.status, flush=True)
             continue
         plan = outcome.plans[0]
         begun = time.process_time()
         carried = carry_out(problem, plan)
         spent = (time.process_time() - begun) / max(carried.seconds, 1e-9)
-        simulated = max(peak / most for peak, most in carried.peaks.values())
+        simulated = max(peak / most for peak, most in carried.peaks.values() if math.isfinite(most))
         predicted = plan.verdict.worst["torque_ratio"] / SAFETY if plan.verdict is not None else float("nan")
         off = 100 * (simulated / predicted - 1)
+        worst, base = max(worst, abs(off)), max(base, carried.base)
         print(
             f"torque {predicted:.3f} predicted, {simulated:.3f} simulated ({off:+.1f} %), "
             f"base {1e3 * carried.base:.2f} mm, {'reached' if carried.reached else 'not reached'}, "
             f"{spent:.2f} s per second",
             flush=True,
         )
+    print(f"peaks: {count} plans, at most {worst:.1f} % apart, robots within {1e3 * base:.2f} mm", flush=True)
+
+
+def loops(count: int) -> None:
+    random, found = np.random.default_rng(1), list[Held]()
+    while len(found) < count:
+        problem = assembly(random, int(random.integers(2, 4)))
+        held = held_still(problem, posture(problem, random))
+        if held.speed <= RESTS:
+            found.append(held)
+    balance, share = (np.array([getattr(h, n) for h in found]) for n in ("balance", "share"))
+    print(
+        f"loops against MuJoCo held still: {count} assemblies, torques at most {100 * balance.max():.2g} % of the "
+        f"greatest from what the engine's loads ask for (median {100 * np.median(balance):.2g} %), and from those told "
+        f"ahead {100 * np.median(share):.2g} % in the median, {100 * share.max():.2g} % at most",
+        flush=True,
+    )
+
+
+def limits(count: int, first: int) -> None:
+    found, without = list[Limited](), 0
+    for number in range(first, first + count):
+        text = task(np.random.default_rng(number))
+        result = limited(text, list(STRENGTHS)[number % len(STRENGTHS)], number)
+        without += result is None
+        if result is not None:
+            found.append(result)
+            told = f"at {BEYOND}: refused {result.refused}, failed {result.failed}"
+            print(f"  {number} {result.strength}: {told}; at {WITHIN}: verified {result.verified}, broken "
+                  f"{result.broken}, reached {result.reached}", flush=True)  # fmt: skip
+    for name in STRENGTHS:
+        own = [f for f in found if f.strength == name]
+        print(
+            f"limits of {name}: {len(own)} plans; at {BEYOND} {sum(f.refused for f in own)} refused, "
+            f"{sum(f.failed for f in own)} failed in simulation; at {WITHIN} {sum(f.verified for f in own)} verified, "
+            f"{sum(f.broken for f in own)} broke, {sum(f.reached for f in own)} reached",
+            flush=True,
+        )
+    held = sum(f.refused or f.failed for f in found), sum(f.broken for f in found)
+    tasks = f"{len(found)} plans ({without} tasks without)"
+    print(f"limits: {tasks}, {held[0]} refused or failed beyond, {held[1]} broke within", flush=True)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--assemblies", type=int, default=200)
+    parser.add_argument("--loops", type=int, default=200)
     parser.add_argument("--plans", type=int, default=10)
+    parser.add_argument("--limits", type=int, default=100)
+    parser.add_argument("--first", type=int, default=0, help="the first of the plans at their limits")
     given = parser.parse_args()
-    statics(given.assemblies)
-    peaks(given.plans)
+    for part, count in ((statics, given.assemblies), (loops, given.loops), (peaks, given.plans)):
+        if count:
+            part(count)
+    if given.limits:
+        limits(given.limits, given.first)
 
 
 if __name__ == "__main__":
