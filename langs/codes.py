@@ -243,7 +243,7 @@ CODES: dict[str, CodeInfo] = {
     "S0011": CodeInfo("plan not verified", "outcome",
         "Time or memory were spent before the verifier had a verdict on what was planned or carried out."),
     "S0012": CodeInfo("no physics engine", "outcome",
-        "`simulate` needs MuJoCo, which the extra `sim` brings: pip install 'tamplang[sim]'."),
+        "`simulate` and `run --engine mujoco` need MuJoCo, which the extra `sim` brings: pip install 'tamplang[sim]'."),
     "S0013": CodeInfo("simulation that broke down", "outcome",
         "The physics engine met numbers that make no sense, or a module flew off: what it says of that time and later "
         "means nothing. It is no word on the plan."),
@@ -252,6 +252,9 @@ CODES: dict[str, CodeInfo] = {
     "S0015": CodeInfo("missing extra", "outcome",
         "What was asked for needs a library that tamplang does without elsewhere. The hint names the extra that brings "
         "it: `notebook` for tables and figures, `ros` for bags, `pictures` for images and videos."),
+    "S0016": CodeInfo("gave way", "outcome",
+        "In a run with a physics engine a dock, a grip or a foot broke, or something is no longer where the run has it, "
+        "as where a drive is too weak."),
     "W0001": CodeInfo("deletes what nothing adds", "warning",
         "No rule, fact or placement ever adds a literal that fits."),
     "W0002": CodeInfo("never read", "warning", "No condition, goal or derived predicate reads this predicate."),

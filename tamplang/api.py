@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .langs.diagnostics import Diagnostic
     from .plans import PlanLike
     from .runtime.budget import Status
+    from .runtime.engine.actor import Simulated
     from .runtime.plan import Plan as PlanRecord
     from .runtime.plan import StatisticsRecord, TimingRecord
     from .runtime.planner.lgp import Outcome, Progress, SolveOptions
@@ -162,19 +163,23 @@ class Task:
         latency: float | None = None,
         time: float | None = None,
         seed: int = 0,
+        engine: str | None = None,
         progress: Callable[[RunProgress], None] | Any = None,
     ) -> RunResult:
         """Carry the task out in the simulated world, planning on the way; `plan`, a plan or the name of its file, is
         followed as long as the world allows it. `horizon` actions get their motion in one window, whose planning takes
-        `latency` simulated seconds (None: the default); `seed` steers the noise. `progress` is as in `solve`.
-        Raises `tamplang.runtime.native.MissingLibrary` when a system library is missing.
+        `latency` simulated seconds (None: the default); `seed` steers the noise. With `engine` "mujoco" joints go where
+        that lets them, and docks and feet break beyond their strength; only scenes that rest can be carried out so
+        (`tamplang.runtime.simulation.execution.StillOnly`). `progress` is as in `solve`. Raises
+        `tamplang.runtime.native.MissingLibrary` when a system library, or the engine, is missing.
         """
         from .bars import run_callback
         from .runtime.simulation.execution import execute
 
         record = None if plan is None else record_of(plan)
         told = run_callback(progress)
-        return RunResult(*execute(self.problem, record, horizon, noise, time, seed, latency, told))
+        found = execute(self.problem, record, horizon, noise, time, seed, latency, told, engine)
+        return RunResult(*found)
 
 
 def _solved(
@@ -236,6 +241,8 @@ class RunResult:
     record: PlanRecord
     explanation: tuple[Diagnostic, ...]
     deviations: Deviations
+    carried: Simulated | None = None
+    """What a physics engine found."""
 
     def __repr__(self) -> str:
         return f"<RunResult {self.status}: {len(self.record.phases)} actions, {self.replans} replans>"

@@ -7,6 +7,7 @@ from dataclasses import field
 from ...langs.diagnostics import Diagnostic
 from ...langs.frozen import dataclass
 from ..budget import Status
+from ..engine.actor import Simulated
 from ..plan import Plan
 from ..planner.lgp import SolveOptions
 from ..skeleton import Array
@@ -24,6 +25,8 @@ class RunOptions:
     noise: Noise = EXACT
     seed: int = 0
     latency: float = SIMULATION.latency
+    engine: str | None = None
+    """Of the world: "mujoco", or None where drives miss what they are told by noise alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,3 +51,5 @@ class RunOutcome:
     explanation: list[Diagnostic] = field(default_factory=list)
     commanded: dict[str, Array] = field(default_factory=dict)
     driven: dict[str, Array] = field(default_factory=dict)
+    carried: Simulated | None = None
+    """What a physics engine found."""

@@ -33,6 +33,7 @@ from .braking import braked, first_part, reversed_path, stopped, waiting
 from .dynamic_collisions import Struck, before_hit, first_hit
 from .failures import Failures
 from .monitor import Lookout
+from .physical_world import GaveWay, PhysicalWorld
 from .planning import Window
 from .results import RunOptions, RunOutcome, RunProgress
 from .route import Route
@@ -41,6 +42,13 @@ from .sensing import Sensing
 from .settings import SIMULATION
 from .steering import Steering
 from .world import Interval, SimulatedWorld, moves
+
+
+def world_of(problem: ir.Problem, options: RunOptions) -> SimulatedWorld:
+    """The world that a run is in. Raises MissingLibrary."""
+    if options.engine is None:
+        return SimulatedWorld(problem, options.noise, options.seed)
+    return PhysicalWorld(problem, options.seed)
 
 
 class Run:
@@ -52,7 +60,7 @@ class Run:
     ) -> None:  # fmt: skip
         self.problem = problem
         self.options = options
-        self.world = SimulatedWorld(problem, options.noise, options.seed)
+        self.world = world_of(problem, options)
         self.budget = Budget(options.solve.time, options.solve.nodes, ASIDE)
         self.steps: list[RunStep] = []
         self.windows: list[WindowRecord] = []
@@ -80,8 +88,8 @@ class Run:
     def _until_struck(self) -> Status:
         try:
             return self._loop()
-        except Struck as struck:
-            self._explanation = [struck.diagnostic]
+        except (Struck, GaveWay) as trouble:
+            self._explanation = [trouble.diagnostic]
             return Status.STUCK
 
     def _loop(self) -> Status:
@@ -95,6 +103,7 @@ class Run:
                 self._explanation = [failed.lost]
                 return Status.LOST
             if not self._unmet():
+                self.world.rest()
                 return Status.SOLVED
             window = self._plan(reason)
             if window is not None:
@@ -381,7 +390,7 @@ class Run:
         rest = {m.name: [np.array([m.joints])] for m in modules}
         told = {name: np.vstack([e.commanded[name] for e in executed] or rest[name]) for name in rest}
         done = {name: np.vstack([e.driven[name] for e in executed] or rest[name]) for name in rest}
-        return RunOutcome(status, plan, self._explanation, told, done)
+        return RunOutcome(status, plan, self._explanation, told, done, self.world.result)
 
     def _say(self, message: str) -> None:
         if self._tell is not None:

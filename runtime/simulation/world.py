@@ -15,6 +15,7 @@ import numpy as np
 from ...compiler import ir
 from ...compiler.courses import centre_at
 from ...langs.frozen import dataclass
+from ..engine.actor import Simulated
 from ..geometry.attachments import followers
 from ..geometry.resampling import Linker, between, kept_pairs
 from ..geometry.splines import ClampedSpline
@@ -82,6 +83,14 @@ class SimulatedWorld:
     def at(self, time: float) -> dict[str, Array]:
         """The poses `(7,)` of all bodies on courses at a time."""
         return {body: self.body_poses(body, np.array([time]))[0] for body in sorted(self.on_course)}
+
+    @property
+    def result(self) -> Simulated | None:
+        """What a physics engine found of this world, if there is one."""
+        return None
+
+    def rest(self) -> None:
+        """Hold the end of a run for a while."""
 
     def begin(self, mode: frozenset[ir.Fact]) -> None:
         """Bodies that a robot holds from now on leave their courses."""

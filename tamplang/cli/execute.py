@@ -59,6 +59,8 @@ def _noise(context: click.Context, option: click.Parameter, texts: tuple[str, ..
               help="position (m) of sensed bodies, joint (rad) of sensed joints, drive (rad/s²); may be repeated.")
 @click.option("--latency", type=Real(0.0, 2.0),
               help="Simulated seconds that planning a window takes.  [default: 0.25]")
+@click.option("--engine", type=click.Choice(["mujoco"]),
+              help="Let a physics engine carry it out; needs the extra `sim`.  [default: drives with noise]")
 @planner_option("time", "seconds")
 @memory_option
 @click.option("-o", "--out", type=click.Path(path_type=Path),
@@ -75,6 +77,7 @@ def run(
     horizon: int | str | None,
     noise: dict[str, float],
     latency: float | None,
+    engine: str | None,
     seconds: float | None,
     memory: int | None,
     out: Path | None,
@@ -88,6 +91,7 @@ def run(
     """
     from ..runtime.budget import SECONDS_OF_RUN
     from ..runtime.simulation.actuators import Noise
+    from ..runtime.simulation.execution import StillOnly
 
     most = SECONDS_OF_RUN if seconds is None else seconds
     with limited(most, memory, f"compiling {file}", as_json) as guard, needing_libraries():
@@ -98,13 +102,18 @@ def run(
         out = out if out is not None else Path(f"{loaded.problem.task}.run.json")
         checked_apart({"--out": out, "--report": report, "--keep-refused": refused}, inputs=(file,))
         load_libraries()
+        if engine is not None:
+            _load_engine()
         guard.seconds = total(seconds, loaded.problem.options.time, SECONDS_OF_RUN)
         guard.doing = f"carrying out {loaded.problem.task}"
         with kept_interrupt() as check:
-            result = loaded.run(
-                plan=plan, horizon=horizon, noise=Noise(**noise), latency=latency, time=guard.remaining, seed=seed,
-                progress=_told(check),
-            )
+            try:
+                result = loaded.run(
+                    plan=plan, horizon=horizon, noise=Noise(**noise), latency=latency, time=guard.remaining, seed=seed,
+                    engine=engine, progress=_told(check),
+                )
+            except StillOnly as error:
+                raise click.UsageError(f"--engine {engine}: {error}; leave it out") from error
         guard.rest()
         written = _write(result, out, report, refused)
     if as_json:
@@ -112,6 +121,18 @@ def run(
     else:
         click.echo("\n".join(_lines(loaded, result, written)))
     return STATUS.get(result.status, ExitStatus.NO_PLAN)
+
+
+def _load_engine() -> None:
+    """Load the engine, so that it is not missed after planning."""
+    from ..runtime.engine.model import load_mujoco
+    from ..runtime.native import MissingLibrary
+    from .simulate import no_engine
+
+    try:
+        load_mujoco()
+    except MissingLibrary as error:
+        raise no_engine(error) from error
 
 
 def _loaded(
@@ -159,6 +180,7 @@ def _json(loaded: Task, result: RunResult, written: Written) -> dict[str, object
     """The object that `run --json` prints; `docs/cli.md` lists its fields."""
     import msgspec
 
+    from .simulate import carried_json
     from .sources import as_objects
 
     verdict, record = result.plan.record.verdict, result.plan.record
@@ -177,6 +199,7 @@ def _json(loaded: Task, result: RunResult, written: Written) -> dict[str, object
         "replans": result.replans,
         "latency": {"median": result.latency, "worst": result.worst_latency},
         "deviations": msgspec.to_builtins(result.deviations),
+        "engine": None if result.carried is None else carried_json(result.carried),
         **standing(verdict, record.complete),
         "worst": verdict.worst if verdict is not None else {},
         "plan": str(written.plans[0]) if written.plans else None,
@@ -202,6 +225,7 @@ def _lines(loaded: Task, result: RunResult, written: Written) -> list[str]:
     """What a person wants to know, on a terminal."""
     from .plans import verdict_lines
     from .progress import counted
+    from .simulate import carried_lines
     from .sources import as_text
 
     record = result.plan.record
@@ -215,6 +239,7 @@ def _lines(loaded: Task, result: RunResult, written: Written) -> list[str]:
         lines.append(f"{counted(result.replans, 'replanning')}: {result.latency:.2f} s in the median, "
                      f"{result.worst_latency:.2f} s at most")  # fmt: skip
     lines += _deviation_lines(result) if record.phases else []
+    lines += [] if result.carried is None else ["in the engine:", *carried_lines(result.carried)]
     if record.verdict is not None:
         lines += verdict_lines(record.verdict)
     if not record.complete:

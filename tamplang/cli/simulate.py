@@ -59,13 +59,18 @@ def simulate(
             help = "leave out --view, or set DISPLAY"
             raise click.ClickException(f"S0014: there is no display: {error}\n  help: {help}") from error
         except MissingLibrary as error:
-            help = "install the extra: pip install 'tamplang[sim]'"
-            raise click.ClickException(f"S0012: the simulation needs MuJoCo: {error}\n  help: {help}") from error
-    click.echo(json.dumps(_told(carried)) if as_json else "\n".join(_lines(carried)))
+            raise no_engine(error) from error
+    click.echo(json.dumps(carried_json(carried)) if as_json else "\n".join(_lines(carried)))
     return ExitStatus.DONE if carried.reached else ExitStatus.REFUSED
 
 
-def _told(carried: Simulated) -> dict[str, object]:
+def no_engine(error: Exception) -> click.ClickException:
+    """That MuJoCo is missing, in words."""
+    help = "install the extra: pip install 'tamplang[sim]'"
+    return click.ClickException(f"S0012: the simulation needs MuJoCo: {error}\n  help: {help}")
+
+
+def carried_json(carried: Simulated) -> dict[str, object]:
     """Metres, radians, N m; strengths that are not stated are null."""
     return {
         "reached": carried.reached,
@@ -91,12 +96,17 @@ def _lines(carried: Simulated) -> list[str]:
         lines = ["carried out: the goal holds at the end"]
     else:
         lines = ["carried out: the goal does not hold at the end"]
+    return lines + carried_lines(carried)
+
+
+def carried_lines(carried: Simulated) -> list[str]:
+    """The figures for a terminal."""
     joints, robots = 1e3 * carried.tracking, 1e3 * carried.base
-    lines.append(f"  joints followed within {joints:.3g} mrad or mm, robots within {robots:.3g} mm")
+    lines = [f"  joints followed within {joints:.3g} mrad or mm, robots within {robots:.3g} mm"]
     lines.append(f"  welds gave by {1e3 * carried.droop:.3g} mm")
     stated = {k: v for k, v in carried.peaks.items() if math.isfinite(v[1])} or carried.peaks
     if stated:
-        (module, joint), (peak, most) = max(stated.items(), key=lambda item: item[1][0] / item[1][1])
+        (module, joint), (peak, most) = max(stated.items(), key=lambda item: (item[1][0] / item[1][1], item[1][0]))
         of = f" of {most:.3g}" if math.isfinite(most) else ""
         lines.append(f"  hardest drive: {joint} of {module}, {peak:.3g}{of} N m")
     if carried.loads:
