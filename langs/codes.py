@@ -253,8 +253,8 @@ CODES: dict[str, CodeInfo] = {
         "What was asked for needs a library that tamplang does without elsewhere. The hint names the extra that brings "
         "it: `notebook` for tables and figures, `ros` for bags, `pictures` for images and videos."),
     "S0016": CodeInfo("gave way", "outcome",
-        "In a run with a physics engine a dock, a grip or a foot broke, or something is no longer where the run has it, "
-        "as where a drive is too weak."),
+        "In a run with a physics engine a dock, a grip or a foot broke, or something is no longer where the run has "
+        "it, as where a drive is too weak."),
     "W0001": CodeInfo("deletes what nothing adds", "warning",
         "No rule, fact or placement ever adds a literal that fits."),
     "W0002": CodeInfo("never read", "warning", "No condition, goal or derived predicate reads this predicate."),
