@@ -73,3 +73,32 @@ def test_why_nothing_reaches_is_told(task: str, parameters: dict[str, str], more
 def test_what_is_reached_at_a_limit_alone_is_reached() -> None:
     result = tamplang.loads(ARM.replace("MORE", ""), "down", z="5 cm").solve(time=60.0)
     assert result.plan is not None
+
+
+def test_a_ring_that_cannot_close_is_told() -> None:
+    """An arch whose both feet stand is to poke, with its knee, at what is too high for that."""
+    text = """import std.logic
+import std.motion
+predicate (poked X: object)
+type knee < gripper
+module arch {
+    effector A: gripper sphere(4 cm) normal (0, 0, -1)
+    joint j1: revolute(y) in -90 deg .. 90 deg
+    link 30 cm: capsule(2 cm)
+    effector M: knee sphere(3 cm)
+    joint j2: revolute(y) in -150 deg .. 150 deg home 60 deg
+    link 30 cm: capsule(2 cm)
+    joint j3: revolute(y) in -90 deg .. 90 deg home 60 deg
+    effector B: gripper sphere(4 cm)
+}
+rule poke(M: knee, X: object) { post (poked X), [touch M X] }
+task t {
+    base ground: box(2 m, 2 m, 5 cm) at (0, 0, 0)
+    arch a: A on ground
+    object ball: sphere(4 cm) at (0, 0, 70 cm)
+    fact [stable ground a.B]
+    goal (poked ball)
+}"""
+    result = tamplang.loads(text, "t").solve(time=60.0)
+    assert result.plan is None
+    assert "the ring that a is held in cannot close" in result.explanation[0].message

@@ -281,7 +281,8 @@ def told(cause: Cause | None) -> str:
     if cause.why == Why.HELD:
         return f": [{' '.join(cause.names)}] keeps what would have to move where it is"
     if cause.why == Why.RING:
-        return f": the ring that {', '.join(cause.names)} are held in cannot close farther than that"
+        verb = "are" if len(cause.names) > 1 else "is"
+        return f": the ring that {', '.join(cause.names)} {verb} held in cannot close farther than that"
     if cause.why == Why.LIMIT:
         return f": {' and '.join(map(_beyond, cause.at[:CONFLICTS.joints_named]))} past the limit"
     return f", else {_apart(cause.at[0])}"
