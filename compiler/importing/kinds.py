@@ -38,6 +38,7 @@ KINDS = {
         FileKind("mjcf", "MuJoCo model (MJCF)", _MODELS),
         FileKind("sdf", "SDF", _MODELS),
         FileKind("rai", "rai scene", _MODELS),
+        FileKind("rules", "file of rai rules", "tamplang import FILE SCENE.g -o NAME.tamp makes a program of both"),
         FileKind("modules", "catalogue of modules or scene of CoBRA (JSON)", _MODELS),
         FileKind("mesh", "mesh", 'a program takes it in as a body: object b: hull("FILE", 1 m) at (0, 0, 0)'),
     )
@@ -45,7 +46,7 @@ KINDS = {
 _ROOTS = {"robot": "urdf", "mujoco": "mjcf", "mujocoinclude": "mjcf", "sdf": "sdf", "gazebo": "sdf", "COLLADA": "mesh"}
 _ENDINGS = {
     ".pddl": "problem", ".urdf": "urdf", ".xacro": "xacro", ".sdf": "sdf", ".mjcf": "mjcf", ".g": "rai",
-    ".stl": "mesh", ".obj": "mesh", ".dae": "mesh",
+    ".fol": "rules", ".stl": "mesh", ".obj": "mesh", ".dae": "mesh",
 }  # fmt: skip
 
 

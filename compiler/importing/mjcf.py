@@ -119,7 +119,7 @@ class Reader:
         self.faults.told.append(Diagnostic("W0019", message, self.place(element)))
 
     def fault(self, element: Element, message: str, code: str = "E0022") -> None:
-        self.faults.faults.append(Diagnostic(code, message, self.place(element)))
+        self.faults.found.append(Diagnostic(code, message, self.place(element)))
 
     def _clean(self, element: Element, within: str, copies: int) -> None:
         """Take out what has no counterpart, and give names to what has none. There will be `copies` of the element."""

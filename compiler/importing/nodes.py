@@ -10,11 +10,10 @@ from dataclasses import field
 from ...langs.diagnostics import Diagnostic, SourceError, did_you_mean
 from ...langs.frozen import dataclass
 from ...langs.source import Source, Span
+from .faults import FaultList
 
 DEEPEST = 100
 """How deep groups may be nested, as in the language itself."""
-MOST_FAULTS = 50
-"""How many faults of a file are told; the rest would only repeat them."""
 _TOKEN = re.compile(r";[^\n]*|[()]|[^\s();]+")
 
 
@@ -54,12 +53,12 @@ class Group:
 Node = Token | Group
 
 
-class Faults:
-    """All that is wrong with one foreign file."""
+class Faults(FaultList):
+    """All that is to be said of one text in brackets."""
 
     def __init__(self, source: Source) -> None:
+        super().__init__()
         self.source = source
-        self.found: list[Diagnostic] = []
         self._starts = [0, *(m.end() for m in re.finditer("\n", source.text))]
 
     def span(self, start: int, end: int) -> Span:
@@ -73,20 +72,11 @@ class Faults:
         end = node.end
         if isinstance(node, Group) and "\n" in self.source.text[node.start : node.end]:
             end = node.items[0].end if node.items and isinstance(node.items[0], Token) else node.start + 1
-        found = Diagnostic(code, message, self.span(node.start, end), help=help)
-        if found not in self.found:
-            self.found.append(found)
-        if len(self.found) >= MOST_FAULTS:
-            raise SourceError(self.found)
+        self.add(code, self.span(node.start, end), message, help)
 
     def unknown(self, node: Token, what: str, known: Sequence[str]) -> None:
         """A name that nothing declares."""
         self.tell("E0022", node, f"unknown {what} `{node.text}`", did_you_mean(node.text, known))
-
-    def end(self) -> None:
-        """Raises SourceError where there was any."""
-        if self.found:
-            raise SourceError(sorted(self.found, key=lambda d: d.span.start if d.span is not None else 0))
 
 
 def read_groups(faults: Faults) -> list[Group]:

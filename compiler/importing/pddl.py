@@ -9,6 +9,7 @@ from typing import TypeGuard
 from ...langs.diagnostics import Diagnostic, SourceError
 from ...langs.frozen import dataclass
 from ...langs.source import Source
+from .faults import FaultList
 from .names import plain_name
 from .nodes import Faults, Group, Node, Token, read_groups
 from .pddl_costs import Costs, check_metric
@@ -76,9 +77,10 @@ def _pair(files: Sequence[PddlFile]) -> tuple[PddlFile, PddlFile]:
 
 
 def _end(*files: PddlFile) -> None:
-    found = [d for file in files for d in file.faults.found]
-    if found:
-        raise SourceError(found)
+    """Raises SourceError with the faults of all files."""
+    found = FaultList()
+    found.found = [d for file in files for d in file.faults.found]
+    found.end()
 
 
 class _Translation:

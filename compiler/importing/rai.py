@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ...langs.diagnostics import Diagnostic, SourceError
 from ...langs.source import Span
 from ..ir import IDENTITY, Pose, Vec3
 from ..poses import about, compose, inverse, make
+from .faults import FaultList
 from .models import (
     FAR,
     STRAIGHT,
@@ -62,7 +62,7 @@ class RaiScene:
 
     def __init__(self) -> None:
         self.frames: dict[str, RaiFrame] = {}
-        self.faults: list[Diagnostic] = []
+        self.faults = FaultList()
         self.models, self.names = Models(), GivenNames(STANDARD)
 
     def add(self, entry: RaiEntry) -> None:
@@ -99,10 +99,10 @@ class RaiScene:
         for frame in self.frames.values():
             if frame.parent is not None and frame.parent not in self.frames:
                 self._fault(frame.span, f"`{frame.name}` hangs on `{frame.parent}`, which is not there")
-        self._end()
+        self.faults.end()
         for name in self.frames:
             self._resolve(name, set())
-        self._end()
+        self.faults.end()
         for frame in self.frames.values():
             if frame.parent is not None:
                 self.frames[frame.parent].below.append(frame.name)
@@ -113,7 +113,8 @@ class RaiScene:
         for frame in self.frames.values():
             if frame.name not in taken:
                 self._body(frame)
-        self._end()
+        self.faults.end()
+        self.models.told += self.faults.told
         return self.models
 
     def _resolve(self, name: str, way: set[str]) -> Pose:
@@ -290,15 +291,7 @@ class RaiScene:
             return IDENTITY
 
     def _leave(self, frame: RaiFrame, message: str) -> None:
-        self.models.told.append(Diagnostic("W0019", message, frame.span))
+        self.faults.note(frame.span, message)
 
     def _fault(self, span: Span, message: str, code: str = "E0022") -> None:
-        self.faults.append(Diagnostic(code, message, span))
-        if len(self.faults) >= 50:
-            self._end()
-
-    def _end(self) -> None:
-        if self.faults:
-            raise SourceError(self.faults)
-
-
+        self.faults.add(code, span, message)

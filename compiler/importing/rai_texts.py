@@ -19,7 +19,7 @@ from .rai import RaiScene
 
 MOST_INCLUDES = 100
 DEEPEST = 100
-_TOKEN = re.compile(r"\s+|#[^\n]*|\"[^\"\n]*\"|'[^'\n]*'|<[^>\n]*>|[(){}\[\]:,!=]|[^\s(){}\[\]:,!=\"'<#]+")
+WORD = re.compile(r"\s+|#[^\n]*|\"[^\"\n]*\"|'[^'\n]*'|<[^>\n]*>|[(){}\[\]:,!=]|[^\s(){}\[\]:,!=\"'<#]+")
 _STEP = re.compile(r"\s*([tdqrE])\s*\(([^()]*)\)\s*")
 
 
@@ -104,10 +104,16 @@ class RaiEntry:
 
 def import_rai(source: Source) -> Models:
     """The modules and bodies of a scene. Raises SourceError."""
+    return read_scene(source).build()
+
+
+def read_scene(source: Source) -> RaiScene:
+    """The frames of a scene, of which nothing is made yet. Raises SourceError."""
     scene = RaiScene()
     for entry in _Text(source, "", (source.path,), [0, 0]).entries():
         scene.add(entry)
-    return scene.build()
+    scene.faults.end()
+    return scene
 
 
 class _Text:
@@ -121,7 +127,7 @@ class _Text:
     def _words(self) -> list[RaiWord]:
         found, at, text = [], 0, self.source.text
         while at < len(text):
-            match = _TOKEN.match(text, at)
+            match = WORD.match(text, at)
             if match is None:
                 raise self._broken(at, f"`{text[at]}` cannot be read here")
             word, at = match[0], match.end()

@@ -16,7 +16,8 @@ from .names import plain_name
 PDDL = frozenset(("domain", "problem"))
 MODELS = frozenset(("mjcf", "sdf", "modules", "rai"))
 """Kinds that hold robots and bodies."""
-IMPORTED = PDDL | MODELS
+RULES = "rules"
+IMPORTED = PDDL | MODELS | {RULES}
 """Kinds that programs are made of."""
 
 
@@ -37,14 +38,28 @@ def import_files(paths: Sequence[str], stem: str = "imported") -> Imported:
         from .pddl import import_pddl
 
         return Imported(format_source(Source("", import_pddl([source for source, _ in found]).text)), {})
+    kinds = [kind.key for _, kind in found]
+    if kinds.count(RULES) == 1 and kinds.count("rai") == len(kinds) - 1 <= 1:
+        return _rules(found, stem)
     if len(found) > 1:
-        raise _refusal("E0021", "these are not one program: only a domain and a problem of PDDL go together",
-                       "import each file by itself")  # fmt: skip
+        raise _refusal("E0021", "these are not one program: only a domain and a problem of PDDL go together, or rules "
+                       "and a scene of rai", "import each file by itself")  # fmt: skip
     source, kind = found[0]
     if kind.key not in MODELS:
         help = kind.help.replace("FILE", paths[0])
         raise _refusal("E0021", f"`{paths[0]}` is a {kind.name}, which is not imported", help)
     return _imported(_models(source, kind.key), stem, source)
+
+
+def _rules(found: Sequence[tuple[Source, FileKind]], stem: str) -> Imported:
+    """The rules of one file, and the scene of another where there is one."""
+    from .rai_rules import import_rules
+    from .rai_texts import read_scene
+
+    scene = next((read_scene(source).frames for source, kind in found if kind.key == "rai"), None)
+    rules = next(source for source, kind in found if kind.key == RULES)
+    made = import_rules(rules, stem, scene)
+    return Imported(format_source(Source("", made.text)), {}, tuple(made.faults.told))
 
 
 def _models(source: Source, key: str) -> Models:

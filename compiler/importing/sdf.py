@@ -94,11 +94,11 @@ class _SdfReading:
         model = _Model(element)
         self._collect(model, element, "")
         place = self._pose(element.find("pose"))
-        if place is None or self.faults.faults:
+        if place is None or self.faults.found:
             return
         for name in model.frames:
             self._resolve(model, name)
-        if self.faults.faults:
+        if self.faults.found:
             return
         static = (element.findtext("static") or "").strip() in ("true", "1")
         moving = any(j.get("type") != "fixed" for j in model.joints.values())
@@ -177,7 +177,7 @@ class _SdfReading:
             if way == ends[1]:
                 self.faults.fault(joint, f"link `{ends[1]}` hangs on itself")
             above[ends[1]] = ends[0]
-        return not self.faults.faults
+        return not self.faults.found
 
     def _robot(self, model: _Model, place: Pose) -> None:
         names, given = GivenNames(), model.element.get("name", "robot")

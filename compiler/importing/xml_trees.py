@@ -8,18 +8,17 @@ from xml.etree import ElementTree
 from ...langs.diagnostics import Diagnostic, SourceError
 from ...langs.source import Source, Span
 from ..xml_texts import XmlError, read_xml, span_of
+from .faults import FaultList
 
-MOST_FAULTS = 50
 Element = ElementTree.Element
 
 
-class XmlFaults:
-    """All that is to be said of one file: faults, and what has no counterpart."""
+class XmlFaults(FaultList):
+    """All that is to be said of one file."""
 
     def __init__(self, source: Source) -> None:
+        super().__init__()
         self.source = source
-        self.faults: list[Diagnostic] = []
-        self.told: list[Diagnostic] = []
 
     def root(self) -> Element:
         """The outermost element. Raises SourceError (E0019)."""
@@ -33,18 +32,11 @@ class XmlFaults:
 
     def fault(self, element: Element, message: str, help: str | None = None, code: str = "E0022") -> None:
         """What keeps the file from being read. Raises SourceError when there are too many."""
-        self.faults.append(Diagnostic(code, message, self.span(element), help=help))
-        if len(self.faults) >= MOST_FAULTS:
-            raise SourceError(self.faults)
+        self.add(code, self.span(element), message, help)
 
     def leave(self, element: Element, message: str) -> None:
         """What has no counterpart and is left out."""
-        self.told.append(Diagnostic("W0019", message, self.span(element)))
-
-    def end(self) -> None:
-        """Raises SourceError where there was a fault."""
-        if self.faults:
-            raise SourceError(sorted(self.faults, key=lambda d: d.span.start if d.span is not None else 0))
+        self.note(self.span(element), message)
 
     def numbers(self, element: Element, text: str | None, count: int, what: str) -> tuple[float, ...] | None:
         """`count` finite numbers; None, and a fault, where the text is something else."""
