@@ -311,6 +311,10 @@ CODES: dict[str, CodeInfo] = {
     "W0022": CodeInfo("unsound mesh", "warning",
         "The surface of a mesh has holes, looks inward, or has faces that are flat or there twice. What it holds is "
         "told all the same, as the message says."),
+    "W0023": CodeInfo("lies on what can be moved", "warning",
+        "A thing that is put `at` a point lies on top of another one that some action can move. It is carried along, "
+        "as if it had been put `on` that one; of what is true at the start nothing else is added. What lies with its "
+        "middle on something that never moves stays where it is."),
 }
 
 

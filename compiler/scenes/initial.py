@@ -67,7 +67,34 @@ def initial_state(
     return frozenset(state.logic), frozenset(state.motion)
 
 
+def carrying(
+    context: Context, placements: Sequence[PlacementChoice], standing: Iterable[Standing]
+) -> frozenset[ir.Fact]:
+    """The motion literals that placements give for what stands on something, where there are such."""
+    state = InitialState(context, {}, {})
+    for one in standing:
+        chosen = _chosen(context, placements, one)
+        for literal in _literals(chosen, one) if chosen is not None else ():
+            if literal.motion:
+                state.add(literal, one.span)
+    return frozenset(state.motion)
+
+
 def _placed(context: Context, placements: Iterable[PlacementChoice], standing: Standing) -> list[ir.Literal]:
+    chosen = _chosen(context, placements, standing)
+    if chosen is not None:
+        return _literals(chosen, standing)
+    context.findings.report(
+        "E0501",
+        standing.span,
+        f"nothing says what holds when a `{standing.subject_type}` stands on a `{standing.support_type}`",
+        help="declare or import a `placement` for them",
+    )
+    return []
+
+
+def _chosen(context: Context, placements: Iterable[PlacementChoice], standing: Standing) -> PlacementChoice | None:
+    """The placement that says most exactly what holds."""
     library = context.library
     fitting = [
         p
@@ -75,15 +102,12 @@ def _placed(context: Context, placements: Iterable[PlacementChoice], standing: S
         if library.is_a(standing.subject_type, _type(p.subject))
         and library.is_a(standing.support_type, _type(p.support))
     ]
-    if not fitting:
-        context.findings.report(
-            "E0501",
-            standing.span,
-            f"nothing says what holds when a `{standing.subject_type}` stands on a `{standing.support_type}`",
-            help="declare or import a `placement` for them",
-        )
-        return []
-    chosen = max(fitting, key=lambda p: (_depth(context, _type(p.subject)), _depth(context, _type(p.support))))
+    return max(
+        fitting, key=lambda p: (_depth(context, _type(p.subject)), _depth(context, _type(p.support))), default=None
+    )
+
+
+def _literals(chosen: PlacementChoice, standing: Standing) -> list[ir.Literal]:
     names = {chosen.subject.name: standing.subject, chosen.support.name: standing.support}
     return [
         ir.Literal(

@@ -13,17 +13,18 @@ from ..checks.check_heuristics import lower_heuristic
 from ..checks.context import Context
 from ..checks.kinds import VALUE_TYPES
 from ..checks.names import Entry, Scope, Typed
-from ..checks.relaxation import Relaxation, RelaxedWorld, movable
+from ..checks.relaxation import Relaxation, RelaxedWorld, followers, movable
 from ..checks.values import bind_arguments
 from ..objectives import check_energy
 from .check_rows import check_rows
 from .check_start import check_start
 from .check_strength import check_joint_names, check_strength
 from .happenings import breakdowns, courses
-from .initial import initial_state
+from .initial import carrying, initial_state
 from .lifted import Lifted
 from .marks import with_marks
 from .reachability import check_goal
+from .resting import resting, tell
 from .scene import BuiltScene, SceneBuilder
 from .scene_names import collect_objects
 from .undriven import without_drives
@@ -85,6 +86,28 @@ def _check_energy(context: Context, problem: ir.Problem) -> None:
         context.findings.add(error.diagnostic)
 
 
+def _with_resting(
+    lifted: Lifted,
+    context: Context,
+    built: BuiltScene,
+    relaxation: Relaxation,
+    start: frozenset[ir.Fact],
+    settled: set[str],
+) -> tuple[frozenset[ir.Fact], set[str]]:
+    """The motion literals at the start, with those of what lies on what can be moved, and all that can be moved."""
+    moving = movable(relaxation, lifted.motions, start)
+    while True:
+        following = {fact[1 + place] for fact in start for place in followers(lifted.motions[fact[0]])}
+        found = resting(built, lifted.library.types, moving, settled | following)
+        more = carrying(context, lifted.placements, found)
+        if not more:
+            return start, moving
+        tell(context.findings, (s for s in found if any(s.subject in fact for fact in more)))
+        settled = settled | {s.subject for s in found}
+        start |= more
+        moving = movable(relaxation, lifted.motions, start)
+
+
 def _problem(
     lifted: Lifted,
     context: Context,
@@ -102,7 +125,8 @@ def _problem(
         objects.update({f"{module.name}.{e.name}": e.type for e in module.type.effectors})
     world = RelaxedWorld(library.types, objects, lifted.derived, lifted.predicates, lifted.rules, init[0])
     relaxation = Relaxation(world)
-    moving = movable(relaxation, lifted.motions, init[1])
+    settled = {s.subject for s in built.standing} | {course.body for course in happenings[0]}
+    start, moving = _with_resting(lifted, context, built, relaxation, init[1], settled)
     bodies = {n: dataclasses.replace(b, movable=n in moving) for n, b in built.bodies.items()}
     bodies = with_marks(bodies, {course.body for course in happenings[0]}, library.types)
     modules = without_drives(context.findings, library.modules, built.robots, built.modules, relaxation, lifted.motions)
@@ -127,7 +151,7 @@ def _problem(
         rules=lifted.rules,
         heuristic=heuristic,
         init=init[0],
-        init_motion=init[1],
+        init_motion=start,
         goal=goal,
         world=ir.World(modules, bodies, *happenings),
         options=built.options,

@@ -28,7 +28,7 @@ def with_marks(
     still = [b for b in bodies.values() if not b.movable and b.name not in courses]
     found = dict(bodies)
     for body in bodies.values():
-        if _is_region(body.type, types):
+        if is_region(body.type, types):
             found[body.name] = dataclasses.replace(body, collides=False)
     bearers = [b for b in still if found[b.name].collides]
     for body in bearers:
@@ -39,7 +39,8 @@ def with_marks(
     return found
 
 
-def _is_region(type_: str | None, types: Mapping[str, str | None]) -> bool:
+def is_region(type_: str | None, types: Mapping[str, str | None]) -> bool:
+    """Whether things of a type are only places."""
     while type_ is not None and type_ != REGION:
         type_ = types.get(type_)
     return type_ is not None

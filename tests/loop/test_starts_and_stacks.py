@@ -63,8 +63,9 @@ def test_what_lies_on_a_thing_is_carried_along(seed: int) -> None:
     assert {"lower", "upper"} <= tracks
 
 
-def test_so_is_what_lies_on_that() -> None:
-    third = "object top: box(2 cm, 2 cm, 2 cm) on upper"
+@pytest.mark.parametrize("place", ["on upper", "at (1.52 m, 0, 0.21 m)"])
+def test_so_is_what_lies_on_that(place: str) -> None:
+    third = f"object top: box(2 cm, 2 cm, 2 cm) {place}"
     tracks = {track.name for track in solved(f"{STACK}{third}", 0).plans[0].body_tracks}
     assert {"lower", "upper", "top"} <= tracks
 
@@ -82,9 +83,24 @@ def test_what_lies_on_two_things_keeps_each_of_them_where_it_is() -> None:
     goal (on tray1 one)
     """
     problem, _ = compile_text(f"{HEAD}\ntask t() {{\n{body}\n}}")
+    unsaid, (warning,) = compile_text(f"{HEAD}\ntask t() {{\n{body.replace('fact [', '# ')}\n}}")
+    assert unsaid.init_motion == problem.init_motion and warning.code == "W0023"
     outcome = solve(problem, SolveOptions(time=60.0))
     assert outcome.status == "exhausted"
     assert any("[stable other plank]" in d.message or "[stable one plank]" in d.message for d in outcome.explanation)
+
+
+@pytest.mark.parametrize(("at", "found"), [
+    ("at (1.52 m, 0, 0.16 m)", ["W0023"]),
+    ("at (1.52 m, 0, 0.17 m)", []),
+    ("at (1.54 m, 0, 0.16 m)\n object block: box(20 cm, 20 cm, 4 cm) at (1.651 m, 0, 0.1 m)", ["W0023"]),
+    ("at (1.56 m, 0, 0.16 m)\n object block: box(20 cm, 20 cm, 4 cm) at (1.651 m, 0, 0.1 m)", []),
+    ("at (1.52 m, 0, 0.16 m)\n fact [stable table upper]", []),
+])  # fmt: skip
+def test_it_is_told_what_lies_on_a_thing_by_where_it_is_alone(at: str, found: list[str]) -> None:
+    body = STACK.replace("on lower at (2 cm, 0)", at)
+    problem, warnings = compile_text(f"{HEAD}\ntask t() {{\n{body}\n}}")
+    assert [w.code for w in warnings] == found and problem.world.bodies["upper"].movable == bool(found)
 
 
 def test_scenery_that_never_moves_may_be_built_into_itself() -> None:
