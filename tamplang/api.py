@@ -286,7 +286,7 @@ def task_of_plan(record: PlanRecord) -> Task:
     """The task that a plan is of, compiled anew from its own sources. Raises SourceError, UsageError."""
     from .compiler.pipeline import compile_sources
     from .langs.source import Source
-    from .runtime.verify.check import parameter_texts
+    from .runtime.plan_parameters import parameter_texts
 
     sources = [Source(s.path, s.text) for s in record.task.sources]
     files = {f.path: f.data for f in record.task.files}

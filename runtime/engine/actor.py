@@ -44,7 +44,7 @@ class Simulated:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class DriveCommands:
     """What drives are told at each of the steps of the engine `(T, n)`: where joints should be, how fast, and the
     torques that they are expected to need. `times` are seconds."""
 
@@ -131,7 +131,7 @@ class Actor:
                 point = here.places[pair[1]][0] if edge is None else meeting(self.problem, edge, here)[0][0]
                 welds.fasten(self.world, pair, point)
 
-    def move(self, told: Told, edges: Edges) -> Array | None:
+    def move(self, told: DriveCommands, edges: Edges) -> Array | None:
         """Let drives follow what they are told while `edges` are kept. Where joints came to `(T, n)`; None where the
         simulation broke down."""
         limits = self._clamped(told.values)

@@ -11,7 +11,7 @@ from ...compiler.physics.frames import Poses
 from ...compiler.physics.safety import safety_of
 from ...compiler.physics.statics import drives
 from ..skeleton import Array, Configuration
-from .actor import Actor, Simulated, Told, fastened
+from .actor import Actor, DriveCommands, Simulated, fastened
 from .conditions import Conditions
 from .model import STEP
 
@@ -67,7 +67,7 @@ class LiveEngine:
         for k, key in enumerate(self._actor.world.joints):
             if key in torques and np.isfinite(torques[key]).all():
                 extra[:, k] = np.interp(since, ahead, torques[key])
-        told = Told(begin + since, self._stacked(joints(since, 0)), self._stacked(joints(since, 1)), extra)
+        told = DriveCommands(begin + since, self._stacked(joints(since, 0)), self._stacked(joints(since, 1)), extra)
         first = self._actor.world.data.qpos[self._actor.places].copy()
         driven = self._actor.move(told, edges)
         rows = np.vstack([first[None], told.values if driven is None else driven])

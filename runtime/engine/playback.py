@@ -14,7 +14,7 @@ from ..feed_forward import placed, torques_at
 from ..geometry.splines import ClampedSpline
 from ..plan import PhaseRecord, Plan
 from ..skeleton import Array
-from .actor import Actor, Simulated, Told, fastened
+from .actor import Actor, DriveCommands, Simulated, fastened
 from .conditions import Conditions
 from .model import STEP
 
@@ -122,7 +122,7 @@ class _Playback:
         here = placed(self.problem, self.plan, number, times, moving=True)
         return times, drives(self.problem, self.modes[number], here, safety_of(self.problem.options))
 
-    def _told(self, number: int, record: PhaseRecord, times: Array) -> Told:
+    def _told(self, number: int, record: PhaseRecord, times: Array) -> DriveCommands:
         """Where the joints should be at each step, how fast, and the torque that the plan expects."""
         curves = self._curves(number)
         ahead, torques = self._expected(number, record)
@@ -135,4 +135,4 @@ class _Playback:
                 torque = torques.get((name, index))
                 extra.append(np.zeros(len(times)) if torque is None else np.interp(times, ahead, torque))
         more = np.stack(extra, axis=1) if extra else np.zeros((len(times), 0))
-        return Told(times, np.hstack(values), np.hstack(rates), more)
+        return DriveCommands(times, np.hstack(values), np.hstack(rates), more)

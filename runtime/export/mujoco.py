@@ -1,7 +1,7 @@
 """The whole scene as MJCF of MuJoCo: bodies, modules, docks as equality constraints, and the motion as key frames.
 
-Modules and movable bodies are free bodies. Masses are those of the shapes at the density of water, which is MuJoCo's
-own default.
+Modules and movable bodies are free bodies. Masses are those that are stated, else those of the shapes at the density of
+water, which is MuJoCo's own default.
 """
 
 from __future__ import annotations
@@ -16,12 +16,16 @@ from ...compiler.poses import compose
 from ..plan import ModuleRecord, Plan, ShapeRecord
 from .docks import docks
 from .motion import Array, moved, pose_of, poses, times, trajectory
+from .solids import Solid
+from .weights import Weights, weights_of
 
 HALVES = {ShapeKind.BOX: (0.5, 0.5, 0.5), ShapeKind.SPHERE: (1.0,), ShapeKind.CAPSULE: (1.0, 0.5),
           ShapeKind.CYLINDER: (1.0, 0.5)}  # fmt: skip
 """MuJoCo's sizes of a geom are these shares of ours."""
 TINY = {"pos": "0 0 0", "mass": "1e-3", "diaginertia": "1e-6 1e-6 1e-6"}
 """Of a moving frame without a shape, which MuJoCo does not take without a mass."""
+LEAST = 1e-9
+"""kg m²: MuJoCo takes no frame with less, as where all that weighs is the drive of a joint."""
 
 
 def scene(plan: Plan) -> bytes:
@@ -30,13 +34,15 @@ def scene(plan: Plan) -> bytes:
     Xml.SubElement(root, "compiler", angle="radian", autolimits="true")
     assets, world = Xml.SubElement(root, "asset"), Xml.SubElement(root, "worldbody")
     free = [*(m.name for m in plan.modules), *(b.name for b in plan.bodies if b.movable or b.name in moved(plan))]
+    weights = weights_of(plan)
     for module in plan.modules:
-        _module(assets, world, module)
+        _module(assets, world, module, weights)
     for body in plan.bodies:
         if body.name in free:
             frame = Xml.SubElement(world, "body", {"name": body.name, **_place(body.pose)})
             Xml.SubElement(frame, "freejoint", name=f"{body.name}/free")
             _geom(assets, frame, body.name, body.shape, None)
+            _weighed(frame, weights.solids.get((body.name, -1)))
         else:
             _geom(assets, world, body.name, body.shape, body.pose)
     equality = Xml.SubElement(root, "equality")
@@ -57,7 +63,7 @@ def scene(plan: Plan) -> bytes:
     return text
 
 
-def _module(assets: Xml.Element, world: Xml.Element, module: ModuleRecord) -> None:
+def _module(assets: Xml.Element, world: Xml.Element, module: ModuleRecord, weights: Weights) -> None:
     frames = {-1: Xml.SubElement(world, "body", {"name": module.name, **_place(module.pose)})}
     Xml.SubElement(frames[-1], "freejoint", name=f"{module.name}/free")
     for index, joint in enumerate(module.joints):
@@ -75,9 +81,26 @@ def _module(assets: Xml.Element, world: Xml.Element, module: ModuleRecord) -> No
         frame = Xml.SubElement(frames[effector.joint], "body", {"name": name, **_place(effector.placement)})
         if effector.shape is not None:
             _geom(assets, frame, name, effector.shape, None)
+    for joint_index, frame in frames.items() if module.name in weights.modules else ():
+        _weighed(frame, weights.solids.get((module.name, joint_index)))
+        for geom in (g for child in (frame, *frame.findall("body")) for g in child.findall("geom")):
+            geom.set("mass", "0")
+    told = module.name in weights.modules
     for frame in frames.values():
-        if not any(child.tag == "geom" for child in frame):
+        shaped = not told and any(child.tag == "geom" for child in frame)
+        if frame.find("inertial") is None and not shaped:
             Xml.SubElement(frame, "inertial", TINY)
+
+
+def _weighed(frame: Xml.Element, told: Solid | None) -> None:
+    """State what a frame weighs, its shapes aside."""
+    if told is None or told.mass <= 0.0:
+        return
+    least = float(np.linalg.eigvalsh(told.inertia)[0])
+    i = told.inertia + max(LEAST - least, 0.0) * np.eye(3)
+    whole = _numbers((i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]))
+    own = {"pos": _numbers(told.centre), "mass": repr(float(told.mass)), "fullinertia": whole}
+    frame.insert(0, Xml.Element("inertial", own))
 
 
 def _couplings(equality: Xml.Element, module: ModuleRecord) -> None:

@@ -1,8 +1,9 @@
 """A robot as it is assembled in one phase, as URDF: its modules with their docks as fixed joints, with inertias.
 
 A URDF is a tree: of docks that close a loop those are left out that are met last. The tree begins at the frame of one
-module; joints that are passed from their far end turn the other way about the same axis. Masses are those of the shapes
-at the density of water. Capsules are a cylinder and two spheres, which every reader knows.
+module; joints that are passed from their far end turn the other way about the same axis. Masses are those that are
+stated, else those of the shapes at the density of water. Capsules are a cylinder and two spheres, which every reader
+knows.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from ..plan import ModuleRecord, Plan, ShapeRecord
 from .docks import docks
 from .motion import Pose, module_of, pose_of
 from .solids import Solid, solid, stl, together
+from .weights import seen_from, weights_of
 
 HERE: Pose = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 Node = tuple[str, int]
@@ -39,6 +41,7 @@ class _UrdfWriter:
         self.modules = {m.name: m for m in plan.modules}
         self.docks = [d for d in docks(plan) if phase in d.phases]
         self.path = path
+        self.weights = weights_of(plan)
         self.root = Xml.Element("robot", name=plan.task.name)
         self.joints: list[Xml.Element] = []
         self.links: dict[Node, Xml.Element] = {}
@@ -74,8 +77,10 @@ class _UrdfWriter:
             element = self._joint(f"{name}.{joint.name}", node, child, origin)
             element.set("type", joint.kind)
             Xml.SubElement(element, "axis", xyz=_numbers([sign * a for a in joint.axis]))
+            torque = self.weights.torques.get((name, joint.name))
+            effort = "1000" if torque is None else repr(torque)
             limits = {"lower": repr(joint.lower), "upper": repr(joint.upper)}
-            Xml.SubElement(element, "limit", {**limits, "velocity": repr(joint.speed), "effort": "1000"})
+            Xml.SubElement(element, "limit", {**limits, "velocity": repr(joint.speed), "effort": effort})
             if joint.follows is not None:
                 leader = self.modules[name].joints[joint.follows.leader].name
                 told = {"multiplier": repr(joint.follows.factor), "offset": repr(joint.follows.offset)}
@@ -124,7 +129,10 @@ class _UrdfWriter:
         ends = [e for e in module.effectors if e.joint == own]
         placed += [(pose_of(e.placement), e.shape) for e in ends if e.shape is not None]
         solids = [self._shape(link, compose(offset, place), shape) for place, shape in placed]
-        if solids:
+        told = self.weights.solids.get(node)
+        if told is not None and told.mass > 0.0:
+            _inertial(link, seen_from(told, offset))
+        elif solids and name not in self.weights.modules:
             _inertial(link, together(solids))
         for effector in ends:
             end = f"{name}.{effector.name}"

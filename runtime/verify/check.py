@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from ...compiler import ir
-from ...langs import syntax
 from ...langs.diagnostics import SourceError
 from ...langs.source import Source
 from ..budget import Budget
 from ..plan import Plan, VerdictRecord
+from ..plan_parameters import parameter_texts
 from .collision import check_collisions
 from .constraints import check_constraints
 from .couplings import check_couplings
@@ -73,23 +73,6 @@ def _problem(plan: Plan, findings: Findings, against: ir.Problem | None) -> ir.P
         findings.fail("source", str(error))
         return None
     return problem if check_task(plan, problem, findings) else None
-
-
-def parameter_texts(plan: Plan, sources: list[Source]) -> dict[str, str]:
-    """The parameters' values as one would type them, with the unit of their type."""
-    from ...langs.parser import parse
-
-    kinds: dict[str, str] = {}
-    for source in sources:
-        for declaration in parse(source)[0].declarations:
-            if isinstance(declaration, syntax.TaskDecl) and declaration.name == plan.task.name:
-                kinds = {p.name: p.type.name for p in declaration.parameters if isinstance(p.type, syntax.NamedType)}
-                break
-        if kinds:
-            break
-    units = {"length": " m", "angle": " rad", "time": " s", "speed": " m/s", "mass": " kg", "density": " kg/m^3",
-             "force": " N", "torque": " N m", "inertia": " kg m^2"}  # fmt: skip
-    return {name: f"{value!r}{units.get(kinds.get(name, ''), '')}" for name, value in plan.task.parameters.items()}
 
 
 def _examine(plan: Plan, problem: ir.Problem, findings: Findings) -> VerdictRecord:

@@ -59,7 +59,7 @@ def _own_task(plan: Plan, file: Path, as_json: bool) -> Problem:
     """The plan's task as a file of the reader's has it, with the same parameters and seed."""
     from ..compiler.pipeline import compile_sources
     from ..langs.reader import read_source
-    from ..runtime.verify.check import parameter_texts
+    from ..runtime.plan_parameters import parameter_texts
 
     with reading_sources(as_json=as_json):
         sources = [read_source(file)]

@@ -39,7 +39,7 @@ def simulate(
     from ..compiler.pipeline import compile_sources
     from ..langs.source import Source
     from ..runtime.native import MissingLibrary
-    from ..runtime.verify.check import parameter_texts
+    from ..runtime.plan_parameters import parameter_texts
 
     with limited(seconds, memory, f"simulating {file}", as_json) as guard:
         plan = read(file)
