@@ -81,8 +81,6 @@ def solve(
         raise click.UsageError("--horizon gives one plan with motion: it goes neither with --solutions nor --bound seq")
     if horizon is not None and gap is not None:
         raise click.UsageError("--horizon gives the first plan that it finds: leave out --gap")
-    if horizon is not None and minimise is not None:
-        raise click.UsageError("--horizon plans window after window, each of fewest actions: leave out --minimise")
     if horizon is not None and ((jobs or 1) > 1 or cluster is not None):
         raise click.UsageError("--horizon plans window after window in one process: leave out --jobs and --cluster")
     checked_side(jobs, cluster)

@@ -145,3 +145,16 @@ def test_the_planner_chooses_who_does_what() -> None:
     assert told.value - alike > 0.3 and [d.code for d in result.explanation] == ["S0002"]
     assert f"a gap of {told.value - alike:.3g} instead of 0.3 s" in result.explanation[0].message
     assert 0.0 < alike <= told.value < 0.7 * sum(s.knots[-1] - s.knots[0] for s in result.plan.record.splines)
+
+
+def test_windows_use_the_objective_and_robots_move_through_them() -> None:
+    """The first window keeps one arm busy: the second one takes the other, which moves meanwhile."""
+    result = loads(PRESS).solve(time=300, minimise="makespan", horizon=1)
+    assert result.plan is not None and result.plan.record.complete
+    record = result.plan.record
+    assert {action.split("[")[1][0] for action in result.actions} == {"1", "2"}
+    assert len(record.windows) == 2 and record.verdict is not None and record.verdict.verified
+    told = record.statistics.objective
+    assert told.value == record.times[-1] < 0.7 * sum(s.knots[-1] - s.knots[0] for s in record.splines)
+    one, other = sorted(record.splines, key=lambda s: s.knots[0])
+    assert other.knots[0] < one.knots[-1]

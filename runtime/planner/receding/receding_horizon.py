@@ -12,10 +12,11 @@ planned yet: first it gets another motion, then its actions are forbidden there,
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import field, replace
 
 from ....compiler import ir
+from ....compiler.objectives import ACTIONS
 from ....langs.diagnostics import Diagnostic
 from ....langs.frozen import dataclass
 from ...budget import ASIDE, Budget, Status, ending, unless_spent
@@ -25,8 +26,10 @@ from ...skeleton import PhasePath, Skeleton
 from ...verify import verify
 from ..bounds.settings import BOUNDS
 from ..conflicts.infeasibility import ENDINGS, distrust, unverified
-from ..lgp import Outcome, Progress, SolveOptions
+from ..lgp import Outcome, Progress, SolveOptions, motion_settings
 from ..plan_assembly import assemble
+from ..schedule.at_once import AtOnce
+from ..schedule.objective_value import valued
 from .horizon_length import horizon_of
 from .mid_run_state import Reached, start
 from .run_tree import grown
@@ -79,6 +82,9 @@ class _HorizonRun:
         self.lookahead, self.backtracks = lookahead, backtracks
         self.budget = Budget(options.time, options.nodes, ASIDE)
         self.memory: Memory = remember(problem, options, self.budget, self._tell)
+        self.at_once = AtOnce(
+            problem, motion_settings(problem, options), Seed(options.seed), self.budget, self._tell
+        )
         self.levels = [_Level(start(problem))]
         self.kept: list[_Kept] = []
         self.plan: Plan | None = None
@@ -120,6 +126,7 @@ class _HorizonRun:
             self.problem, level.reached, self.options, self.horizon.length, self.budget, self.memory,
             seed=Seed(self.options.seed).child("failures", level.failures), forbidden=tuple(level.forbidden),
             lookahead=self.lookahead, before=self.kept[-1].window if self.kept and not level.failures else None,
+            clocks=self.kept[-1].window.clocks if self.kept else (),
         )  # fmt: skip
         self.tree_nodes += window.tree_nodes
         self.expanded_nodes += window.expanded_nodes
@@ -203,24 +210,46 @@ class _HorizonRun:
         paths: list[PhasePath] = [path for kept in self.kept for path in kept.window.paths]
         skeleton = Skeleton(self.problem, phases, self.levels[-1].reached.mode)
         plan = assemble(self.problem, [phase.action for phase in phases], skeleton, paths, self._statistics())
-        plan = msgspec.structs.replace(plan, windows=self._records(plan), complete=self.done)
+        plan = self._dressed(plan, range(len(phases)))
         with self.memory.bounds.clock("verify"):
             verdict = unless_spent(lambda: verify(plan, self.budget.whole))
-        return msgspec.structs.replace(
-            plan, verdict=verdict, statistics=self._statistics(), timing=self._timing()
-        )
+        plan = msgspec.structs.replace(plan, verdict=verdict, statistics=self._statistics(), timing=self._timing())
+        return self._valued(plan, skeleton, paths) if verdict is not None and verdict.verified else plan
 
-    def _records(self, plan: Plan) -> list[WindowRecord]:
-        records, phase = [], 0
+    def _valued(self, plan: Plan, skeleton: Skeleton, paths: Sequence[PhasePath]) -> Plan:
+        """The verified plan with what it is worth by the objective: where seconds count and nothing is left to plan,
+        one whose robots work at once, those of one window through the others too."""
+        import msgspec
+
+        objective, critical = self.options.minimise, None
+        if objective == ACTIONS:
+            return plan
+        if objective.timed and self.done:
+            actions = [phase.action for phase in skeleton.phases]
+            with self.memory.bounds.clock("schedule"):
+                plan, critical, _ = self.at_once.shorter(skeleton, actions, paths, plan, finish=self._dressed)
+        told = valued(self.problem, objective, plan, plan.statistics.cost, 0.0, critical)
+        return msgspec.structs.replace(plan, statistics=msgspec.structs.replace(plan.statistics, objective=told))
+
+    def _dressed(self, plan: Plan, order: Sequence[int]) -> Plan:
+        """The plan with its windows; `order` tells the numbers that its phases had when they were planned."""
+        import msgspec
+
+        return msgspec.structs.replace(plan, windows=self._records(plan, order), complete=self.done)
+
+    def _records(self, plan: Plan, order: Sequence[int]) -> list[WindowRecord]:
+        """The windows, each before the first phase that it or a later one planned."""
+        records, first = [], 0
         for kept in self.kept:
             window = kept.window
+            phase = next(place for place, number in enumerate(order) if number >= first)
             records.append(
                 WindowRecord(
                     plan.phases[phase].start, phase, kept.reason, [str(action) for action in window.actions],
                     len(window.paths), list(window.unmet),
                 )
             )  # fmt: skip
-            phase += len(window.paths)
+            first += len(window.paths)
         return records
 
     def _timing(self) -> TimingRecord:

@@ -24,6 +24,9 @@ class HorizonSettings:
         "So many windows long are plans for some parts of the goal at least: later windows then go on along them.",
     )
     lookahead: int = setting(2, "phases", "P_seq looks so many phases beyond the window.")
+    clocked_nodes: int = setting(
+        300, "nodes", "Where seconds count, nodes of a window's search for what is done soonest, before the plain one."
+    )
     few_parts: int = setting(
         3, "parts",
         "Up to so many unmet parts of the goal are planned for at once from the first try on.",

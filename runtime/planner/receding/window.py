@@ -26,6 +26,7 @@ from ..bounds.verdicts import Judgement
 from ..candidate_loop import CandidateLoop
 from ..conflicts.infeasibility import Refusals
 from ..lgp import SolveOptions, motion_settings
+from ..schedule.clocked_search import ClockedSearch, Clocks, Pace, clocks_along
 from ..search.best_first import Candidate, SkeletonSearch
 from ..search.learned_penalties import LearnedPenalties
 from ..search.skeleton_replay import build_skeleton
@@ -66,6 +67,8 @@ class Window:
     tree: tuple[SearchNode, ...] = ()
     ahead: tuple[Configuration, ...] = ()
     """The switches behind those of `paths`, as far as P_seq looked."""
+    clocks: Clocks = ()
+    """Where seconds count, when modules are done with the motions so far, those of other windows included."""
 
     @property
     def rest(self) -> tuple[ir.Action, ...]:
@@ -83,6 +86,8 @@ class Memory:
     """The parts of the goal, in the order in which they should be reached."""
     penalties: LearnedPenalties | None = None
     """How close to their limits actions were refused so far."""
+    seconds: dict[str, float] = field(default_factory=dict)
+    """The least of each rule's motions so far."""
     group: int = 1
     """How many parts of the goal make a plan that is long enough."""
 
@@ -111,15 +116,16 @@ def plan_window(
     lookahead: int = RECEDING.lookahead,
     before: Window | None = None,
     candidates: int = RECEDING.candidates,
+    clocks: Clocks = (),
 ) -> Window:
     """Plan from `reached` on: actions that do not begin with one of `forbidden`, motion for the first `horizon` of
     them. `problem` is the task; its own start does not matter. Another `seed` gives other motions. `before` is
     the window that led here, if things went as it said: its way on is tried first. At most so many `candidates` are
-    judged for one goal. Raises OutOfTime, Inapplicable, MissingLibrary."""
+    judged for one goal. `clocks` are those at the start. Raises OutOfTime, Inapplicable, MissingLibrary."""
     here = reached_problem(problem, reached)
     memory.bounds.restart(here, Seed(options.seed) if seed is None else seed, budget)
     planner = _Planner(
-        here, reached, options, horizon, budget, memory, tuple(forbidden), lookahead, before, candidates
+        here, reached, options, horizon, budget, memory, tuple(forbidden), lookahead, before, candidates, clocks
     )  # fmt: skip
     return planner.run()
 
@@ -130,13 +136,15 @@ class _Planner:
     def __init__(
         self, problem: ir.Problem, reached: Reached, options: SolveOptions, horizon: int, budget: Budget,
         memory: Memory, forbidden: tuple[tuple[ir.Action, ...], ...], lookahead: int, before: Window | None,
-        candidates: int,
+        candidates: int, clocks: Clocks,
     ) -> None:  # fmt: skip
         self.problem, self.reached, self.options = problem, reached, options
         self.horizon, self.budget, self.memory = horizon, budget, memory
         self.forbidden = list(forbidden)
         self.lookahead = lookahead
-        self.before, self.candidates = before, candidates
+        self.before, self.candidates, self.clocks = before, candidates, clocks
+        self.timed = options.minimise.timed and len(problem.world.modules) > 1
+        self.asked = False
         self.began = time.monotonic()
         self.refused = self.tree_nodes = self.expanded_nodes = 0
         self.tree: tuple[SearchNode, ...] = ()
@@ -224,7 +232,7 @@ class _Planner:
         search.charge(penalties)
         for actions in self.forbidden:
             forbid(search, actions)
-        self.first, self.alike = None, 0
+        self.first, self.alike, self.asked = None, 0, False
         try:
             for candidate in loop.proposals(partial(self._next, search), partial(self._widen, loop), self.candidates):
                 found = None
@@ -248,9 +256,25 @@ class _Planner:
         if self.budget.full:
             raise OutOfTime
         self.memory.bounds.tell("search", f"searching for a way, with {len(self.unmet)} parts of the goal to come")
+        quick = self._quick(search)
+        if quick is not None:
+            return quick
         if search.node_limit != RECEDING.hurried_nodes:
             search.node_limit = search.expanded_nodes + RECEDING.search_nodes
         return search.next()
+
+    def _quick(self, search: SkeletonSearch) -> Candidate | None:
+        """Where seconds count, at first what is done soonest, by the clocks and the motions of earlier windows."""
+        if not self.timed or self.asked:
+            return None
+        self.asked = True
+        known, weights = self.memory.seconds, dict(self.options.minimise.weights)
+        usual = sum(known.values()) / len(known) if known else 1.0
+        seconds = {rule: known.get(rule, usual) for rule in self.problem.rules}
+        busy = weights.get("duration", 0.0)
+        more = {rule: busy * own for rule, own in seconds.items()}
+        pace = Pace(seconds, more, weights.get("makespan", 0.0), weights.get("actions", 0.0))
+        return ClockedSearch(search, pace).best(most=RECEDING.clocked_nodes, clocks=self.clocks or None).candidate
 
     def _widen(self, loop: CandidateLoop) -> bool:
         """Let a search that has found nothing go on: hurried, with more nodes; or once with all that was refused
@@ -316,8 +340,12 @@ class _Planner:
         self.memory.bounds.tell("state", "following the motion to its end")
         reached = after(self.problem, skeleton, paths, begin=self.reached)
         plain = self._window(WindowStatus.PLANNED)
+        clocks = clocks_along(skeleton, paths, self.clocks) if self.timed else ()
+        for phase, path in zip(skeleton.phases, paths, strict=False) if self.timed else ():
+            rule = phase.action.rule
+            self.memory.seconds[rule] = min(path.duration, self.memory.seconds.get(rule, path.duration))
         return replace(
-            plain, actions=actions, cost=cost, skeleton=skeleton, paths=paths, reached=reached,
+            plain, clocks=clocks, actions=actions, cost=cost, skeleton=skeleton, paths=paths, reached=reached,
             ahead=tuple(judgement.ahead), seconds=time.monotonic() - self.began,
         )  # fmt: skip
 

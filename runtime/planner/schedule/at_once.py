@@ -29,10 +29,11 @@ class AtOnce:
 
     def shorter(
         self, skeleton: Skeleton, actions: Sequence[Action], paths: Sequence[PhasePath], plan: Plan,
-        successors: Successors | None = None,
+        successors: Successors | None = None, finish: Callable[[Plan, Sequence[int]], Plan] = lambda plan, _: plan,
     ) -> tuple[Plan, float | None, Sequence[float]]:  # fmt: skip
         """The first shorter plan with these motions that is verified, else the one that stands; the seconds below which
-        none of them ends; and those of each action's motion. A plan is never lost: where time runs out, or no schedule
+        none of them ends; and those of each action's motion. `finish` gets a plan and the numbers of its phases in the
+        order of these actions, before it is verified. A plan is never lost: where time runs out, or no schedule
         can be made, the one that stands is given back."""
         bound: float | None = None
         seconds: Sequence[float] = [path.duration for path in paths]
@@ -42,9 +43,10 @@ class AtOnce:
                 bound, seconds = timed.bound, timed.seconds
                 if timed.makespan >= plan.times[-1]:
                     break
-                verdict = verify(timed.plan, self._budget.whole)
+                told = finish(timed.plan, timed.order)
+                verdict = verify(told, self._budget.whole)
                 if verdict.verified:
-                    return msgspec.structs.replace(timed.plan, verdict=verdict, timing=plan.timing), bound, seconds
+                    return msgspec.structs.replace(told, verdict=verdict, timing=plan.timing), bound, seconds
         except (OutOfTime, ValueError):  # no time, an order that the rules refuse, or numbers without a solution
             pass
         return plan, bound, seconds

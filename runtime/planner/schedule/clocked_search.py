@@ -10,17 +10,18 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from ....compiler.ir import Fact
 from ....compiler.symbolic.estimate import Estimate
 from ....langs.frozen import dataclass
 from ...geometry.attachments import carrier
+from ...skeleton import PhasePath, Skeleton
 from ..conflicts.forbidden_sequences import EMPTY
 from ..search.best_first import EQUAL, NOTHING, Candidate, Past, SkeletonSearch
 from ..search.skeleton_replay import motion_changes
 from ..search.stepper import left
-from .dependencies import bound_between
+from .dependencies import bound_between, bound_by
 from .settings import SCHEDULE
 
 Clocks = tuple[float, ...]
@@ -91,10 +92,13 @@ class ClockedSearch:
         self._adds = Estimate(self._successors, added) if any(added.values()) else None
         self._rest: dict[int, tuple[float, float]] = {}
 
-    def best(self, below: float = math.inf, most: int = SCHEDULE.clocked_nodes) -> Clocked:
-        """The best candidate of a value `below`, after at most so many nodes. Raises OutOfTime."""
+    def best(
+        self, below: float = math.inf, most: int = SCHEDULE.clocked_nodes, clocks: Clocks | None = None
+    ) -> Clocked:
+        """The best candidate of a value `below`, after at most so many nodes, from these `clocks` on. Raises
+        OutOfTime."""
         search = self._search
-        start = (0.0,) * (len(self._modules) + 2)
+        start = clocks or (0.0,) * (len(self._modules) + 2)
         begun = EMPTY, search.no_goods.root, None
         initial, mode = self._successors.initial, self._problem.init_motion
         root = _ClockedNode(initial, mode, start, begun, self._met(initial, mode, start, begun), None, -1)
@@ -228,6 +232,21 @@ class ClockedSearch:
             clocks = self._after(clocks, step, number)
             state, mode = self._successors.after(state, number), step.mode
         return self._pace.makespan * clocks[-2] + clocks[-1]
+
+
+def clocks_along(skeleton: Skeleton, paths: Sequence[PhasePath], clocks: Clocks) -> Clocks:
+    """The clocks behind the motions of the first phases of a skeleton; empty ones stand for the start."""
+    problem, names = skeleton.problem, tuple(skeleton.problem.world.modules)
+    *modules, last, added = clocks or (0.0,) * (len(names) + 2)
+    for k, path in enumerate(paths):
+        named = {carrier(problem, a) for literal in skeleton.phases[k].added for a in literal[1:]}
+        waits = [m for m, name in enumerate(names) if name in named] or range(len(names))
+        last = max(last, max((modules[m] for m in waits), default=last) + path.duration)
+        bound = bound_by(skeleton, k)
+        for m, name in enumerate(names):
+            if m in waits or name in bound:
+                modules[m] = last
+    return *modules, last, added
 
 
 def _is_new(known: dict[object, list[Clocks]], key: object, clocks: Clocks) -> bool:

@@ -29,13 +29,15 @@ from .settings import SCHEDULE
 @dataclass(frozen=True, slots=True)
 class Timed:
     """A plan in seconds: the plan, seconds until its last action, that none with these motions is shorter than `bound`
-    seconds, and whether its robots work at once; `seconds` of each action's motion, in the order of the search."""
+    seconds, and whether its robots work at once; `seconds` of each action's motion, in the order of the search, and
+    the numbers that its phases have in that `order`."""
 
     plan: Plan
     makespan: float
     bound: float
     at_once: bool
     seconds: tuple[float, ...]
+    order: tuple[int, ...]
 
 
 class Scheduler:
@@ -66,9 +68,9 @@ class Scheduler:
             same = line == sorted(line)
             other = skeleton if same else build_skeleton(self._problem, done, successors)
             plan = scheduled_plan(self._problem, done, other, found[1], found[0], tick, statistics)
-            yield Timed(plan, found[0].end * tick, bound, True, seconds)
+            yield Timed(plan, found[0].end * tick, bound, True, seconds, tuple(line))
         plan = scheduled_plan(self._problem, actions, skeleton, order, sequence, tick, statistics)
-        yield Timed(plan, sequence.end * tick, bound, False, seconds)
+        yield Timed(plan, sequence.end * tick, bound, False, seconds, tuple(range(len(actions))))
 
     def _tick(self, paths: Sequence[PhasePath]) -> float:
         total = sum(path.duration for path in paths)
