@@ -192,14 +192,23 @@ def _placed(
         yield *_hoist(type_, joint, (frame @ np.array([*centre, 1.0]))[:3]), radius
 
 
-def _inside(sphere: tuple[int, Array, float], others: list[Sphere]) -> bool:
-    joint, (x, y, z), radius = sphere[0], sphere[1].tolist(), sphere[2]
-    return any(
-        o.joint == joint
-        and o.radius + ON_AXIS >= radius
-        and math.dist((x, y, z), o.centre) + radius <= o.radius + ON_AXIS
-        for o in others
-    )
+class _Kept:
+    """The spheres that a joint carries, and whether others are inside one of them."""
+
+    def __init__(self) -> None:
+        self._balls = np.zeros((0, 4))
+        self._count = 0
+
+    def add(self, centre: Array, radius: float) -> None:
+        if self._count == len(self._balls):
+            self._balls = np.concatenate([self._balls, np.zeros((max(16, self._count), 4))])
+        self._balls[self._count] = *centre, radius
+        self._count += 1
+
+    def hold(self, centre: Array, radius: float) -> bool:
+        balls = self._balls[: self._count]
+        apart = np.sqrt(((balls[:, :3] - centre) ** 2).sum(axis=1))
+        return bool((apart + radius <= balls[:, 3] + ON_AXIS).any())
 
 
 @lru_cache(maxsize=64)
@@ -207,14 +216,17 @@ def module_spheres(type_: ModuleType, margin: float = PATH_MARGIN) -> tuple[Sphe
     """Spheres that cover the effectors and links of a module within `margin`, effectors first, in declaration
     order. Link spheres that lie inside another one of the module in every pose are left out."""
     spheres: list[Sphere] = []
+    kept = {joint: _Kept() for joint in range(-1, len(type_.joints))}
     for part, e in enumerate(type_.effectors):
         if e.shape is not None:
             for joint, centre, radius in _placed(type_, e.joint, e.placement, e.shape, margin):
+                kept[joint].add(centre, radius)
                 x, y, z = centre.tolist()
                 spheres.append(Sphere(joint, (x, y, z), radius, e.name, e.shape.kind == ShapeKind.SPHERE, part))
     for part, link in enumerate(type_.links, start=len(type_.effectors)):
         for joint, centre, radius in _placed(type_, link.joint, link.placement, link.shape, margin):
-            if not _inside((joint, centre, radius), spheres):
+            if not kept[joint].hold(centre, radius):
+                kept[joint].add(centre, radius)
                 x, y, z = centre.tolist()
                 spheres.append(Sphere(joint, (x, y, z), radius, None, link.shape.kind == ShapeKind.SPHERE, part))
     return tuple(spheres)

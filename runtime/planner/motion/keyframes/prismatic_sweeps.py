@@ -20,10 +20,15 @@ from .initial_guesses import to_tuple
 from .settings import KEYFRAMES
 
 
+def _slides(type_: ModuleType) -> list[int]:
+    """The sliding joints of a module."""
+    return [k for k, joint in enumerate(type_.joints) if joint.kind == JointKind.PRISMATIC]
+
+
 @lru_cache(maxsize=64)
-def _sliding(type_: ModuleType) -> tuple[tuple[int, ...], dict[int, Array]]:
-    """The sliding joints of a module, and the centres `(spheres, 3)` of the spheres that they carry, by joint."""
-    slides = tuple(k for k, joint in enumerate(type_.joints) if joint.kind == JointKind.PRISMATIC)
+def _sliding(type_: ModuleType) -> dict[int, Array]:
+    """The centres `(spheres, 3)` of the spheres that sliding joints of a module carry, by joint."""
+    slides = _slides(type_)
     carried: set[int] = set()
     for k, joint in enumerate(type_.joints):
         if k in slides or joint.parent in carried:
@@ -32,20 +37,20 @@ def _sliding(type_: ModuleType) -> tuple[tuple[int, ...], dict[int, Array]]:
     for sphere in module_spheres(type_) if carried else ():
         if sphere.joint in carried:
             centres.setdefault(sphere.joint, []).append(sphere.centre)
-    return slides, {joint: np.array(points) for joint, points in centres.items()}
+    return {joint: np.array(points) for joint, points in centres.items()}
 
 
 def _centres(type_: ModuleType, slot: Array) -> Array:
     """Where these centres are `(spheres, 3)` in the world, by the module's slot `(7 + joints,)`."""
     frames = poses.joint_frames(type_, to_tuple(slot[:7]), slot[7:].tolist())
-    placed = ((pose_matrix(frames[joint]), points) for joint, points in _sliding(type_)[1].items())
+    placed = ((pose_matrix(frames[joint]), points) for joint, points in _sliding(type_).items())
     return np.concatenate([points @ frame[:3, :3].T + frame[:3, 3] for frame, points in placed])
 
 
 def _slid(type_: ModuleType, before: Array, after: Array) -> Array | None:
     """Where these centres are `(places, spheres, 3)` between two slots of a module; None where it hardly slides."""
-    slides, centres = _sliding(type_)
-    if not centres or math.dist(before[7:][[*slides]], after[7:][[*slides]]) < KEYFRAMES.sweep_moved:
+    slides = _slides(type_)
+    if math.dist(before[7:][slides], after[7:][slides]) < KEYFRAMES.sweep_moved or not _sliding(type_):
         return None
     slots = np.repeat(before[None], KEYFRAMES.sweep_looks - 1, axis=0)
     slots[:, 7:] += np.arange(1, KEYFRAMES.sweep_looks)[:, None] / KEYFRAMES.sweep_looks * (after[7:] - before[7:])
