@@ -17,7 +17,7 @@ from ..seeds import Seed
 from ..skeleton import Array
 from . import contacts, welds
 from .conditions import Conditions, Watch
-from .model import STEP, EngineWorld, build
+from .model import STEP, UNLIMITED, EngineWorld, build
 
 SETTLED = 0.05
 """Seconds after a switch in which the blow of fastening does not count against a weld."""
@@ -168,19 +168,20 @@ class Actor:
         return float(np.linalg.norm(self.world.data.xpos[self.world.bodies[node]] - place))
 
     def _clamped(self, values: Array) -> Array:
-        """Clamp drives at what they give in a phase, and where their joints do not move at what brakes bear."""
+        """Clamp drives at what they give in a phase, and where their joints do not move at what brakes bear. A joint
+        without a drive rests where it is, or gives way to what moves it."""
         still = np.ptp(values, axis=0) <= STILL
-        limits = np.array([
-            self.problem.world.modules[name].type.joints[index].strength(still=bool(still[k]))
-            for k, (name, index) in enumerate(self.world.joints)
-        ])  # fmt: skip
-        limited = np.isfinite(limits)
-        self.world.model.actuator_forcerange[self.drives[limited]] = np.outer(limits[limited], [-1.0, 1.0])
+        joints = [self.problem.world.modules[name].type.joints[index] for name, index in self.world.joints]
+        limits = np.array([j.strength(still=bool(s)) for j, s in zip(joints, still, strict=True)])
+        limits[[j.passive and not s for j, s in zip(joints, still, strict=True)]] = 0.0
+        self.world.model.actuator_forcerange[self.drives] = np.outer(np.minimum(limits, UNLIMITED), [-1.0, 1.0])
         return limits
 
     def _peaked(self, peaks: Array, limits: Array) -> None:
         for number, (name, index) in enumerate(self.world.joints):
             joint = self.problem.world.modules[name].type.joints[index]
+            if joint.passive:
+                continue
             limit = float(limits[number])
             now, before = (min(float(peaks[number]), limit), limit), self.result.peaks.get((name, joint.name))
             if before is None or (now[0] / now[1], now[0]) > (before[0] / before[1], before[0]):

@@ -38,6 +38,8 @@ SUPPORT = 1
 """The bit of what bears something that stands."""
 TORQUE_SCALE = 10.0
 """Of the rotation rows of welds, which are too soft as they come."""
+UNLIMITED = 1e9
+"""N m or N that stands for a drive without a limit."""
 LIGHTEST = 0.02
 """Kilograms that a moving frame without any weight gets: the engine has none without."""
 
@@ -202,8 +204,8 @@ def _module(mujoco: PythonModule, spec: Any, name: str, module: ir.Module) -> di
         )
         stiffness, inertia = (STIFFNESS, INERTIA) if turning else (SLIDE_STIFFNESS, SLIDE_INERTIA)
         drive.set_to_position(kp=stiffness, kv=2.0 * math.sqrt(stiffness * inertia))
-        if math.isfinite(joint.torque):
-            drive.forcerange, drive.forcelimited = [-joint.torque, joint.torque], True
+        most = min(joint.torque, UNLIMITED)
+        drive.forcerange, drive.forcelimited = [-most, most], True
         made[index], names[name, index] = body, f"m.{name}.{index}"
         _pad(mujoco, body, (name, index))
     parts = [(k.joint, k.shape, k.placement) for k in module.type.links]

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tamplang.api import Task
-from tamplang.compiler.pipeline import compile_text
+from tamplang.compiler.pipeline import compile_problem, compile_text
 
 from .test_simulate import TEXT
 
@@ -50,3 +50,9 @@ def test_without_the_engine_or_in_a_scene_that_moves_it_is_told(tmp_path: Path) 
     assert missing.returncode == 1 and "S0012" in missing.stderr and "tamplang[sim]" in missing.stderr
     moving = told("", str(ROOT / "examples" / "moving_stairs.tamp"), "--engine", "mujoco")
     assert moving.returncode == 2 and "move by themselves" in moving.stderr and "Traceback" not in moving.stderr
+
+
+def test_a_hand_moves_what_has_no_drive() -> None:
+    result = Task(*compile_problem(ROOT / "examples" / "mechanisms.tamp", "drawer")).run(engine="mujoco", time=60.0)
+    assert result.status == "solved" and ("d", "slide") not in result.carried.peaks
+    assert result.carried.tracking < 5e-3 and any(p.rule == "pullOut" for p in result.record.phases)
