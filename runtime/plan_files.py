@@ -53,7 +53,7 @@ def read_plan(path: str | Path) -> Plan:
             plan = msgspec.json.decode(data, type=Plan) if head.format == FORMAT else _read_1(data)
         _refuse_repeated(path, data)
     except (msgspec.DecodeError, json.JSONDecodeError, RecursionError) as error:
-        raise PlanFileError(f"{path} is not a plan file: {_told(error)}") from error
+        raise PlanFileError(f"{path} is not a plan file: {_mixed(data) or _told(error)}") from error
     unknown = sorted(set(plan.needs) - KNOWN_NEEDS)
     if unknown:
         raise PlanFileError(f"{path} needs {', '.join(unknown)}, which this version does not understand")
@@ -74,6 +74,24 @@ def _uncollected() -> Iterator[None]:
 
 def _read_1(data: bytes) -> Plan:
     return upgraded(msgspec.json.decode(data, type=Plan1))
+
+
+def _mixed(data: bytes) -> str | None:
+    """What is wrong with a file that cannot be read, where it has splines of another format than it says."""
+    try:
+        plan = json.loads(data)
+        said, splines = plan["format"], [set(spline) for spline in plan["splines"]]
+    except (ValueError, RecursionError, TypeError, KeyError):
+        return None
+    own, other = ({"phase"}, {"from", "until"}) if said == FORMAT_1 else ({"from", "until"}, {"phase"})
+    if any(names & other for names in splines):
+        told = f"it says that it has format {said!r}, and has splines of another one"
+        return f"{told}: {_listed(other)} instead of {_listed(own)}"
+    return None
+
+
+def _listed(names: set[str]) -> str:
+    return " and ".join(f"`{name}`" for name in sorted(names))
 
 
 def _told(error: Exception) -> str:

@@ -50,6 +50,7 @@ BASES = {
     "strut": solve("strut_bridge.tamp"),
     "rendezvous": solve("rendezvous.tamp", "-pn=2"),
     "legs": solve("quadruped.tamp"),
+    "at_once": solve("quadruped.tamp", "--minimise=makespan"),
     "terraces": solve("terraces.tamp"),
     "horizon": solve("climb.tamp", "-pn=4", "--horizon=2"),
     "stairs": Instance("run", "moving_stairs.tamp"),

@@ -9,7 +9,15 @@ from collections import Counter
 from pathlib import Path
 from random import Random
 
-from . import tampers_false, tampers_forces, tampers_form, tampers_motion, tampers_scene, tampers_story
+from . import (
+    tampers_at_once,
+    tampers_false,
+    tampers_forces,
+    tampers_form,
+    tampers_motion,
+    tampers_scene,
+    tampers_story,
+)
 from .checker import judge, read
 from .draft import Draft
 from .journal import Line, Record, Settings
@@ -21,8 +29,8 @@ SECONDS = 20.0
 """The budget of one verification; with what the issue allows beside it, 10 %."""
 ATTEMPTS = 40
 __all__ = [
-    "run", "tampered", "tampers_false", "tampers_forces", "tampers_form", "tampers_motion", "tampers_scene",
-    "tampers_story",
+    "run", "tampered", "tampers_at_once", "tampers_false", "tampers_forces", "tampers_form", "tampers_motion",
+    "tampers_scene", "tampers_story",
 ]
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
+from random import Random
 
 import msgspec
 import numpy as np
@@ -10,11 +12,50 @@ import pytest
 from msgspec.structs import replace
 
 from benchmarks.trust.checker import judge, read
-from tamplang.api import Plan, load, loads
+from benchmarks.trust.draft import Draft
+from benchmarks.trust.tampers_motion import crowded
+from tamplang.api import Plan, Result, load, loads
 from tamplang.runtime.plan import Plan as PlanRecord
+from tamplang.runtime.plan_files import PlanFileError, read_plan
 from tamplang.runtime.verify import verify
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+
+PRESS = """
+import std.crawler
+import std.rules
+motion [press A: gripper, X: object] { at switch gap(A, X) <= 20 mm at switch gap(A, X) >= 8 mm }
+predicate (pressed X: object)
+rule press(A: gripper, X: object) {
+    pre (free A), (reachable A X), not (pressed X)
+    post (pressed X), [press A X]
+}
+task two() {
+    object table: cylinder(0.3 m, 0.04 m) at (0, 0, 0.02 m)
+    for k in 1 .. 2 {
+        base stand[k]: box(0.3 m, 0.3 m, 0.05 m) at (0.65 m * cos(180 deg * k), 0, 0)
+        crawler c[k]: A on stand[k]
+    }
+    for i in 1 .. 2 {
+        object thing[i]: box(5 cm, 5 cm, 5 cm) on table at (-0.06 m, -0.36 m + 0.24 m * i)
+    }
+    goal forall i in 1 .. 2 { (pressed thing[i]) }
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def chosen() -> tuple[Result, list[Plan]]:
+    """Two arms that touch two things, and all plans on the way."""
+    met: list[Plan] = []
+    return loads(PRESS).solve(time=300, minimise="makespan", gap=0.3, found=met.append), met
+
+
+@pytest.fixture(scope="module")
+def pressed(chosen: tuple[Result, list[Plan]]) -> PlanRecord:
+    assert chosen[0].plan is not None
+    return chosen[0].plan.record
 
 
 @pytest.fixture(scope="module")
@@ -73,14 +114,44 @@ def test_a_spline_shifted_in_time_is_refused(mounted: PlanRecord) -> None:
     assert kinds(replace(mounted, splines=[shifted, *others])) & {"spline_rad", "joint_acceleration_rad_s2"}
 
 
-def test_phases_and_splines_of_two_formats_do_not_mix(mounted: PlanRecord, tmp_path: Path) -> None:
-    from tamplang.runtime.plan_files import PlanFileError, read_plan
-
-    text = text_of(mounted)
+@pytest.mark.parametrize("whole", [True, False])
+def test_phases_and_splines_of_two_formats_do_not_mix(mounted: PlanRecord, tmp_path: Path, whole: bool) -> None:
+    """A plan that says to be of the first format, or one of whose splines is of it."""
+    data = json.loads(text_of(mounted))
+    if whole:
+        data["format"] = "tamplang-plan/1"
+    else:
+        data["splines"][0]["phase"] = data["splines"][0].pop("from")
+        del data["splines"][0]["until"]
     file = tmp_path / "mixed.plan.json"
-    file.write_text(text.replace("tamplang-plan/2", "tamplang-plan/1", 1), encoding="utf-8")
-    with pytest.raises(PlanFileError):
+    file.write_text(json.dumps(data), encoding="utf-8")
+    with pytest.raises(PlanFileError, match="splines of another one"):
         read_plan(str(file))
+
+
+def test_two_robots_that_meet_between_samples_are_refused(pressed: PlanRecord) -> None:
+    """Both arms turn about their feet and back, ten times as slowly as the plan moves; samples are only where they are
+    not yet near each other, or not any more."""
+    draft = Draft(text_of(pressed), Random(0))
+    data = draft.data
+    data["times"] = [round(10.0 * t, 10) for t in data["times"]]
+    for phase in data["phases"]:
+        phase["start"], phase["end"] = (round(10.0 * phase[name], 10) for name in ("start", "end"))
+    for spline in data["splines"]:
+        spline["knots"] = [round(10.0 * t, 10) for t in spline["knots"]]
+    slow = verify(msgspec.json.decode(json.dumps(data), type=PlanRecord))
+    assert slow.verified
+    for module in ("c[1]", "c[2]"):
+        draft.bump(module, 0, 0, 0.8, 0.2, 0.8)
+    draft.derive(1)
+    crowded(draft, 0)
+    text = json.dumps(data)
+    verdict = verify(msgspec.json.decode(text, type=PlanRecord))
+    assert verdict.failures and {f.kind for f in verdict.failures} == {"penetration_m"}
+    assert all({name[:4] for name in f.between} == {"c[1]", "c[2]"} for f in verdict.failures)
+    stored = np.array(data["times"])
+    assert all(f.time is not None and np.abs(stored - f.time).min() > 0.1 for f in verdict.failures)
+    assert judge(read(text))
 
 
 def test_the_same_seed_gives_the_same_plan(mounted: PlanRecord) -> None:
@@ -109,34 +180,10 @@ def test_the_report_tells_what_moves_at_once_and_who_waits(mounted: PlanRecord, 
     assert "block thin critical" in text and "waits: " in text and "makespan: " in text
 
 
-PRESS = """
-import std.crawler
-import std.rules
-motion [press A: gripper, X: object] { at switch gap(A, X) <= 20 mm at switch gap(A, X) >= 8 mm }
-predicate (pressed X: object)
-rule press(A: gripper, X: object) {
-    pre (free A), (reachable A X), not (pressed X)
-    post (pressed X), [press A X]
-}
-task two() {
-    object table: cylinder(0.3 m, 0.04 m) at (0, 0, 0.02 m)
-    for k in 1 .. 2 {
-        base stand[k]: box(0.3 m, 0.3 m, 0.05 m) at (0.65 m * cos(180 deg * k), 0, 0)
-        crawler c[k]: A on stand[k]
-    }
-    for i in 1 .. 2 {
-        object thing[i]: box(5 cm, 5 cm, 5 cm) on table at (-0.06 m, -0.36 m + 0.24 m * i)
-    }
-    goal forall i in 1 .. 2 { (pressed thing[i]) }
-}
-"""
-
-
-def test_the_planner_chooses_who_does_what() -> None:
+def test_the_planner_chooses_who_does_what(chosen: tuple[Result, list[Plan]]) -> None:
     """Both things are nearer to one arm, which the cheapest plan of least strain takes for both; all others are tried
     that may be better by more than the gap."""
-    met: list[Plan] = []
-    result = loads(PRESS).solve(time=300, minimise="makespan", gap=0.3, found=met.append)
+    result, met = chosen
     assert result.plan is not None and len(result.plans) == 1
     assert {action.split("[")[1][0] for action in result.actions} == {"1", "2"}
     told = result.plan.record.statistics.objective
