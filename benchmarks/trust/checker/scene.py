@@ -16,7 +16,8 @@ from tamplang.compiler.pipeline import compile_sources
 from tamplang.langs import syntax
 from tamplang.langs.source import Source
 
-UNITS = {"int": "", "real": "", "length": " m", "angle": " rad", "time": " s", "speed": " m/s"}
+UNITS = {"int": "", "real": "", "length": " m", "angle": " rad", "time": " s", "speed": " m/s", "mass": " kg",
+         "density": " kg/m^3", "force": " N", "torque": " N m", "inertia": " kg m^2"}
 SAME = 1e-6
 
 

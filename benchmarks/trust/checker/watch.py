@@ -11,9 +11,10 @@ import numpy as np
 
 from tamplang.compiler import ir
 
+from .forces import overloads, total
 from .frames import apart, frames_of, inverse
 from .motion import Keep, Moving, Recording, moving
-from .rows import View, excess, functions, is_length, value, volume
+from .rows import View, excess, functions, is_length, value
 from .touch import Part, neighbours, overlaps, parts_of
 
 Wrong = tuple[str, str, float, float]
@@ -40,7 +41,8 @@ def watch(problem: ir.Problem, plan: dict[str, Any], recording: Recording) -> It
         yield from _samples(recording, number, motion, gone, where)
         yield from _joints(recording, plan, number, motion, gone)
         yield from _kept(motion, held, where)
-        view = View(motion.frame, recording.solid, partial(_weight, recording, motion))
+        yield from overloads(problem, plan, number, motion, held, mode)
+        view = View(motion.frame, recording.solid, partial(_weight, problem, motion))
         others = yield from _held_rows(problem, mode, fresh, others, view, motion, where)
         parts = list(_parts(recording, motion, gone))
         for at, pair, depth in overlaps(parts, skipped, 1e-3):
@@ -225,7 +227,7 @@ def _switch(problem: ir.Problem, recording: Recording, number: int, phase: dict[
         still.frames[name] = stored(name)
         still.parts[name] = chain.frames(recording.joints[name][sample : sample + 1])
     still.frames |= {name: stored(name) for name in recording.bodies}
-    view = View(stored, recording.solid, lambda name: _weight(recording, still, name))
+    view = View(stored, recording.solid, lambda name: _weight(problem, still, name))
     for literal in phase["added"]:
         fact = (literal["predicate"], *literal["args"])
         predicate = problem.motions[fact[0]]
@@ -242,18 +244,9 @@ def _switch(problem: ir.Problem, recording: Recording, number: int, phase: dict[
                 yield "position_m", f"[{' '.join(fact)}] at the end of phase {number}", over, limit
 
 
-def _weight(recording: Recording, motion: Moving, name: str) -> tuple[float, Any]:
-    """Mass in kilograms at the density of water, and centre of mass (T, 3), of a body or of a whole module."""
-    if name in recording.bodies:
-        solid = recording.solid(name)
-        return 1000 * (0.0 if solid is None else volume(solid)), motion.frames[name][:, :3, 3]
-    module = name if name in recording.modules else name.rpartition(".")[0]
-    total, sum_ = 0.0, np.zeros((len(motion.frames[module]), 3))
-    for _, joint, at, solid in parts_of(recording.chains[module]):
-        mass = 1000 * volume(solid)
-        total += mass
-        sum_ += mass * (motion.frames[module] @ motion.parts[module][joint] @ at)[:, :3, 3]
-    return total, sum_ / max(total, 1e-12)
+def _weight(problem: ir.Problem, motion: Moving, name: str) -> tuple[float, Any]:
+    """Mass in kilograms and centre of mass (T, 3) of a body or of a whole module."""
+    return total(problem, motion, name if name in motion.frames else name.rpartition(".")[0])
 
 
 def _parts(recording: Recording, motion: Moving, gone: set[str]) -> Iterator[Part]:
