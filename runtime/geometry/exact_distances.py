@@ -53,13 +53,24 @@ class Forms:
         self.kind = np.full(len(shapes), HULL, dtype=np.intp)
         self.half = np.zeros((len(shapes), 3))
         self.radius = np.zeros(len(shapes))
-        self.reach = np.array([bounding_radius(s) for s in shapes])
+        self.reach = np.array([bounding_radius(s) for s in shapes], dtype=float)
         for k, shape in enumerate(shapes):
             if shape.kind == ShapeKind.BOX:
                 self.kind[k], self.half[k] = BOX, [s / 2 for s in shape.size]
             elif shape.kind in (ShapeKind.SPHERE, ShapeKind.CAPSULE):
                 self.kind[k], self.radius[k] = ROUND, shape.size[0]
                 self.half[k, 2] = shape.size[1] / 2 if shape.kind == ShapeKind.CAPSULE else 0.0
+
+    def __len__(self) -> int:
+        return len(self.shapes)
+
+    def joined(self, other: Forms) -> Forms:
+        """These, then the others."""
+        both = Forms(())
+        both.shapes = [*self.shapes, *other.shapes]
+        both.kind, both.half = np.concatenate([self.kind, other.kind]), np.concatenate([self.half, other.half])
+        both.radius, both.reach = np.concatenate([self.radius, other.radius]), np.concatenate([self.reach, other.reach])
+        return both
 
 
 @dataclass(frozen=True, slots=True)

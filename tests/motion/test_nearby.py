@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tamplang.runtime.planner.motion.collision.broad_phase import NO_PAIRS, Blocks, Pairs
+from tamplang.runtime.planner.motion.collision.broad_phase import NO_PAIRS, Blocks, Pairs, Wanted
 from tamplang.runtime.skeleton import Array
 
 NEAR = 0.3
@@ -33,7 +33,8 @@ def test_all_pairs_that_are_near_are_found_in_order(mine: list[int], others: lis
     margins[0, 2], margins[1, 3] = -np.inf, 0.2
     least = random.uniform(0.0, 0.05, (4, 4))
     blocks = Blocks()
-    blocks.grid(7, a, b, np.stack([margins, least], axis=-1))
+    special = {(i, j): (margins[i, j], least[i, j]) for i in range(len(margins)) for j in range(len(margins))}
+    blocks.grid(7, a, b, Wanted(0.0, special))
     found = blocks.near((points, points), (other_points, other_points), NEAR)
 
     owner, other_owner = np.repeat(a[:, 2], a[:, 1]), np.repeat(b[:, 2], b[:, 1])
@@ -56,7 +57,7 @@ def test_what_is_far_is_left_out_and_what_took_part_stays() -> None:
     runs = np.array([(0, 2, 0), (2, 1, 1)])
     blocks = Blocks()
     blocks.pairs(0, np.array([(0, 1, 0)]), np.array([(1, 1, 0)]), np.zeros((1, 2)))
-    blocks.grid(0, runs, np.array([(3, 1, 1)]), np.zeros((2, 2, 2)))
+    blocks.grid(0, runs, np.array([(3, 1, 1)]), Wanted(0.0, {}))
     close = np.zeros((4, 3))
     far = np.array([[0.0, 0, 0], [9.0, 0, 0], [20.0, 0, 0], [20.1, 0, 0]])
     every = blocks.near((close, close), (close, close), NEAR)
@@ -68,3 +69,23 @@ def test_what_is_far_is_left_out_and_what_took_part_stays() -> None:
     assert kept.tolist() == [True, False, False, True]
     none: Pairs = NO_PAIRS
     assert not len(none.joined(NO_PAIRS)[0].places)
+
+
+def test_of_many_things_the_same_pairs_are_found_as_of_few() -> None:
+    random = np.random.default_rng(0)
+    parts, _ = _runs([2, 3], 0)
+    things = np.array([(k, 1, 2 + k) for k in range(600)])
+    points = random.uniform(-1, 1, (5, 3))
+    others = random.uniform(-4, 4, (600, 3))
+    wanted = Wanted(0.05, {(0, 2): (0.5, 0.1), (2, 0): (0.5, 0.1), (1, 5): (-np.inf, 0.0), (5, 1): (-np.inf, 0.0)})
+    many, few = Blocks(), Blocks()
+    many.grid(3, parts, things, wanted)
+    for k in range(0, 600, 150):
+        few.grid(3, parts, things[k : k + 150], wanted)
+    assert len(many) >= len(few)
+    pairs = [blocks.near((points, points), (others, others), 1.0) for blocks in (many, few)]
+    told = [{(i, k, w, m, *tag) for i, k, w, m, tag in zip(
+        p.first.tolist(), p.second.tolist(), p.wanted.tolist(), p.least.tolist(), p.tags.tolist(), strict=True
+    )} for p in pairs]  # fmt: skip
+    assert told[0] == told[1] and len(told[0]) > 20
+    assert pairs[0].places.tolist() == sorted(pairs[0].places.tolist())

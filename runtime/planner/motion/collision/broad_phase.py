@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
 from .....langs.frozen import dataclass
 from ....skeleton import Array
 from ..nlp.unknowns import Indices
+from .settings import COLLISION
 
 SLACK = 1e-6
 """Metres by which boxes may be wrong."""
@@ -49,6 +52,43 @@ class Pairs:
         return both, at < len(self.places)
 
 
+class Wanted:
+    """The margins of two things by their owners, in metres, wished and least: `usual` and 0, or what `special` says."""
+
+    def __init__(self, usual: float, special: Mapping[tuple[int, int], tuple[float, float]]) -> None:
+        self.usual = usual
+        self.most = max((wished for wished, _ in special.values()), default=usual)
+        self.most = max(self.most, usual)
+        pairs = np.array(sorted(special), dtype=np.int64).reshape(-1, 2)
+        self._width = int(pairs.max(initial=0)) + 1
+        self._codes = pairs[:, 0] * self._width + pairs[:, 1]
+        self._margins = np.array([special[key] for key in sorted(special)]).reshape(-1, 2)
+
+    def __getitem__(self, owners: tuple[Indices, Indices]) -> Array:
+        """`(K, 2)` of pairs of owners `(K,)`; -inf where they may touch."""
+        one, other = owners
+        result = np.zeros((len(one), 2))
+        result[:, 0] = self.usual
+        known = np.flatnonzero((one < self._width) & (other < self._width)) if len(self._codes) else []
+        if len(known):
+            codes = one[known] * self._width + other[known]
+            at = np.minimum(np.searchsorted(self._codes, codes), len(self._codes) - 1)
+            same = self._codes[at] == codes
+            result[known[same]] = self._margins[at[same]]
+        return result
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """Every run of `first` against every one of `second`, in a phase; the places of their pairs begin at `place`."""
+
+    place: int
+    phase: int
+    first: Runs
+    second: Runs
+    margins: Wanted
+
+
 NO_PAIRS = Pairs(
     np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0),
     np.zeros((0, 3), dtype=np.int64), np.zeros(0),
@@ -60,37 +100,33 @@ class Blocks:
 
     def __init__(self) -> None:
         self._size = 0
+        self._large: list[Grid] = []
         self._rows = [np.zeros((0, 9), dtype=np.int64)]
         self._margins = [np.zeros((0, 2))]
         self._finished: tuple[Indices, Array] | None = None
         self._runs: list[tuple[Indices, Indices]] = []
 
     def __len__(self) -> int:
-        return sum(map(len, self._margins))
+        return sum(map(len, self._margins)) + sum(len(grid.first) * len(grid.second) for grid in self._large)
 
-    def grid(self, phase: int, first: Runs, second: Runs, margins: Array) -> None:
-        """Every run of `first` against every one of `second`, kept apart as `margins` `(owners, owners, 2)` says: the
-        distance wanted, or -inf where they may touch, and the least one."""
-        each, every = np.repeat(np.arange(len(first)), len(second)), np.tile(np.arange(len(second)), len(first))
-        width = int(second[:, 1].sum())
-        place = _before(first)[each] * width + _before(second)[every]
-        owners = first[each, 2], second[every, 2]
-        self._add(phase, first[each], second[every], place, width, margins[owners])
-        self._size += int(first[:, 1].sum()) * width
+    def grid(self, phase: int, first: Runs, second: Runs, margins: Wanted) -> None:
+        """Every run of `first` against every one of `second`, kept apart as `margins` says of their owners. Of many
+        only those are looked at that are near all of `first`."""
+        grid = Grid(self._size, phase, first, second, margins)
+        if len(second) > COLLISION.listed_runs:
+            self._large.append(grid)
+        else:
+            self._keep(*_rows_of(grid, np.arange(len(second))))
+        self._size += int(first[:, 1].sum()) * int(second[:, 1].sum())
 
     def pairs(self, phase: int, first: Runs, second: Runs, margins: Array) -> None:
         """Each run of `first`, a single thing, against the same one of `second`; `margins` `(K, 2)` as for grids."""
-        self._add(phase, first, second, np.arange(len(first)), 1, margins)
+        self._keep(*_rows(phase, first, second, self._size + np.arange(len(first)), 1, margins))
         self._size += len(first)
 
-    def _add(self, phase: int, first: Runs, second: Runs, place: Indices, width: int, margins: Array) -> None:
-        kept = np.isfinite(margins[:, 0])
-        rows = np.empty((len(place), 9), dtype=np.int64)
-        rows[:, 0], rows[:, 1] = self._size + place, width
-        rows[:, 2:4], rows[:, 4:6] = first[:, :2], second[:, :2]
-        rows[:, 6], rows[:, 7], rows[:, 8] = phase, first[:, 2], second[:, 2]
-        self._rows.append(rows[kept])
-        self._margins.append(margins[kept])
+    def _keep(self, rows: Indices, margins: Array) -> None:
+        self._rows.append(rows)
+        self._margins.append(margins)
         self._finished = None
 
     def _tables(self) -> tuple[Indices, Array]:
@@ -103,15 +139,52 @@ class Blocks:
         """All pairs of the blocks whose parts' boxes are closer than `near` beyond the distance to keep, by the edges
         of all things that `first` and `second` number."""
         rows, margins = self._tables()
+        sides = self._runs
+        if self._large:
+            found = [_rows_of(grid, _close(grid, first, second, near)) for grid in self._large]
+            rows = np.concatenate([rows, *(some for some, _ in found)])
+            margins = np.concatenate([margins, *(some for _, some in found)])
+            sides = [_distinct(rows[:, at : at + 2]) for at in (2, 4)]
         if not len(rows):
             return NO_PAIRS
         (low, high), (other_low, other_high) = (
             tuple(side[which] for side in _around(edges, runs))
-            for edges, (runs, which) in zip((first, second), self._runs, strict=True)
+            for edges, (runs, which) in zip((first, second), sides, strict=True)
         )
         apart = np.maximum(np.maximum(low - other_high, other_low - high), 0.0)
         chosen = np.flatnonzero(np.einsum("ij,ij->i", apart, apart) <= (near + margins[:, 0] + SLACK) ** 2)
         return _expanded(rows[chosen], margins[chosen])
+
+
+def _rows_of(grid: Grid, chosen: Indices) -> tuple[Indices, Array]:
+    """The blocks of a grid with the `chosen` ones of its second runs, and their margins."""
+    first, second = grid.first, grid.second
+    each, every = np.repeat(np.arange(len(first)), len(chosen)), np.tile(chosen, len(first))
+    width = int(second[:, 1].sum())
+    place = grid.place + _before(first)[each] * width + _before(second)[every]
+    margins = grid.margins[first[each, 2], second[every, 2]]
+    return _rows(grid.phase, first[each], second[every], place, width, margins)
+
+
+def _rows(
+    phase: int, first: Runs, second: Runs, place: Indices, width: int, margins: Array
+) -> tuple[Indices, Array]:
+    """Blocks of runs that may not touch, and their margins."""
+    kept = np.isfinite(margins[:, 0])
+    rows = np.empty((len(place), 9), dtype=np.int64)
+    rows[:, 0], rows[:, 1] = place, width
+    rows[:, 2:4], rows[:, 4:6] = first[:, :2], second[:, :2]
+    rows[:, 6], rows[:, 7], rows[:, 8] = phase, first[:, 2], second[:, 2]
+    return rows[kept], margins[kept]
+
+
+def _close(grid: Grid, first: Edges, second: Edges, near: float) -> Indices:
+    """Those of the second runs of a grid that are near the box around all of the first ones."""
+    low, high = _around(first, grid.first)
+    other_low, other_high = _around(second, grid.second)
+    far = near + grid.margins.most + SLACK
+    inside = (other_low <= high.max(axis=0) + far) & (other_high >= low.min(axis=0) - far)
+    return np.flatnonzero(inside.all(axis=1))
 
 
 def _before(runs: Runs) -> Indices:

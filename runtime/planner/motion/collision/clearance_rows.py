@@ -12,46 +12,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from .....compiler.extents import box_sides
-from .....compiler.ir import Body, Shape
-from .....compiler.motion.collision import pose_matrix
 from ....geometry.exact_distances import Distances, Forms, Posed, distances
 from ....skeleton import Array
 from ..nlp.row_groups import Chosen, RowLabel
 from ..nlp.unknowns import Indices
 from .broad_phase import NO_PAIRS, Blocks, Edges, Pairs
+from .obstacles import Obstacles
 from .part_frames import Cloud
 from .settings import COLLISION
-
-
-class Obstacles:
-    """The bodies at rest, numbered."""
-
-    def __init__(self) -> None:
-        self._shapes: list[Shape] = []
-        self._matrices: list[Array] = []
-        self._of: dict[tuple[str, int], int] = {}
-
-    def add(self, body: Body, place: int, pose: Array) -> Indices:
-        """The numbers of the parts of a body that rests at `pose`, which `place` stands for."""
-        if (body.name, place) not in self._of:
-            self._of[body.name, place] = len(self._shapes)
-            for part in body.shape.solids:
-                self._shapes.append(part.shape)
-                self._matrices.append(pose_matrix(pose) @ pose_matrix(part.placement))
-        return np.asarray(self._of[body.name, place] + np.arange(len(body.shape.solids)))
-
-    def posed(self) -> Posed:
-        """All of them."""
-        matrices = np.array(self._matrices).reshape(-1, 4, 4)
-        return Posed(Forms(self._shapes), np.arange(len(matrices)), matrices[:, :3, 3], matrices[:, :3, :3])
-
-    def edges(self) -> Edges:
-        """Least and greatest coordinates of all of them."""
-        posed = self.posed()
-        half = np.array([box_sides(s) for s in self._shapes]).reshape(-1, 3) / 2
-        around = np.einsum("bij,bj->bi", np.abs(posed.rotation), half)
-        return posed.position - around, posed.position + around
 
 
 class Ruler:
@@ -79,15 +47,18 @@ class Ruler:
     def measure(self, z: Array, pairs: Sequence[Pairs], among: Sequence[bool], beyond: float = 0.0) -> Distances:
         """The distances of pairs, `among` parts or of parts and what rests, one after the other; lower bounds of what
         is more than `beyond` metres farther apart than it wishes."""
-        cloud, count = self.cloud.posed(z), self.cloud.count
-        if self._forms is None or len(self._forms.shapes) < count + len(self.rest.form):
-            self._forms = Forms([*cloud.forms.shapes, *self.rest.forms.shapes])
-        position = np.concatenate([cloud.position, self.rest.position])
-        rotation = np.concatenate([cloud.rotation, self.rest.rotation])
-        every = Posed(self._forms, np.arange(len(position)), position, rotation)
+        cloud, rest = self.cloud.posed(z), self.rest
+        if self._forms is None or len(self._forms) < len(cloud.forms) + len(rest.forms):
+            self._forms = cloud.forms.joined(rest.forms)
         first = np.concatenate([p.first for p in pairs])
-        second = np.concatenate([p.second + (0 if own else count) for p, own in zip(pairs, among, strict=True)])
-        return distances(every[first], every[second], np.concatenate([p.wanted for p in pairs]) + beyond)
+        second = [(cloud if own else rest)[p.second] for p, own in zip(pairs, among, strict=True)]
+        forms = [p.form + (0 if own else len(cloud.forms)) for p, own in zip(second, among, strict=True)]
+        one = Posed(self._forms, cloud.form[first], cloud.position[first], cloud.rotation[first])
+        other = Posed(
+            self._forms, np.concatenate(forms), np.concatenate([p.position for p in second]),
+            np.concatenate([p.rotation for p in second]),
+        )  # fmt: skip
+        return distances(one, other, np.concatenate([p.wanted for p in pairs]) + beyond)
 
 
 class Clearances:

@@ -13,11 +13,12 @@ from .....compiler.module_parts import own_pairs
 from .....compiler.motion.collision import Pair
 from .....compiler.part_names import part_names
 from .....langs.frozen import dataclass
-from ....skeleton import Array, Breach
+from ....skeleton import Breach
 from ..nlp.row_groups import RowGroup, RowLabel
 from ..nlp.unknowns import Indices, UnknownsLayout
-from .broad_phase import Blocks, Runs
-from .clearance_rows import ClearanceGroup, Clearances, Obstacles, Ruler, WishGroup
+from .broad_phase import Blocks, Runs, Wanted
+from .clearance_rows import ClearanceGroup, Clearances, Ruler, WishGroup
+from .obstacles import Obstacles, fixed_obstacles
 from .part_frames import Cloud
 
 
@@ -73,8 +74,15 @@ class Collisions:
         self.problem = problem
         self.layout = layout
         self.cloud = Cloud(problem, layout)
-        self.obstacles = Obstacles()
+        self.obstacles = Obstacles(fixed_obstacles(problem.world, layout.resting))
         self._labels = Labels()
+        self._fixed: list[tuple[int, int, int]] = []
+        for name, count in self.obstacles.fixed.parts.items():
+            label = self._labels.take_in(name, [name] * count, False)
+            first = len(self._fixed)
+            self._fixed += [(first + k, 1, label + k) for k in range(count)]
+        self._solid = problem.world.modules.keys() | {b.name for b in problem.world.solids}
+        self._loose = [b for b in problem.world.bodies if b in self._solid and b not in layout.resting]
         self._against_rest = Blocks()
         self._among_parts = Blocks()
         self._scenes: dict[tuple[tuple[str, int], ...], Runs] = {}
@@ -83,15 +91,14 @@ class Collisions:
     def add_slice(self, slice_: int, phase: int, margins: Margins, before: int | None = None) -> None:
         """Keep what moves in a slice clear. Slots that are those of slice `before` have been looked at there."""
         layout, world = self.layout, self.problem.world
-        solid = world.modules.keys() | {b.name for b in world.solids}
-        names = [n for n in layout.names if n in solid and (n in world.modules or layout.is_unknown(slice_, n))]
+        names = [n for n in layout.names if n in self._solid and (n in world.modules or layout.is_unknown(slice_, n))]
         fresh = [
             n for n in names
             if layout.is_unknown(slice_, n)
             and (before is None or layout.slices[before][n] != layout.slices[slice_][n])
         ]  # fmt: skip
         offsets, taken = layout.slices[slice_], frozenset(names)
-        scene = self._scene(tuple((b, offsets.get(b, -1)) for b in world.bodies if b in solid - taken))
+        scene = self._scene(tuple((b, offsets[b]) for b in self._loose if b not in taken))
         runs = {name: self._runs(slice_, name) for name in names}
         wanted = self._wanted(margins)
         for name in fresh:
@@ -116,32 +123,31 @@ class Collisions:
         return self._labels.take_in(name, objects, name in self.problem.world.modules)
 
     def _scene(self, bodies: tuple[tuple[str, int], ...]) -> Runs:
-        """The bodies that rest at known places, by their names and places in z (-1: those that never move)."""
+        """The bodies that never move, and those that rest at known places, by their names and places in z."""
         if bodies not in self._scenes:
-            found = []
+            found = list(self._fixed)
             for name, place in bodies:
-                pose = self.layout.resting[name] if place < 0 else self.layout.constants[place : place + 7]
+                pose = self.layout.constants[place : place + 7]
                 numbers, label = self.obstacles.add(self.problem.world.bodies[name], place, pose), self._label(name)
-                found += [(number, 1, label + k) for k, number in enumerate(numbers.tolist())]
+                found += [(number, 1, label + k) for k, number in enumerate(numbers)]
             self._scenes[bodies] = np.array(found, dtype=np.int64).reshape(-1, 3)
         return self._scenes[bodies]
 
-    def _wanted(self, margins: Margins) -> Array:
-        """The margins `(labels, labels, 2)`, wished and least, of two parts; -inf where they may touch."""
-        count = len(self._labels.names)
-        result = np.zeros((count, count, 2))
-        wanted = result[..., 0]
-        wanted[...] = margins.usual
+    def _wanted(self, margins: Margins) -> Wanted:
+        """The margins of two parts; -inf where they may touch."""
+        found: dict[tuple[int, int], tuple[float, float]] = {}
+        usual = margins.usual, 0.0
         for one, other in sorted(margins.touching):
             for a in self._next_to(one):
                 for b in self._next_to(other):
-                    wanted[a, b] = wanted[b, a] = 0.0
+                    found[a, b] = found[b, a] = 0.0, 0.0
         for (one, other), margin in margins.special.items():
+            least = margins.least.get((one, other), 0.0)
             for a in self._labels.of.get(one, ()):
                 for b in self._labels.of.get(other, ()):
-                    wanted[a, b] = wanted[b, a] = -np.inf if margin is None else min(margin, wanted[a, b])
-                    result[a, b, 1] = result[b, a, 1] = margins.least.get((one, other), 0.0)
-        return result
+                    wished = -np.inf if margin is None else min(margin, found.get((a, b), usual)[0])
+                    found[a, b] = found[b, a] = wished, least
+        return Wanted(margins.usual, found)
 
     def _next_to(self, name: str) -> list[int]:
         """The labels of the parts at most one joint away from an effector; of a body its own."""
@@ -157,7 +163,7 @@ class Collisions:
             ]  # fmt: skip
         return self._close[name]
 
-    def _within(self, phase: int, name: str, runs: Runs, wanted: Array) -> None:
+    def _within(self, phase: int, name: str, runs: Runs, wanted: Wanted) -> None:
         """The parts of one module that can meet; they wish no more than they have at home."""
         pairs = own_pairs(self.problem.world.modules[name].type)
         if pairs:

@@ -15,6 +15,12 @@ class CollisionSettings:
         0.3, "m",
         "Pairs closer than this at the start of a solve take part in it; the others are looked at afterwards.",
     )
+    listed_runs: int = setting(
+        256, "bodies",
+        "Up to so many things beside one robot each pair of a part and a thing is listed once for a program; of more, "
+        "those near the robot are picked out each time.",
+        "picking takes some 50 us, which more than 5 robots times 256 listed pairs take",
+    )
     broken: float = setting(1e-4, "m", "By how much a pair that was left out overlaps and is told.")
     anchor_arm: float = setting(
         0.1, "m",
