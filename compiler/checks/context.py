@@ -12,6 +12,7 @@ from .. import ir
 from ..library import VALUE_TYPE_NAMES, Library, Signature
 from .findings import Findings
 from .names import Scope, Typed
+from .repeated_values import Repeated
 
 
 @dataclass(slots=True)
@@ -33,6 +34,7 @@ class Context:
     open_defaults: list[Span] = field(default_factory=list)
     expands: bool = True
     rounds: int = 0
+    repeated: Repeated = field(default_factory=Repeated)
 
     def object_type(self, node: syntax.Type) -> str | None:
         """The name of a declared object type, or None after reporting that there is none."""

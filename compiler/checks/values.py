@@ -23,9 +23,14 @@ def number(
     """The value in SI, or None where it is not known yet or wrong."""
     if term is None:
         return None
+    value = context.repeated.value(term, scope.entries)
+    if value is not None and abs(value) <= LONGEST:
+        return value
     typed = context.check_term(context, scope, term)
     if not expect_kind(context, typed, kind, term, what, lenient) or not typed.kind.known:
         return None
+    if typed.value is not None:
+        context.repeated.checked(term)
     if kind == LENGTH and typed.value is not None and abs(typed.value) > LONGEST:
         context.findings.report("E0009", term.span, f"{what} is more than {LONGEST:g} m")
         return None

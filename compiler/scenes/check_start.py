@@ -158,17 +158,25 @@ def bounds(shape: ir.Shape, pose: ir.Pose) -> Box:
 
 
 def candidates(found: list[Volume]) -> Iterator[tuple[Volume, Volume]]:
-    """Pairs whose boxes overlap by more than the tolerance, by a sweep along x."""
-    ordered = sorted(found, key=lambda v: v.bounds[0])
+    """Pairs whose boxes overlap by more than the tolerance, by a sweep along the axis on which least of them share
+    places: the sum of their widths is the smallest part of what they cover."""
+
+    def crowd(axis: int) -> float:
+        low, high = min(v.bounds[axis] for v in found), max(v.bounds[axis + 3] for v in found)
+        return sum(v.bounds[axis + 3] - v.bounds[axis] for v in found) / max(high - low, TOLERANCE)
+
+    along = min(range(3), key=crowd) if found else 0
+    first, second = (k for k in range(3) if k != along)
+    ordered = sorted(found, key=lambda v: v.bounds[along])
     active: list[Volume] = []
     for volume in ordered:
         low = volume.bounds
-        active = [a for a in active if a.bounds[3] - low[0] > TOLERANCE]
+        active = [a for a in active if a.bounds[along + 3] - low[along] > TOLERANCE]
         for other in active:
             high = other.bounds
             if (
-                min(high[4], low[4]) - max(high[1], low[1]) > TOLERANCE
-                and min(high[5], low[5]) - max(high[2], low[2]) > TOLERANCE
+                min(high[first + 3], low[first + 3]) - max(high[first], low[first]) > TOLERANCE
+                and min(high[second + 3], low[second + 3]) - max(high[second], low[second]) > TOLERANCE
             ):
                 yield other, volume
         active.append(volume)

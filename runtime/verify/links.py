@@ -6,7 +6,7 @@ from the holds found here; `docs/plan-format.md` gives the rule, so that every c
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -60,30 +60,28 @@ def links_of(
     """The links of every phase, whose relative poses are those of its first sample. A frame counts as resting on the
     samples that moves by less than `still` metres and radians."""
     known: dict[frozenset[ir.Fact], tuple[tuple[str, str], ...]] = {}
+    fixed = {b.name: Hold(b.name, b.name, "", frames(b.pose)) for b in problem.world.bodies.values() if not b.movable}
     found = []
     for index, mode in enumerate(list(modes)[: len(motion.ranges)]):
         facts = frozenset(mode)
         if facts not in known:
             known[facts] = tuple(kept(problem, facts))
-        found.append(_Linker(problem, known[facts], motion, index, happenings.free[index], still).links())
+        found.append(_Linker(problem, fixed, known[facts], motion, index, happenings.free[index], still).links())
     return found
 
 
 class _Linker:
     def __init__(
-        self, problem: ir.Problem, pairs: tuple[tuple[str, str], ...], motion: Motion, phase: int,
-        free: frozenset[str], still: float,
+        self, problem: ir.Problem, fixed: Mapping[str, Hold], pairs: tuple[tuple[str, str], ...], motion: Motion,
+        phase: int, free: frozenset[str], still: float,
     ) -> None:  # fmt: skip
+        """`fixed` are the holds of the bodies that never move."""
         self._problem, self._motion, self._still = problem, motion, still
         self._first, self._last = motion.ranges[phase]
         self._pairs = pairs
-        self._known = set(free)
-        self._holds: dict[str, Hold] = {}
+        self._holds = {name: hold for name, hold in fixed.items() if name not in free}
+        self._known = {*free, *self._holds}
         self._rests: list[Rest] = []
-        for name, body in problem.world.bodies.items():
-            if not body.movable and name not in free:
-                self._holds[name] = Hold(name, name, "", frames(body.pose))
-                self._known.add(name)
 
     def links(self) -> Links:
         """Everything in the world, by the first of these that says where it is: a fixed body, a course, a kept pose,

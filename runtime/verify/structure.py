@@ -3,6 +3,7 @@ relies on it, so a plan that fails here is not measured further."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import field
 from itertools import chain
@@ -97,7 +98,7 @@ def check_structure(plan: Plan, findings: Findings) -> Samples | None:
 
 
 def _repeated(names: Sequence[str]) -> list[str]:
-    return sorted({n for n in names if names.count(n) > 1})
+    return sorted(name for name, count in Counter(names).items() if count > 1)
 
 
 def _numbers(rows: Rows, width: int) -> bool:

@@ -57,8 +57,7 @@ class Wanted:
 
     def __init__(self, usual: float, special: Mapping[tuple[int, int], tuple[float, float]]) -> None:
         self.usual = usual
-        self.most = max((wished for wished, _ in special.values()), default=usual)
-        self.most = max(self.most, usual)
+        self.most = max([usual, *(wished for wished, _ in special.values())])
         pairs = np.array(sorted(special), dtype=np.int64).reshape(-1, 2)
         self._width = int(pairs.max(initial=0)) + 1
         self._codes = pairs[:, 0] * self._width + pairs[:, 1]
@@ -69,8 +68,8 @@ class Wanted:
         one, other = owners
         result = np.zeros((len(one), 2))
         result[:, 0] = self.usual
-        known = np.flatnonzero((one < self._width) & (other < self._width)) if len(self._codes) else []
-        if len(known):
+        known = np.flatnonzero((one < self._width) & (other < self._width))
+        if len(known) and len(self._codes):
             codes = one[known] * self._width + other[known]
             at = np.minimum(np.searchsorted(self._codes, codes), len(self._codes) - 1)
             same = self._codes[at] == codes

@@ -13,7 +13,7 @@ from .....compiler.module_parts import own_pairs
 from .....compiler.motion.collision import Pair
 from .....compiler.part_names import part_names
 from .....langs.frozen import dataclass
-from ....skeleton import Breach
+from ....skeleton import Array, Breach
 from ..nlp.row_groups import RowGroup, RowLabel
 from ..nlp.unknowns import Indices, UnknownsLayout
 from .broad_phase import Blocks, Runs, Wanted

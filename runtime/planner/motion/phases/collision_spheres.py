@@ -262,9 +262,11 @@ def obstacles_near(tree: PhaseTree, lineage: Lineage, balls: tuple[Ball, ...], m
     for k, length in zip(moving, lengths.tolist(), strict=True):
         root = lineage.root[balls[k].node]
         reach[root] = max(reach.get(root, 0.0), length + balls[k].radius + tree.slides[root])
-    found = []
-    for o in tree.obstacles:
-        near = (shape_distance(o.shape, o.pose, tree.before[r][:3, 3]) <= d + margin for r, d in reach.items())
-        if any(near):
-            found.append(o)
-    return found
+    centres = np.array([o.pose[:3, 3] for o in tree.obstacles]).reshape(-1, 3)
+    around = np.array([bounding_radius(o.shape) for o in tree.obstacles])
+    near = np.zeros(len(around), dtype=bool)
+    for root, length in reach.items():
+        at = tree.before[root][:3, 3]
+        for k in np.flatnonzero(~near & (np.linalg.norm(centres - at, axis=1) - around <= length + margin)).tolist():
+            near[k] = shape_distance(tree.obstacles[k].shape, tree.obstacles[k].pose, at) <= length + margin
+    return [o for o, close in zip(tree.obstacles, near.tolist(), strict=True) if close]
