@@ -9,16 +9,17 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
 from ....compiler.ir import Fact, Problem
-from ....compiler.physics.frames import GRAVITY, node_weights, poses
+from ....compiler.physics.frames import GRAVITY, STILL, node_weights, poses
 from ....compiler.physics.masses import body_mass
 from ....compiler.physics.records import CONTACTS
 from ....compiler.physics.safety import safety_of
 from ....compiler.physics.statics import Load, loads
-from ....compiler.physics.structure import Edge, Structure, stated_at, structure
+from ....compiler.physics.structure import Edge, Node, Structure, stated_at, structure
 from ...geometry.attachments import next_mode
 from ...geometry.splines import spline_weights
 from ...skeleton import Array, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
@@ -51,19 +52,31 @@ def _violations(problem: Problem, found: Sequence[Load], phase: int, moments: Se
 
 def exceeded(
     problem: Problem, mode: frozenset[Fact], modules: Mapping[str, Array], bodies: Mapping[str, Array], phase: int,
-    moments: Sequence[str],
+    moments: Sequence[str], moved: frozenset[Node] = frozenset(),
 ) -> list[Violation]:  # fmt: skip
-    """What is too heavily loaded at rest in these samples, largest excess first. `moments` tells when each is."""
+    """What is too heavily loaded at rest in these samples, largest excess first. `moments` tells when each is, `moved`
+    which joints move besides those that do so in these samples: their brakes bear nothing."""
     at = poses(problem, modules, bodies)
+    at = replace(at, moved=at.moved | moved)
     return _violations(problem, loads(problem, mode, at, safety_of(problem.options)), phase, moments)
 
 
 def exceeded_at(
-    problem: Problem, mode: frozenset[Fact], at: Configuration, phase: int, moment: str
-) -> list[Violation]:
-    """What is too heavily loaded in one configuration."""
+    problem: Problem, mode: frozenset[Fact], at: Configuration, phase: int, moment: str,
+    moved: frozenset[Node] = frozenset(),
+) -> list[Violation]:  # fmt: skip
+    """What is too heavily loaded in one configuration, in which `moved` joints begin or end to move."""
     modules = {name: row[None] for name, row in at.modules.items()}
-    return exceeded(problem, mode, modules, {name: row[None] for name, row in at.bodies.items()}, phase, [moment])
+    bodies = {name: row[None] for name, row in at.bodies.items()}
+    return exceeded(problem, mode, modules, bodies, phase, [moment], moved)
+
+
+def _moved(before: Configuration, after: Configuration) -> frozenset[Node]:
+    """The joints that move from one configuration to another."""
+    return frozenset(
+        (name, int(k)) for name, row in after.modules.items()
+        for k in np.flatnonzero(np.abs(row[7:] - before.modules[name][7:]) > STILL)
+    )  # fmt: skip
 
 
 def exceeded_switches(skeleton: Skeleton, first: int, slices: Sequence[Configuration], free: bool) -> list[Violation]:
@@ -72,10 +85,13 @@ def exceeded_switches(skeleton: Skeleton, first: int, slices: Sequence[Configura
     problem = skeleton.problem
     if not asked(problem):
         return []
-    found = exceeded_at(problem, skeleton.phases[first].mode, slices[0], first, "at the start") if free else []
-    for phase, switch in enumerate(slices[1:], start=first):
-        found += exceeded_at(problem, skeleton.phases[phase].mode, switch, phase, "at the switch")
-        found += exceeded_at(problem, next_mode(skeleton, phase), switch, phase, "right after the switch")
+    moves = [_moved(before, after) for before, after in pairwise(slices)] + [frozenset[Node]()]
+    mode = skeleton.phases[first].mode
+    found = exceeded_at(problem, mode, slices[0], first, "at the start", moves[0]) if free else []
+    for k, switch in enumerate(slices[1:]):
+        phase, now, then = first + k, moves[k], moves[k + 1]
+        found += exceeded_at(problem, skeleton.phases[phase].mode, switch, phase, "at the switch", now)
+        found += exceeded_at(problem, next_mode(skeleton, phase), switch, phase, "right after the switch", then)
     return sorted(found, key=lambda v: -v.amount)
 
 

@@ -25,14 +25,14 @@ def bearing_rows(skeleton: Skeleton, layout: UnknownsLayout, phases: range, free
 
 
 def bearing_groups(
-    problem: Problem, layout: UnknownsLayout, wanted: Iterable[tuple[int, int, frozenset[Fact]]], *, still: bool = True
+    problem: Problem, layout: UnknownsLayout, wanted: Iterable[tuple[int, int, frozenset[Fact]]]
 ) -> list[RowGroup]:
-    """Rows at slices, each with its phase and mode, whose loads are unknown and open to none of them. Brakes hold where
-    joints are `still`."""
+    """Rows at slices, each with its phase and mode, whose loads are unknown and open to none of them. Brakes are left
+    out: what moves begins and ends with its drive alone."""
     safety = safety_of(problem.options) / STATICS.room
     groups: list[RowGroup] = []
     for slice_, phase, mode in sorted(wanted, key=lambda w: (w[0], w[1], sorted(w[2]))):
-        rows = rows_of(problem, mode, safety, still=still)
+        rows = rows_of(problem, mode, safety, still=False)
         if rows is None or not any(layout.is_unknown(slice_, name) for name in rows.slots):
             continue
         index = np.concatenate([layout.slot(slice_, name) for name in rows.slots])[None]

@@ -113,7 +113,7 @@ class PathProgram:
             found += [(t, number, mode) for t in slices[1:-1]]
             if not self.pinned:
                 found += [(slices[-1], number, m) for m in (mode, next_mode(self.skeleton, number))]
-        return bearing_groups(self.problem, self.layout, found, still=False)
+        return bearing_groups(self.problem, self.layout, found)
 
     def _all_groups(self) -> list[RowGroup]:
         step = 1.0 / self.count
