@@ -365,6 +365,8 @@ class Guards:
         word: KnownFacts | None,
         domain: frozenset[str] | None,
     ) -> Sequence[Value]:
+        if isinstance(variable.type, ChainType):
+            return self._chains(variable, live, env, word)
         if not isinstance(variable.type, ObjectType):
             return self.values(variable, env, word)
         allowed = domain
@@ -380,6 +382,19 @@ class Guards:
         if key not in self._ordered:
             self._ordered[key] = (*sorted(key, key=self._order.__getitem__),)
         return self._ordered[key]
+
+    def _chains(
+        self, variable: Variable, live: Sequence[Formula], env: Environment, word: KnownFacts | None
+    ) -> Sequence[Value]:
+        """The chains whose ends those comparisons leave that tell one."""
+        chains = self.values(variable, env, word)
+        for formula in live:
+            if not isinstance(formula, Compare) or formula.operator != "=":
+                continue
+            for here, there in ((formula.left, formula.right), (formula.right, formula.left)):
+                if isinstance(here, ChainEnd) and here.chain == variable.name and isinstance(there, Object):
+                    chains = [c for c in chains if isinstance(c, Chain) and there.name == (c.first, c.last)[here.last]]
+        return chains
 
     def _allowed(self, name: str, formula: Formula, word: KnownFacts | None) -> frozenset[str] | None:
         """The objects that one conjunct leaves for a variable; None when it says nothing at once."""
