@@ -12,7 +12,14 @@ from tamplang.compiler.motion.collision import PhaseContacts, contacts, taper
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
 from tamplang.runtime.planner.motion.phases import solve_sequence_path
-from tamplang.runtime.planner.motion.phases.attempts import PhaseGroup, attempt, homeward, start_group, straight
+from tamplang.runtime.planner.motion.phases.attempts import (
+    PhaseGroup,
+    attempt,
+    drawn_in,
+    homeward,
+    start_group,
+    straight,
+)
 from tamplang.runtime.planner.motion.phases.contact_margins import (
     BOTH,
     END,
@@ -95,6 +102,21 @@ def test_the_first_bent_start_goes_towards_home() -> None:
     batch = group_of(*scene, [0]).batch
     assert homeward(batch, 1.0)[0, 9] == pytest.approx([0.0, 0.0])
     assert homeward(batch, 0.5)[0, 9] == pytest.approx([0.0, 0.5])
+
+
+def test_a_path_that_runs_from_limit_to_limit_is_drawn_in_until_its_spline_keeps_them() -> None:
+    skeleton, configurations = cart_scene([], (0.0, 0.0), (0.01, 0.0))
+    batch = group_of(skeleton, configurations, [0]).batch
+    batch.joints.lower[:], batch.joints.upper[:] = 0.0, 0.02
+    line = batch.with_ends(straight(batch))
+    inner = np.zeros((1, batch.slices - 1, 2))
+    inner[:, batch.slices // 3 :, 0] = 0.02
+    paths = batch.with_ends(inner)
+    assert not sweep(batch, paths).clean[0]
+    drawn = drawn_in(batch, paths)
+    assert sweep(batch, drawn).clean[0]
+    assert np.abs(drawn - line).max() > 0.1 * np.abs(paths - line).max()
+    assert np.array_equal(drawn_in(batch, line), line)
 
 
 def test_sliding_joints_make_no_jumps() -> None:

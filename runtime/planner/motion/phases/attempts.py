@@ -71,10 +71,28 @@ def _within(batch: Batch, inner: Array) -> Array:
     return np.clip(inner, low[:, None], high[:, None])
 
 
+def drawn_in(batch: Batch, paths: Array) -> Array:
+    """Paths `(phases, slices + 1, joints)` whose splines pass limits between slices, as joints of small range do that
+    are pushed from one end to the other: drawn towards the straight line, joint by joint, as far as it takes."""
+    values, joints = batch.stored @ paths, batch.joints
+    over = np.maximum(values - joints.upper[:, None], 0.0) + np.minimum(values - joints.lower[:, None], 0.0)
+    phase, joint = np.nonzero(np.abs(over).max(axis=1) > PHASES.beyond)
+    if not len(phase):
+        return paths
+    line = batch.with_ends(straight(batch))
+    apart = values[phase, :, joint] - (batch.stored @ line)[phase, :, joint]
+    off = over[phase, :, joint]
+    share = np.divide(off, apart, out=np.zeros_like(off), where=np.abs(apart) > np.abs(off)).max(axis=1)[:, None]
+    result = paths.copy()
+    result[phase, :, joint] += share * (line - paths)[phase, :, joint]
+    return result
+
+
 def _keep_best(group: PhaseGroup, index: Indices, batch: Batch, paths: Array, budget: Budget) -> None:
     """Take over the cheapest clean path of each phase when it is cheaper than what there is, or while there is none,
     what is least in the way. `index` gives the phase of the group behind each path. Cheap paths are checked first, as
     the swept check is dear, and hopeless ones only where there is nothing else."""
+    paths = drawn_in(batch, paths)
     cost, missed = path_cost(batch, paths), most_missed(batch, paths[:, 1:-1])
     hopeless = missed > batch.margin + PHASES.hopeless
     best = {int(p): int(r) for r, p in reversed(list(zip(np.argsort(missed), index[np.argsort(missed)], strict=True)))}
