@@ -60,10 +60,54 @@ task own() {{
 """
 
 
+TWO_ARMS = """import std.mechanisms
+import std.rules
+module arms from urdf "{urdf}" {{
+    effector foot: gripper "{base}" box(30 cm, 30 cm, 2 cm) at (0, 0, {beyond}) normal (0, 0, -1)
+    effector left: gripper "left{tool}" sphere(2 cm)
+    effector right: gripper "right{tool}" sphere(2 cm)
+    fact (linked foot left)
+    fact (linked foot right)
+}}
+scene room() {{
+    object pad: box(60 cm, 60 cm, 4 cm) at (0, 0, -2 cm)
+    object table: box(40 cm, 120 cm, 4 cm) at ({away}, 0, 78 cm)
+    arms a: foot on pad
+}}
+task reach() {{
+    scene room()
+    object post: box(4 cm, 4 cm, 30 cm) on table at (0, 12 cm + jitter(2 cm))
+    object ball: sphere(4 cm) at ({away} + jitter(3 cm), -20 cm + jitter(5 cm), 100 cm + jitter(4 cm))
+    fact (grippable ball)
+    goal  (held ball)
+}}
+task place() {{
+    scene room()
+    object shelf: box(30 cm, 30 cm, 10 cm) on table at (0, -40 cm)
+    fact (tray shelf)
+    object item: box(4 cm, 4 cm, 8 cm) on table at (jitter(3 cm), 10 cm + jitter(4 cm))
+    object one: box(4 cm, 4 cm, 8 cm) on table at (0, 25 cm)
+    object other: box(4 cm, 4 cm, 8 cm) on table at (0, -8 cm)
+    fact (grippable item)
+    goal  (on shelf item)
+}}
+## Its own: from hand to hand, as only the left one gets there.
+task own() {{
+    object pad: box(60 cm, 60 cm, 4 cm) at (0, 0, -2 cm)
+    arms a: foot on pad
+    object near: box(30 cm, 30 cm, 4 cm) at (60 cm, 85 cm, 78 cm)
+    object item: box(4 cm, 4 cm, 16 cm) on near at (jitter(3 cm), jitter(4 cm))
+    fact (grippable item)
+    goal  (grasped a.right item)
+}}
+"""
+
+
 @dataclass(frozen=True, slots=True)
 class Robot:
     """A robot of the zoo: the file of its tasks in examples/zoo, whose names end with `ending`, or the URDF of an arm,
-    its first link and that of its tool, how far the tool is `beyond` that, and how far `away` its table stands."""
+    its first link and that of its tool, how far the tool is `beyond` that, and how far `away` its table stands; `text`
+    has its tasks."""
 
     name: str
     what: str
@@ -74,6 +118,7 @@ class Robot:
     tool: str = ""
     beyond: str = "6 cm"
     away: str = "50 cm"
+    text: str = ARM
 
 
 ROBOTS = [
@@ -93,6 +138,8 @@ ROBOTS = [
     Robot("xArm7", "meshes", urdf="xarm_description/urdf/xarm7.urdf", base="link_base", tool="link7"),
     Robot("Z1", "meshes", urdf="z1_description/urdf/z1.urdf", base="link00", tool="link06", beyond="10 cm",
           away="40 cm"),
+    Robot("Baxter", "two arms; its own: from hand to hand", urdf="baxter_description/urdf/baxter.urdf", base="base",
+          tool="_gripper", beyond="-93 cm", away="75 cm", text=TWO_ARMS),
 ]  # fmt: skip
 
 
@@ -114,7 +161,7 @@ def run(robot: Robot, task: str, folder: Path | None, limit: float, seed: int, w
     assert folder is not None
     text = work / "arm.tamp"
     words = {n: getattr(robot, n) for n in ("base", "tool", "beyond", "away")}
-    text.write_text(ARM.format(urdf=folder / robot.urdf, **words), encoding="utf-8")
+    text.write_text(robot.text.format(urdf=folder / robot.urdf, **words), encoding="utf-8")
     return bench.solve(str(text.with_suffix("")), (), seed, limit, plan, task)
 
 
