@@ -22,11 +22,12 @@ WORDS = {ir.JointKind.REVOLUTE: "turns", ir.JointKind.PRISMATIC: "slides"}
 
 
 class BadCoupling(Exception):
-    """The couplings of a module contradict each other or its limits. `joint` is the follower to blame."""
+    """The couplings of a module contradict each other or its limits. `joint` is the follower to blame; `narrow` tells
+    that its limits leave its leader nothing."""
 
-    def __init__(self, joint: str, message: str, help: str | None = None) -> None:
+    def __init__(self, joint: str, message: str, help: str | None = None, narrow: bool = False) -> None:
         super().__init__(message)
-        self.joint, self.help = joint, help
+        self.joint, self.help, self.narrow = joint, help, narrow
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,9 +49,6 @@ def couple(joints: Sequence[ir.Joint], stated: Mapping[str, StatedCoupling]) -> 
     resolved = {name: _resolved(name, stated) for name in stated}
     for name, found in resolved.items():
         joint, leader = made[names.index(name)], made[names.index(found.leader)]
-        if joint.kind != leader.kind:
-            message = f"joint `{name}` {WORDS[joint.kind]}, and `{leader.name}`, which it follows, {WORDS[leader.kind]}"
-            raise BadCoupling(name, message, "couple joints of one kind")
         if leader.passive != joint.passive:
             made[names.index(name)] = replace(joint, passive=leader.passive)
         made[names.index(found.leader)] = _narrowed(leader, joint, found)
@@ -83,7 +81,7 @@ def _narrowed(leader: ir.Joint, follower: ir.Joint, coupling: StatedCoupling) ->
     lower, upper, size = max(leader.lower, ends[0]), min(leader.upper, ends[1]), abs(coupling.factor)
     if lower >= upper:
         message = f"the limits of `{leader.name}` and of `{follower.name}`, which follows it, leave nothing to move in"
-        raise BadCoupling(follower.name, message, f"`{leader.name}` would be in {lower:g} .. {upper:g}")
+        raise BadCoupling(follower.name, message, f"`{leader.name}` would be in {lower:g} .. {upper:g}", narrow=True)
     speed, acceleration = min(leader.speed, follower.speed / size), leader.acceleration
     if math.isfinite(follower.acceleration):
         acceleration = min(acceleration, follower.acceleration / size)
@@ -107,6 +105,8 @@ def text_couplings(
     if not complete:
         return None
     try:
+        for name, coupling in stated.items():
+            _check_kinds(known[name], known[coupling.leader])
         coupled = couple(joints, stated)
         valued = all(math.isfinite(s.factor + s.offset) for s in stated.values())
         return _at_home(context, couplings, coupled) if valued else None
@@ -114,6 +114,13 @@ def text_couplings(
         blamed = couplings.get(mistake.joint) or next(iter(couplings.values()))
         context.findings.report("E0521", blamed.span, str(mistake), help=mistake.help)
         return None
+
+
+def _check_kinds(joint: ir.Joint, leader: ir.Joint) -> None:
+    """A factor of a text is a plain number. Raises BadCoupling."""
+    if joint.kind != leader.kind:
+        message = f"joint `{joint.name}` {WORDS[joint.kind]}, and `{leader.name}`, which it follows,"
+        raise BadCoupling(joint.name, f"{message} {WORDS[leader.kind]}", "couple joints of one kind")
 
 
 def _at_home(

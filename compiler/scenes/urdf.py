@@ -21,8 +21,8 @@ from ..physics.statements import StatedPart
 from ..physics.urdf_inertials import UnfitInertia, read_inertial
 from ..poses import compose, make
 from ..urdf_files import mesh_name
-from .couplings import BadCoupling, StatedCoupling, couple
 from .urdf_joints import JointBuilder
+from .urdf_mimics import coupled, settled
 from .urdf_reading import Reading, UrdfJoint
 
 SIZES = {"sphere": ("radius",), "cylinder": ("radius", "length"), "capsule": ("radius", "length")}
@@ -62,13 +62,14 @@ def build_urdf(
         return None
     links, declared = reading.tree(robot)
     items = {i.name: i for i in module.items if isinstance(i, syntax.JointItem) and i.kind is None}
+    declared = settled(reading, declared, [i.name for i in items.values() if i.lower is not None])
     known = [j.name for j in declared]
     for item in items.values():
         if item.name not in known and reading.sound:
             context.findings.unknown("E0117", "joint", item.name, context.findings.word(item.span, item.name), known)
     builder = JointBuilder(context, scope, reading, items)
     free, frames, complete = _kinematics(builder, next(iter(links), ""), declared)
-    joints = _coupled(reading, free, declared) if complete else None
+    joints = coupled(reading, free, declared) if complete else None
     found = {n: _inertial(reading, link, frames) for n, link in links.items() if n in frames}
     weights = {n: inertial for n, inertial in found.items() if inertial is not None}
     whole = {end.item.link.value for end in ends if end.shape is None and end.item.link is not None}
@@ -117,37 +118,6 @@ def _kinematics(
             frames[joint.child] = (len(joints) - 1 if moved.joints else carrier), moved.frame
         waiting += [j for j in below.get(joint.child, []) if j.child not in frames]
     return joints, frames, complete
-
-
-def _coupled(
-    reading: Reading, joints: Sequence[ir.Joint], declared: Sequence[UrdfJoint]
-) -> tuple[ir.Joint, ...] | None:
-    """The joints with those that `mimic` others; where 0 is outside what followers leave a joint, it starts in the
-    middle of that. None after a fault."""
-    stated, moving, known = dict[str, StatedCoupling](), {j.name for j in joints}, {j.name for j in declared}
-    elements = {j.name: j.element.find("mimic") for j in declared if j.name in moving}
-    for name, mimic in elements.items():
-        if mimic is None:
-            continue
-        leader, factor = mimic.get("joint", ""), reading.number(mimic, "multiplier", "1")
-        offset = reading.number(mimic, "offset", "0")
-        if leader not in moving or factor == 0:
-            what = "which is fixed" if leader in known else "there is no such joint"
-            message = f"joint `{name}` follows `{leader}` " + ("0 times" if factor == 0 else f"by `mimic`: {what}")
-            reading.fault(mimic, message, "give it the type fixed", "E0521")
-        elif factor is not None and offset is not None:
-            stated[name] = StatedCoupling(leader, factor, offset)
-    if not reading.sound:
-        return None
-    try:
-        made = couple(joints, stated)
-        homes = [j if j.lower <= j.home <= j.upper else replace(j, home=(j.lower + j.upper) / 2) for j in made]
-        return couple([h if j.follows is None else j for h, j in zip(homes, made, strict=True)], {})
-    except BadCoupling as mistake:
-        blamed = elements.get(mistake.joint)
-        where = blamed if blamed is not None else declared[0].element
-        reading.fault(where, str(mistake), mistake.help, "E0521")
-        return None
 
 
 # --- shapes --------------------------------------------------------------------------------------------------------

@@ -24,6 +24,10 @@ OTHERS = {
 """Roots of files that are taken for URDFs."""
 
 
+LANGUAGE = frozenset(f"xacro:{word}" for word in ("macro", "include", "property", "arg", "if", "unless", "element"))
+"""Elements of xacro itself; others call its macros."""
+
+
 @dataclass(frozen=True, slots=True)
 class UrdfJoint:
     """A joint as the file has it: `origin` is its frame in that of the link `parent`, and `axis` has length 1."""
@@ -73,8 +77,10 @@ class Reading:
         if robot.tag != "robot":
             self.fault(robot, f"a URDF is one `robot`, not `{robot.tag}`", OTHERS.get(robot.tag), "E0513")
             return None
-        macro = next((e for e in robot.iter() if e.tag.startswith("xacro:")), None)
-        if macro is not None:
+        macro, unfilled = next((e for e in robot.iter() if e.tag.startswith("xacro:")), None), _unfilled(robot)
+        if macro is not None and unfilled is None and macro.tag not in LANGUAGE:
+            self.warn(macro, f"`{macro.tag}` and its like are left out: they call what xacro did not fill in")
+        elif macro is not None:
             help = "have it made by `xacro FILE.xacro > FILE.urdf`"
             self.fault(macro, f"`{macro.tag}`: this is a xacro file, of which a URDF can be made", help, "E0513")
             return None
@@ -196,3 +202,11 @@ class Reading:
             self.fault(element, f"`{name}` of this `{element.tag}` is not a number: {text}")
             return None
         return value
+
+
+def _unfilled(robot: ElementTree.Element) -> ElementTree.Element | None:
+    """The first element in which xacro would have to fill in something, or that belongs to its language."""
+    for element in robot.iter():
+        if element.tag in LANGUAGE or any("${" in value or "$(" in value for value in element.attrib.values()):
+            return element
+    return None

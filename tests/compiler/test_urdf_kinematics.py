@@ -75,3 +75,45 @@ def configuration(model: pinocchio.Model, values: dict[str, float]) -> np.ndarra
         else:
             found[joint.idx_q] = values[name]
     return found
+
+
+FOLLOWERS = f"""<robot name="r"><link name="l0">{BALL}</link><link name="l1">{BALL}</link><link name="l2">{BALL}</link>
+<link name="l3">{BALL}</link><link name="l4">{BALL}</link><link name="l5">{BALL}</link>
+<xacro:sensor on="l1"/>
+<joint name="turn" type="revolute"><parent link="l0"/><child link="l1"/><origin xyz="0.1 0 0.2"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+<joint name="rack" type="prismatic"><parent link="l1"/><child link="l2"/><origin xyz="0 0.1 0"/><axis xyz="1 0 0"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="turn" multiplier="0.05" offset="0.01"/></joint>
+<joint name="short" type="revolute"><parent link="l2"/><child link="l3"/><axis xyz="0 1 0"/>
+<limit lower="2" upper="3" effort="1" velocity="1"/><mimic joint="turn"/></joint>
+<joint name="weld" type="fixed"><parent link="l3"/><child link="l4"/><origin xyz="0 0 0.1"/></joint>
+<joint name="held" type="revolute"><parent link="l4"/><child link="l5"/><origin xyz="0 0.1 0"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="weld" offset="0.3"/></joint>
+</robot>"""
+
+
+def test_followers_of_all_kinds_are_where_their_leaders_take_them(tmp_path: Path) -> None:
+    """A rack that a turning joint slides, limits that leave a leader nothing, a leader that stands still, and what
+    xacro did not fill in; Pinocchio takes the values of the followers that they have by the format."""
+    (tmp_path / "r.urdf").write_text(FOLLOWERS)
+    (tmp_path / "r.tamp").write_text("""predicate (lit)
+        rule light() { pre not (lit) post (lit) }
+        module r from urdf "r.urdf" { effector e: "l5" sphere(1 mm) }
+        task t() { r a: at (0, 0, 0) goal (lit) }""")
+    problem, told = compile_problem(tmp_path / "r.tamp", None, {}, 0)
+    said = " ".join(d.message for d in told)
+    for what in ("xacro:sensor", "those of `short` do not count", "is fixed at 0.3"):
+        assert what in said
+    module = problem.world.modules["a"].type
+    assert [j.name for j in module.joints] == ["turn", "rack", "short"]
+    assert (module.joints[0].lower, module.joints[0].upper) == (-1.0, 1.0)
+    model = pinocchio.buildModelFromXML(FOLLOWERS)
+    data, effector = model.createData(), module.effectors[0]
+    for turn in (-1.0, 0.4, 1.0):
+        values = {"turn": turn, "rack": 0.05 * turn + 0.01, "short": turn, "held": 0.3}
+        pinocchio.framesForwardKinematics(model, data, np.array([values[n] for n in model.names[1:]]))
+        frames = joint_frames(module, IDENTITY, [values[j.name] for j in module.joints])
+        theirs = pinocchio.SE3ToXYZQUAT(data.oMf[model.getFrameId("l5")])
+        ours = compose(frames[effector.joint], effector.placement)
+        sign = math.copysign(1.0, float(np.dot(theirs[3:], ours[3:])))
+        assert ours == pytest.approx([*theirs[:3], *(sign * theirs[3:])], abs=1e-9)

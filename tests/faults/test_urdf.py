@@ -107,7 +107,7 @@ def test_what_others_read_is_read(faulty: Faulty, tmp_path: Path, urdf: str | by
         (ROBOT.replace('name="a"', "version='1.1'").replace("<origin", "<origin quat_xyzw='0'"), "E0514", "rotation"),
         ("<sdf version='1.7'><model name='a'/></sdf>", "E0513", "this is SDF"),
         ("<mujoco model='a'/>", "E0513", "this is MJCF"),
-        (ROBOT.replace("</robot>", "<xacro:arm prefix='l'/></robot>"), "E0513", "xacro FILE.xacro"),
+        (ROBOT.replace("</robot>", "<xacro:arm prefix='${side}'/></robot>"), "E0513", "xacro FILE.xacro"),
         (ROBOT.replace('lower="-1" upper="1"', ""), "E0514", "write `joint j in -90 deg"),
         (ROBOT.replace('lower="-1"', 'lower="2"'), "E0514", "are empty: 2 .. 1"),
         (ROBOT.replace('xyz="0 1 0"', 'xyz="0 0 0"'), "E0514", "axis of joint `j` is zero"),

@@ -199,10 +199,6 @@ def test_the_text_couples_joints_of_a_urdf_too(tmp_path: Path) -> None:
     ("old", "new", "word"),
     [
         ('joint="first"', 'joint="before"', "follows itself"),
-        ('joint="first"', 'joint="fisrt"', "no such joint"),
-        ('joint="first"', 'joint="slide"', "turns"),
-        ('multiplier="0.5"', 'multiplier="0"', "0 times"),
-        ('multiplier="0.5"', 'multiplier="0.5" offset="-1"', "nothing to move in"),
         ('multiplier="0.5"', 'multiplier="half"', "not a number"),
         ('upper="0.2" effort="1" velocity="1"/>', 'upper="0.2"/><mimic joint="twin"/>', "circle"),
     ],
@@ -213,6 +209,23 @@ def test_a_mimic_that_makes_no_sense_is_refused(tmp_path: Path, old: str, new: s
         compiled(tmp_path, MIMIC.replace(old, new))
     (error,) = refused.value.diagnostics
     assert error.code in ("E0514", "E0521") and word in error.message and error.span is not None
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "word"),
+    [
+        ('joint="first"', 'joint="fisrt"', "moves by itself"),
+        ('multiplier="0.5"', 'multiplier="0"', "is fixed at 0"),
+        ('multiplier="0.5"', 'multiplier="0.5" offset="-1"', "do not count"),
+    ],
+)
+def test_a_mimic_that_other_readers_take_otherwise_is_told(
+    tmp_path: Path, old: str, new: str, word: str
+) -> None:
+    assert old in MIMIC
+    compiled(tmp_path, MIMIC.replace(old, new))
+    _, told = compile_problem(tmp_path / "t.tamp")
+    assert any(d.code == "W0010" and word in d.message and d.span is not None for d in told), told
 
 
 def test_a_circle_of_text_and_urdf_is_told_at_the_text(tmp_path: Path) -> None:
