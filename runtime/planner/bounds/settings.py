@@ -57,6 +57,11 @@ class BoundSettings:
         "So many phases are drawn anew in all where none closes a loop.",
         "a draw then takes some 40 ms for each, P_path of the same 4 s; grasping a convex body takes up to 13 draws",
     )
+    loaded_redraws: int = setting(
+        2, "times",
+        "How often switch poses are drawn anew between which something is too heavily loaded on the way.",
+        "a draw takes 1 to 4 s there, as other ways are looked for, too; real_climb, seed 1: 28 CPU s with ten, 21 so",
+    )
 
 
 

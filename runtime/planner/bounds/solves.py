@@ -11,7 +11,7 @@ from ...budget import Budget, Clock
 from ...geometry.attachments import looped
 from ...plan import BoundRecord
 from ...seeds import Seed
-from ...skeleton import Bound, BoundResult, Configuration, Skeleton, beginning
+from ...skeleton import LOADS, Bound, BoundResult, Configuration, Skeleton, beginning
 from ..motion.keyframes.local_repair import MENDS, QUICK_MENDS, Mend, mended, resampled, unmoved
 from ..motion.keyframes.sequence import solve_sequence
 from ..motion.keyframes.settings import KEYFRAMES
@@ -71,9 +71,10 @@ class Solves:
         blamed = [{v.phase for v in result.violations}]
         held: set[frozenset[int]] = set()
         mends = MENDS if len(skeleton) > KEYFRAMES.longest_whole else ()
-        draws = self._draws(first)
+        draws, loaded = self._draws(first), 0
         for draw in (*mends, *range(1, draws + 1)):
-            if result.feasible:
+            loaded += bool(result.violations) and all(v.kind in LOADS for v in result.violations)
+            if result.feasible or loaded > BOUNDS.loaded_redraws:
                 break
             path: BoundResult | None = None
             if isinstance(draw, Mend):
