@@ -99,10 +99,10 @@ class CandidateLoop:
             self.paths_refused |= paths
             anywhere = not self.rounds and not paths and 0 < conflict.last < self.remembered
             from_start = conflict.from_start and not anywhere
-            if from_start and conflict.bound == Bound.SEQ and conflict.last == 0:
-                openings = self._forbid_openings(candidate, skeleton)
+            if from_start and conflict.bound == Bound.SEQ:
+                openings = self._forbid_openings(candidate, skeleton, conflict.last)
                 blamed |= openings
-                if 0 in openings:
+                if conflict.last in openings:
                     continue
             self.search.forbid_actions(candidate, conflict.first, conflict.last, from_start, 1 if paths else 0)
         if self.penalties.weight and not judgement.accepted:
@@ -110,15 +110,17 @@ class CandidateLoop:
         self._refused = (candidate, blamed) if blamed else None
         return judgement
 
-    def _forbid_openings(self, candidate: Candidate, skeleton: Skeleton) -> set[int]:
-        """After the first action was refused from the start: forbid it, and all others of the candidate that are the
-        first of their robots and refused there, whatever others do, before the search has tried each of them. Their
-        places. Raises OutOfTime."""
-        successors, places = self.search.successors, set[int]()
+    def _forbid_openings(self, candidate: Candidate, skeleton: Skeleton, refused: int) -> set[int]:
+        """After an action was refused in what was done from the start: forbid it, if it is refused from there whatever
+        others do; after the first action also all others of the candidate that are refused so, before the search has
+        tried each of them. Their places. Raises OutOfTime."""
+        successors, openings, places = self.search.successors, self.search.no_goods.openings, set[int]()
         possible = {number for _, number in successors.expand(successors.initial)}
-        for k, alone, conflict in self.bounds.refused_openings(skeleton, lambda k: candidate.numbers[k] in possible):
-            self.search.no_goods.openings.forbid(candidate.numbers[k], taking_part(skeleton, k))
+        asked = {k for k, n in enumerate(candidate.numbers[: len(skeleton)]) if n in possible and refused in (0, k)}
+        leaving = [openings.leaving(number) for number in candidate.numbers]
+        for k, alone, conflict in self.bounds.refused_openings(skeleton, asked, leaving):
+            openings.forbid(candidate.numbers[k], taking_part(skeleton, k))
             places.add(k)
-            if k:
+            if k != refused:
                 self.refusals.add(replace(alone, problem=self.refusals.problem), conflict)
         return places

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 from ....compiler.ir import Action, Chain, Problem
@@ -14,7 +14,7 @@ from ...skeleton import Bound, BoundResult, Configuration, PhasePath, Skeleton, 
 from ...verify import verify
 from ..conflicts.lifting import objects_of
 from ..conflicts.nogoods import GeneralisedNoGoods
-from ..conflicts.openings import holds_whatever_others_do, movers, opening, taking_part
+from ..conflicts.openings import holds_whatever_others_do, opening, taking_part
 from ..motion.keyframes.causes import Cause, cause
 from ..motion.keyframes.initial_guesses import guess
 from ..motion.keyframes.multi_start import judged_alone
@@ -177,18 +177,19 @@ class MultiBound(Solves):
         return sorted(conflicts, key=lambda conflict: conflict.first)
 
     def refused_openings(
-        self, skeleton: Skeleton, possible: Callable[[int], bool]
+        self, skeleton: Skeleton, asked: Collection[int], leaving: Sequence[frozenset[str]]
     ) -> Iterator[tuple[int, Skeleton, Conflict]]:
-        """The phases that are the first of all that takes part in them, `possible` at the start, and refused there by
-        P_seq whatever others do; each with the skeleton of it alone, and why. Raises OutOfTime."""
-        acted: frozenset[str] = frozenset()
-        for k, phase in enumerate(skeleton.phases):
-            if not taking_part(skeleton, k) & acted and possible(k):
+        """The phases of those `asked` before which nothing that takes part in them has left its place, and that P_seq
+        refuses at the start whatever others do; each with the skeleton of it alone, and why. `leaving` tells what each
+        action has leave its place. Raises OutOfTime."""
+        left: frozenset[str] = frozenset()
+        for k in range(len(skeleton)):
+            if k in asked and not taking_part(skeleton, k) & left:
                 alone = opening(skeleton, k)
                 result = self.unit.result(self._window(self.unit.skeleton(alone), 0, 0))
                 if holds_whatever_others_do(alone, result):
                     yield k, alone, Conflict(Bound.SEQ, 0, 0, True, tuple(result.violations))
-            acted |= movers(skeleton.problem, phase.action)
+            left |= leaving[k]
 
     def _needs_no_solve(self, skeleton: Skeleton, strains: Sequence[float], k: int) -> bool:
         """Whether an action alone is expected to succeed, or cannot be judged alone."""

@@ -1,7 +1,8 @@
-"""Actions that cannot be the first of their robots, whatever others do before.
+"""Actions that robots cannot do from where they are at the start, whatever others do before.
 
 Where motion refuses one action from the start for reasons that lie with what takes part in it and with what never
-moves alone, the refusal holds as long as none of its movers has acted: others may act before in any order.
+moves alone, the refusal holds as long as none of its movers has left its place: others may act before in any order, and
+so may a robot that stays where it stands.
 """
 
 from __future__ import annotations
@@ -9,15 +10,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from ....compiler.ir import Action, EffectFor, EffectIf, EffectItem, Problem
+from ....compiler.ir import Action, Effect, EffectFor, EffectIf, EffectItem, Fact, Problem
 from ....compiler.symbolic.successors import Successors
 from ...geometry.attachments import involved, next_mode
 from ...skeleton import BoundResult, Skeleton
+from ..search.skeleton_replay import motion_changes
+from ..search.stepper import left
 from .lifting import objects_of
 
 
 class Openings:
-    """The forbidden openings of one search, each a bit of what is `waiting`: those whose movers have not acted yet."""
+    """The forbidden openings of one search, each a bit of what is `waiting`: those whose movers are in their places
+    yet."""
 
     def __init__(self, problem: Problem, successors: Successors) -> None:
         self.problem, self.successors = problem, successors
@@ -34,7 +38,7 @@ class Openings:
         return (1 << len(self._found)) - 1
 
     def forbid(self, number: int, movers: frozenset[str]) -> None:
-        """Forbid an action while none of the `movers` has acted."""
+        """Forbid an action while none of the `movers` has left its place."""
         self._found.setdefault(number, (1 << len(self._found), movers))
         self._begun.clear()
 
@@ -51,8 +55,8 @@ class Openings:
             return None
         begun = self._begun.get(number)
         if begun is None:
-            acting = self.acting(number)
-            begun = self._begun[number] = sum(bit for bit, others in self._found.values() if others & acting)
+            leaving = self.leaving(number)
+            begun = self._begun[number] = sum(bit for bit, others in self._found.values() if others & leaving)
         return waiting & ~begun
 
     def acting(self, number: int) -> frozenset[str]:
@@ -61,6 +65,24 @@ class Openings:
         if known is None:
             known = self._acting[number] = movers(self.problem, self.successors.action(number))
         return known
+
+
+    def leaving(self, number: int) -> frozenset[str]:
+        """What may be elsewhere after an action than at the start: bodies that it names, and modules that it names, but
+        for those of which it leaves alone what held at the start."""
+        acting, action = self.acting(number), self.successors.action(number)
+        rule = self.problem.rules.get(action.rule)
+        if rule is None or not all(isinstance(e, Effect) for e in rule.effects):
+            return acting
+        start = self.problem.init_motion
+        deleted, _ = motion_changes(self.problem, self.successors, self.successors.initial, action)
+        kept = left(self.problem.motions, start, deleted)
+        stay = _owners(self.problem, kept) - _owners(self.problem, start - kept)
+        return acting - (stay & self.problem.world.modules.keys())
+
+
+def _owners(problem: Problem, literals: Iterable[Fact]) -> frozenset[str]:
+    return frozenset(problem.world.owner(name) for literal in literals for name in literal[1:])
 
 
 def movers(problem: Problem, action: Action) -> frozenset[str]:

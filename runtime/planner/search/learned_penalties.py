@@ -47,18 +47,18 @@ class LearnedPenalties:
             self._shown[kind] = max(strain, self._shown.get(kind, 0.0))
 
     def refused(self, numbers: Sequence[int], first: int, last: int) -> None:
-        """Actions `first` … `last` of a plan were refused one after the other. One alone is forbidden, not dearer."""
-        if first == last:
+        """Actions `first` … `last` of a plan were refused one after the other. One alone is forbidden, not dearer; and
+        where none is strained, that is not why."""
+        strains = self.strain.along(numbers[: last + 1])
+        worst = max(range(first, last + 1), key=lambda k: strains[k])
+        if first == last or strains[worst] < SEARCH.strained_from:
             return
         self.weight = max(SEARCH.penalty_first, min(self.weight * SEARCH.penalty_growth, SEARCH.penalty_most))
         self._settled.clear()
         for number in range(self.strain.successors.action_count):
             self._kind(number)
-        strains = self.strain.along(numbers[: last + 1])
-        worst = max(range(first, last + 1), key=lambda k: strains[k])
         kind = self._kind(numbers[worst])
-        if strains[worst] > 0.0:
-            self._limits[kind] = min(strains[worst], self._limits.get(kind, 1.0))
+        self._limits[kind] = min(strains[worst], self._limits.get(kind, 1.0))
 
     def of(self, state: int, number: int) -> float:
         """The surcharge of an action."""

@@ -67,7 +67,8 @@ def maximise_slack(search: SkeletonSearch, strain: Strain, candidate: Candidate)
                     best[key] = _Node(total, cost, following, *then, action, node)
         layer = sorted(best.values(), key=lambda n: n.strain)[:SEARCH.slack_width]
     ends = [node for node in layer if successors.is_goal(node.state)]
-    if not ends:
+    own = sum(s**SEARCH.penalty_power for s in strain.along(candidate.numbers))
+    if not ends or ends[0].strain >= own - EQUAL:
         return candidate
     numbers = _numbers(ends[0])
     actions = tuple(successors.action(n) for n in numbers)
