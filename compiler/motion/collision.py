@@ -192,7 +192,7 @@ def _placed(
         yield *_hoist(type_, joint, (frame @ np.array([*centre, 1.0]))[:3]), radius
 
 
-class _Kept:
+class _KeptSpheres:
     """The spheres that a joint carries, and whether others are inside one of them."""
 
     def __init__(self) -> None:
@@ -216,7 +216,7 @@ def module_spheres(type_: ModuleType, margin: float = PATH_MARGIN) -> tuple[Sphe
     """Spheres that cover the effectors and links of a module within `margin`, effectors first, in declaration
     order. Link spheres that lie inside another one of the module in every pose are left out."""
     spheres: list[Sphere] = []
-    kept = {joint: _Kept() for joint in range(-1, len(type_.joints))}
+    kept = {joint: _KeptSpheres() for joint in range(-1, len(type_.joints))}
     for part, e in enumerate(type_.effectors):
         if e.shape is not None:
             for joint, centre, radius in _placed(type_, e.joint, e.placement, e.shape, margin):

@@ -44,7 +44,7 @@ class SearchSettings:
         "The power of an action's strain with which its penalty grows, and that slack is measured by.",
     )
     strained_from: float = setting(
-        0.5, "1",
+        0.3, "1",
         "The least strain that is taken for the reason of a refusal.",
         "refusals of the examples have 0.6 and more; robots that never leave a large floor have 0.1 there, however far "
         "away things are",
