@@ -12,6 +12,7 @@ from .. import ir
 from ..physics.safety import safety_of
 from ..physics.stages import LoadGraph, SymbolicLoads, graph_of
 from ..physics.structure import Edge, node_of, structure
+from ..remembering import remembered
 from .constraints import BodyKind, EffectorKind, Kind, RestKind, RowScope, arguments, parameter_sizes, residual, solid
 from .stages import Stage
 
@@ -44,6 +45,7 @@ def functions(term: ir.Term | None) -> Iterator[ir.Function]:
                 yield from functions(item)
 
 
+@remembered(256)
 def speaks_of_loads(row: ir.Row) -> bool:
     """Whether a row speaks of loads."""
     return any(f.name in LOADS for side in (row.left, row.right) for f in functions(side))
