@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
+from .langs.counting import counted
 from .plans import Plan, read_plan, record_of
 
 if TYPE_CHECKING:
@@ -75,7 +76,8 @@ class Task:
 
     def __repr__(self) -> str:
         world = self.problem.world
-        return f"<Task {self.problem.task}: {len(world.modules)} modules, {len(world.bodies)} bodies>"
+        modules, bodies = counted(len(world.modules), "module"), counted(len(world.bodies), "body", "bodies")
+        return f"<Task {self.problem.task}: {modules}, {bodies}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: what there is, the goal, and the scene at the start in 3-D."""
@@ -217,7 +219,7 @@ class Result:
     misses: tuple[NearestMiss, ...] = ()
 
     def __repr__(self) -> str:
-        return f"<Result {self.status}: {len(self.plans)} plans, cost {self.cost:g}>"
+        return f"<Result {self.status}: {counted(len(self.plans), 'plan')}, cost {self.cost:g}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the best plan, or what refused the task."""
@@ -245,7 +247,8 @@ class RunResult:
     """What a physics engine found."""
 
     def __repr__(self) -> str:
-        return f"<RunResult {self.status}: {len(self.record.phases)} actions, {self.replans} replans>"
+        actions, replans = counted(len(self.record.phases), "action"), counted(self.replans, "replan")
+        return f"<RunResult {self.status}: {actions}, {replans}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: how it ended, and what was carried out."""

@@ -7,6 +7,8 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from .langs.counting import counted
+
 if TYPE_CHECKING:
     from .api import Task
     from .runtime.export.motion import Array, Trajectory
@@ -26,7 +28,8 @@ class Plan:
     fresh: bool = False
 
     def __repr__(self) -> str:
-        return f"<Plan of {self.record.task.name}: {len(self.record.phases)} actions, {self.record.times[-1]:.2f} s>"
+        actions = counted(len(self.record.phases), "action")
+        return f"<Plan of {self.record.task.name}: {actions}, {self.record.times[-1]:.2f} s>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the actions in order, the verdict, and the replay in 3-D, which works offline."""

@@ -21,6 +21,7 @@ from ...compiler.ir import Problem
 from ...compiler.objective_terms import spelled
 from ...compiler.objectives import ACTIONS, Objective, check_energy
 from ...compiler.options import OPTIONS, given_at
+from ...langs.counting import counted
 from ...langs.diagnostics import Diagnostic
 from ...langs.frozen import dataclass
 from ..budget import ASIDE, SECONDS, Budget, OutOfTime, Status, ending
@@ -229,7 +230,7 @@ class _SolveRun:
                 self.accepted.append(candidate)
                 if paths is not None:
                     self._hand_on(skeleton, candidate, paths)
-                self._tell("solved", f"plan {len(self.accepted)}: {len(candidate.actions)} actions")
+                self._tell("solved", f"plan {len(self.accepted)}: {counted(len(candidate.actions), 'action')}")
                 self._keep_distinct(candidate)
             else:
                 loop.search.forbid_plan(candidate)

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..langs.counting import counted
 from ..langs.render import FORMATS
 from .limits import Spent, limit_options, limited, out_of_memory, out_of_time
 from .outputs import UnwritableFile
-from .progress import counted
 from .sources import as_text, diagnostics_in, diagnostics_of, reading_sources, wants_colour
 from .status import ExitStatus
 from .watch import watch_option, watching

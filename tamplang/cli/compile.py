@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..langs.counting import counted
 from .libraries import needing_libraries
 from .limits import limit_options, limited
 from .parameters import WholeNumber, parameters_option
@@ -49,7 +50,7 @@ def _ground(problem: Problem) -> str:
     objects = [f"  {name}: {type_name}" for name, type_name in problem.objects.items()]
     facts = [f"  ({' '.join(fact)})" for fact in sorted(problem.init)]
     facts += [f"  [{' '.join(fact)}]" for fact in sorted(problem.init_motion)]
-    heading = f"{len(actions)} actions in the first {states} states"
+    heading = f"{counted(len(actions), 'action')} in the first {counted(states, 'state')}"
     return "\n".join(
         ["objects", *objects, "facts at the start", *facts, heading, *(f"  {action}" for action in actions)]
     )

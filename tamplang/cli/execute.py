@@ -223,8 +223,8 @@ HEADLINES = {
 
 def _lines(loaded: Task, result: RunResult, written: Written) -> list[str]:
     """What a person wants to know, on a terminal."""
+    from ..langs.counting import counted
     from .plans import verdict_lines
-    from .progress import counted
     from .simulate import carried_lines
     from .sources import as_text
 

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..langs.counting import counted
+
 if TYPE_CHECKING:
     from ..runtime.planner.lgp import Progress
 
@@ -67,11 +69,6 @@ def describe(progress: Progress) -> str:
     if progress.solutions:
         parts.append(counted(progress.solutions, "solution"))
     return ", ".join(parts)
-
-
-def counted(number: int, noun: str) -> str:
-    """`1 node`, `2 nodes`."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def _plain_lines(check: Callable[[], None], between: float) -> Callable[[Progress], None]:

@@ -9,11 +9,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..langs.counting import counted
 from ..runtime.budget import Status
 from .limits import unfinished_report
 from .outputs import numbered
 from .plans import standing, verdict_lines
-from .progress import counted
 from .sources import as_objects, as_text, show_diagnostics
 
 if TYPE_CHECKING:

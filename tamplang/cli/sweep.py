@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..langs.counting import counted
 from .interrupt import kept_interrupt
 from .libraries import load_libraries, needing_libraries
 from .limits import limited, memory_option
 from .outputs import UnwritableFile, checked_output
 from .parameters import parameters_option, planner_option
-from .progress import counted
 from .side import checked_side, needing_cluster, side_options, without_broken_pipes
 from .sources import reading_sources
 from .status import ExitStatus

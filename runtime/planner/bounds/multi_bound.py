@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 from ....compiler.ir import Action, Chain, Problem
+from ....langs.counting import counted
 from ...budget import Budget, unless_spent
 from ...geometry.attachments import followers
 from ...plan import Plan, StatisticsRecord, TimingRecord
@@ -151,7 +152,7 @@ class MultiBound(Solves):
         statistics = msgspec.structs.replace(
             statistics, path_cost=judgement.path_cost, path_cost_before=judgement.path_cost_before
         )
-        self.tell("verify", f"verifying a plan of {len(actions)} actions")
+        self.tell("verify", f"verifying a plan of {counted(len(actions), 'action')}")
         plan = assemble(self.scene, actions, skeleton, judgement.paths or [], statistics)
         with self.clock("verify"):
             verdict = unless_spent(lambda: verify(plan, self.budget.whole))

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 
 from ....compiler.ir import Problem
+from ....langs.counting import counted
 from ...budget import Budget, Clock
 from ...geometry.attachments import looped
 from ...plan import BoundRecord
@@ -49,7 +50,7 @@ class Solves:
     def _sequence(
         self, skeleton: Skeleton, seed: Seed, warm: Sequence[Configuration] | None, tries: int | None
     ) -> BoundResult:
-        self.tell("seq", f"P_seq of {len(skeleton)} actions")
+        self.tell("seq", f"P_seq of {counted(len(skeleton), 'action')}")
         with self.clock("seq"):
             if warm is None:
                 result = self.ahead.answer(skeleton, SequenceRequest(self.settings, seed, tries), self.budget)
@@ -117,7 +118,7 @@ class Solves:
 
     def _mended(self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, mend: Mend) -> BoundResult:
         """P_seq around the phases that have no path; the other switch poses stay."""
-        self.tell("seq", f"P_seq around {len(refused.violations)} actions")
+        self.tell("seq", f"P_seq around {counted(len(refused.violations), 'action')}")
         with self.clock("seq"):
             result = mended(skeleton, sequence, refused, mend, self.settings, self.seed, self.budget, self.tries)
         self._count(Bound.SEQ, result.feasible)
@@ -154,7 +155,7 @@ class Solves:
         drawn = self._drawn(sequence, refused, attempt, motions, still)
         if not self.ahead.expects(skeleton, drawn):
             return self._sequence(skeleton, drawn.draw, drawn.warm, tries=self.tries), None
-        self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
+        self.tell("seq-path", f"P_seqPath of {counted(len(skeleton), 'phase')}")
         with self.clock("seq_path"):
             again, path = self.ahead.answer(skeleton, drawn, self.budget)
         self._count(Bound.SEQ, again.feasible)
@@ -171,7 +172,7 @@ class Solves:
 
     def _path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult:
         """P_path, with bounded effort."""
-        self.tell("path", f"P_path of {len(skeleton)} actions")
+        self.tell("path", f"P_path of {counted(len(skeleton), 'action')}")
         with self.clock("path"):
             bears = asked(skeleton.problem)
             effort = BOUNDS.path_effort
@@ -185,7 +186,7 @@ class Solves:
         seed: Seed | None = None,
     ) -> BoundResult:  # fmt: skip
         """P_seqPath of a skeleton, or of a beginning of that of `sequence`."""
-        self.tell("seq-path", f"P_seqPath of {len(skeleton)} phases")
+        self.tell("seq-path", f"P_seqPath of {counted(len(skeleton), 'phase')}")
         with self.clock("seq_path"):
             result = sequence_path(skeleton, sequence, self.settings, seed or self.seed, self.budget, thorough, known)
         self._count(Bound.SEQ_PATH, result.feasible)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from ....compiler.ir import Problem
+from ....langs.counting import counted
 from ....langs.diagnostics import Diagnostic, Label
 from ....langs.source import Span
 from ...budget import Status, unless_spent
@@ -207,7 +208,7 @@ def unverified() -> Diagnostic:
 
 def fewer(status: Status, found: int, wanted: int) -> Diagnostic:
     """Says that a run ended with fewer plans than were asked for."""
-    return ended(status, f"after {found} of {wanted} plans")
+    return ended(status, f"after {found} of {counted(wanted, 'plan')}")
 
 
 def wider(status: Status, gap: float, wanted: float, unit: str) -> Diagnostic:

@@ -17,6 +17,7 @@ from dataclasses import field, replace
 
 from ....compiler import ir
 from ....compiler.objectives import ACTIONS
+from ....langs.counting import counted
 from ....langs.diagnostics import Diagnostic
 from ....langs.frozen import dataclass
 from ...budget import ASIDE, Budget, Status, ending, unless_spent
@@ -205,7 +206,7 @@ class _HorizonRun:
         no time for it."""
         import msgspec
 
-        self._tell("verify", f"verifying {len(self.kept)} windows")
+        self._tell("verify", f"verifying {counted(len(self.kept), 'window')}")
         phases = tuple(phase for kept in self.kept for phase in kept.window.skeleton.phases)
         paths: list[PhasePath] = [path for kept in self.kept for path in kept.window.paths]
         skeleton = Skeleton(self.problem, phases, self.levels[-1].reached.mode)
@@ -292,7 +293,8 @@ class _HorizonRun:
         if status == Status.INFEASIBLE:
             return self.memory.refusals.explain(status)
         count = sum(len(kept.window.paths) for kept in self.kept)
-        tried = f"{count} actions in {len(self.kept)} windows were planned, and {self.undone} windows undone"
+        planned = f"{counted(count, 'action')} in {counted(len(self.kept), 'window')}"
+        tried = f"{planned} were planned, and {counted(self.undone, 'window')} undone"
         code, _, help = ENDINGS.get(status, ("S0002", "", None))
         return [Diagnostic(code, f"the goal was not reached: {tried}", help=help), *self.memory.refusals.most_telling()]
 
@@ -300,7 +302,7 @@ class _HorizonRun:
         if self.report is None:
             return
         done = sum(len(kept.window.paths) for kept in self.kept)
-        where = f"window {len(self.kept) + 1}, {done} actions done: {message}"
+        where = f"window {len(self.kept) + 1}, {counted(done, 'action')} done: {message}"
         self.report(
             Progress(stage, where, self.budget.elapsed, self.options.time, self.tree_nodes, self.candidates, 0)
         )

@@ -8,6 +8,7 @@ import msgspec
 
 from ....compiler.ir import Action, Problem
 from ....compiler.symbolic.successors import Successors
+from ....langs.counting import counted
 from ...budget import Budget, OutOfTime
 from ...plan import Plan
 from ...seeds import Seed
@@ -38,7 +39,7 @@ class AtOnce:
         bound: float | None = None
         seconds: Sequence[float] = [path.duration for path in paths]
         try:
-            self._tell("schedule", f"letting robots work at once in {len(actions)} actions")
+            self._tell("schedule", f"letting robots work at once in {counted(len(actions), 'action')}")
             for timed in self._scheduler.plans(skeleton, actions, paths, plan.statistics, successors):
                 bound, seconds = timed.bound, timed.seconds
                 if timed.makespan >= plan.times[-1]:
