@@ -68,7 +68,7 @@ def test_texts_are_loaded_and_shown_in_short() -> None:
     assert len(repr(plan)) < 100 and plan.record.task.name in repr(plan)
     assert plan.actions[0].split("(")[0] in plan._repr_html_()
     light = "predicate (lit) rule light() { pre not (lit) post (lit) }"
-    lit = f"{light} task t() {{ base b: sphere(1 cm) at (0, 0, 0) goal (lit) }}"
+    lit = f"{light} task t() {{ object b: sphere(1 cm) at (0, 0, 0) goal (lit) }}"
     assert repr(tamplang.loads(lit)) == "<Task t: 0 modules, 1 body>"
 
 
