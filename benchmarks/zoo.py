@@ -93,8 +93,7 @@ task place() {{
 }}
 ## Its own: from hand to hand, as only the left one gets there.
 task own() {{
-    object pad: box(60 cm, 60 cm, 4 cm) at (0, 0, -2 cm)
-    arms a: foot on pad
+    scene room()
     object near: box(30 cm, 30 cm, 4 cm) at (60 cm, 85 cm, 78 cm)
     object item: box(4 cm, 4 cm, 16 cm) on near at (jitter(3 cm), jitter(4 cm))
     fact (grippable item)
