@@ -16,7 +16,7 @@ from ....geometry.attachments import followers, looped
 from ....geometry.drives import braked
 from ....skeleton import Array, Configuration, Skeleton
 from .placement_samples import outline, places
-from .posture_samples import Aim, Stance, closing, freedom, reaching, rooms
+from .posture_samples import Aim, Stance, closing, freedom, meeting, reaching, rooms
 from .settings import KEYFRAMES
 
 HALF_TURN = (1.0, 0.0, 0.0, 0.0)
@@ -109,6 +109,7 @@ class Guess:
         placed = set(stances)
         feet = self._set_down(phase, carried, before, list(stances.values()), placed)
         self._turn_to(self._aims(phase, feet, before), stances, feet)
+        self._meet(phase, stances)
         self._dock(mode, placed)
         for leader, follower in self._relations(mode):
             if follower in carried and follower not in {b for _, b in self._relations(added)}:
@@ -199,6 +200,27 @@ class Guess:
             put_effector(module, stance[0], slot, stance[1])
             if foot in feet:
                 feet[foot] = (*feet[foot][:3], *self._pose(foot)[3:])
+
+    def _meet(self, phase: int, stances: dict[str, Stance]) -> None:
+        """Joint values with which two modules that stand on their own, and cannot turn as they like, face each other
+        with the ends that a switch brings together."""
+        for literal in sorted(self.skeleton.phases[phase].added):
+            found = [end for end in map(self.problem.world.effector, literal[1:]) if end and end[0].name in stances]
+            if len(found) != 2 or found[0][0].name == found[1][0].name:
+                continue
+            ends = [(m, self.current.modules[m.name], stances[m.name], e) for m, e in found]
+            if any(
+                e.name == foot or freedom(m.type, foot, e.name) >= KEYFRAMES.free_directions
+                or any(j.passive for j in m.type.joints) for m, _, (foot, _), e in ends
+            ):  # fmt: skip
+                continue
+            radii = sum(bounding_radius(e.shape) for *_, e in ends if e.shape)
+            one, other = ((m, slot[7:], stance, e.name) for m, slot, stance, e in ends)
+            chosen = meeting((one, other), radii, KEYFRAMES.limit_inset, self.random)
+            for (module, slot, stance, _), values in zip(ends, chosen, strict=True):
+                slot[7:] = values
+                put_effector(module, stance[0], slot, stance[1])
+            return
 
     def _dock(self, mode: frozenset[tuple[str, ...]], placed: set[str]) -> None:
         """Put modules that hang on placed ones against them, effector to effector."""

@@ -84,6 +84,26 @@ def reaching(
     return np.asarray(drawn[int((miss + KEYFRAMES.bent * bend).argmin())])
 
 
+def meeting(
+    ends: tuple[tuple[Module, Array, Stance, str], tuple[Module, Array, Stance, str]], distance: float, room: float,
+    random: np.random.Generator,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Joint values of two modules that stand on their own, each with its values now, its stance and an effector, so
+    that the effectors face each other, so far apart: the best of all pairs that are drawn."""
+    drawn, there = [], []
+    for module, values, stance, effector in ends:
+        limits = rooms(module, room)
+        drawn.append(_draw(np.clip(values, limits[0], limits[1]), limits, random))
+        there.append(_hands(module.type, stance, effector, drawn[-1]))
+    normals = [rotate(hands[:, 3:], np.array(UP)) for hands in there]
+    apart = max(float(np.linalg.norm(np.subtract(ends[0][2][1][:3], ends[1][2][1][:3]))), distance)
+    met = there[0][:, :3] + distance * normals[0]
+    miss = np.linalg.norm(met[:, None] - there[1][None, :, :3], axis=2) / apart
+    miss += KEYFRAMES.averted * np.linalg.norm(normals[0][:, None] + normals[1][None], axis=2)
+    one, other = np.unravel_index(int(miss.argmin()), miss.shape)
+    return drawn[0][one], drawn[1][other]
+
+
 def closing(module: Module, values: Array, stance: Stance, aim: Aim, room: float) -> Array:
     """Joint values `(n,)` near given ones that bring an effector to an aim itself, or as near as damped Gauss-Newton
     steps within the limits do."""

@@ -71,6 +71,11 @@ class KeyframeSettings:
         "Metres that a posture may be farther off if its joints are a radian nearer, in the mean.",
     )
     tilted: float = setting(0.2, "m", "Or for the sine of a small angle by which it is more upright.")
+    averted: float = setting(
+        0.5, "1",
+        "What a share of the way between two modules counts for beside the sum of the normals of two docks that are to "
+        "face each other.",
+    )
     posture_steps: int = setting(30, "steps", "Gauss-Newton steps with which a posture is led to its aim at most.")
     posture_slow: float = setting(
         0.99, "1",
