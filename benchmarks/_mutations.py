@@ -121,7 +121,7 @@ MUTATIONS = [
              "if True else end",
              (*SEARCH, *CLAIMS), "no model of the suite has ends that differ"),
     # --- slack maximisation and learned penalties
-    Mutation("slack: gives back its input", ROOMY, "    if not ends:", "    if True:", SLACK),
+    Mutation("slack: gives back its input", ROOMY, "    if not ends or", "    if True or", SLACK),
     Mutation("slack: width 1", f"{SEARCHES}/settings.py", "        400, \"states\"", "        1, \"states\"", SLACK),
     Mutation("slack: flags need not agree", ROOMY, "following & flags != state & flags or ", "", SLACK),
     Mutation("slack: rules need not agree", ROOMY, " or successors.action(action).rule != wanted", "", SLACK),
@@ -134,7 +134,8 @@ MUTATIONS = [
     Mutation("penalty: weights never fade", SURCHARGE, "SEARCH.penalty_fading * other.weight",
              "other.weight", PENALTY),
     Mutation("penalty: does not grow", SURCHARGE, "self.weight * SEARCH.penalty_growth", "self.weight", PENALTY),
-    Mutation("penalty: single actions too", SURCHARGE, "        if first == last:\n            return\n", "", PENALTY),
+    Mutation("penalty: single actions too", SURCHARGE, "if first == last or ", "if ", PENALTY),
+    Mutation("penalty: small strains too", SURCHARGE, " or strains[worst] < SEARCH.strained_from", "", PENALTY),
     # --- claims of the loop
     Mutation("gap always 0", LGP, "max(0.0, cost - self.first_bound)", "0.0", CLAIMS),
     Mutation("optimal whatever the gap", LGP, "optimal=gap == 0.0,\n            gap=gap",

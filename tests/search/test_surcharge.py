@@ -6,13 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from tamplang.compiler.pipeline import compile_problem
+from tamplang.compiler.pipeline import compile_problem, compile_text
 from tamplang.compiler.symbolic.strain import Strain
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.runtime.budget import Budget
 from tamplang.runtime.planner.search.best_first import Candidate, SkeletonSearch
 from tamplang.runtime.planner.search.learned_penalties import LearnedPenalties
 from tamplang.runtime.planner.search.settings import SEARCH
+
+from ..loop.test_handover import ARM, SORT
 
 EXAMPLES = Path(__file__).parent.parent.parent / "examples"
 
@@ -98,5 +100,19 @@ def test_a_limit_is_forgotten_by_a_tenth_once_something_was_accepted() -> None:
 
 def test_a_single_refused_action_is_forbidden_not_dearer() -> None:
     _, candidate, surcharge = begun(weight=1.0)
-    surcharge.refused(candidate.numbers, 1, 1)
+    strains = surcharge.strain.along(candidate.numbers)
+    hardest = strains.index(max(strains))
+    surcharge.refused(candidate.numbers, hardest, hardest)
     assert surcharge.weight == 1.0 and limit(surcharge) == pytest.approx(1.0)
+
+
+def test_what_is_hardly_strained_is_not_refused_for_that() -> None:
+    """Robots that all stand on one floor are as near as can be to all that stands on it."""
+    problem, _ = compile_text(ARM + SORT, "sort.tamp", None, {})
+    search = SkeletonSearch(problem, Successors(problem), "astar", Budget(30.0))
+    candidate = search.next()
+    assert candidate is not None
+    surcharge = LearnedPenalties(Strain(search.successors))
+    assert 0.0 < max(surcharge.strain.along(candidate.numbers)) < 0.1
+    surcharge.refused(candidate.numbers, 0, len(candidate.numbers) - 1)
+    assert surcharge.weight == 0.0
