@@ -10,8 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from lark import UnexpectedInput
+
 from .diagnostics import SourceError
-from .parser import parse
+from .parser import no_garbage, parse
 from .pieces import Piece, pieces_of
 from .source import Source
 
@@ -52,7 +54,22 @@ def format_source(source: Source) -> str:
     _, mistakes = parse(source)
     if any(d.is_error for d in mistakes):
         raise SourceError(mistakes)
-    lines = _Layout().lines(pieces_of(source.text))
+    return _laid_out(source.text)
+
+
+def format_made(text: str) -> str:
+    """The standard layout of a text that was made here, which parses: read once, not twice. Raises what `format_source`
+    does."""
+    try:
+        return _laid_out(text)
+    except UnexpectedInput:
+        return format_source(Source("", text))
+
+
+def _laid_out(text: str) -> str:
+    with no_garbage():
+        pieces = pieces_of(text)
+    lines = _Layout().lines(pieces)
     _align_predicates(lines)
     _align_comments(lines)
     return "".join(_shown(line) for line in lines)

@@ -28,7 +28,7 @@ def parse(source: Source) -> tuple[syntax.File, tuple[Diagnostic, ...]]:
     A file with mistakes gives the tree of its repaired text: what could not be repaired is left out, and a lacking name
     is `?`.
     """
-    with _no_garbage():
+    with no_garbage():
         tree, mistakes = _parse_tree(source)
         builder = TreeBuilder(source.path, source.text.split("\n"))
         declarations: list[syntax.Declaration] = []
@@ -42,7 +42,7 @@ def parse(source: Source) -> tuple[syntax.File, tuple[Diagnostic, ...]]:
 
 
 @contextmanager
-def _no_garbage() -> Iterator[None]:
+def no_garbage() -> Iterator[None]:
     """A parser makes many things and no garbage: looking for some takes two thirds of the time of a large text."""
     was_enabled = gc.isenabled()
     gc.disable()

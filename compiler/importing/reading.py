@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...langs.diagnostics import Diagnostic, SourceError
-from ...langs.formatter import format_source
+from ...langs.formatter import format_made
 from ...langs.frozen import dataclass
 from ...langs.reader import read_bytes
 from ...langs.source import Source
@@ -37,7 +37,7 @@ def import_files(paths: Sequence[str], stem: str = "imported") -> Imported:
     if {kind.key for _, kind in found} <= PDDL:
         from .pddl import import_pddl
 
-        return Imported(format_source(Source("", import_pddl([source for source, _ in found]).text)), {})
+        return Imported(format_made(import_pddl([source for source, _ in found]).text), {})
     kinds = [kind.key for _, kind in found]
     if kinds.count(RULES) == 1 and kinds.count("rai") == len(kinds) - 1 <= 1:
         return _rules(found, stem)
@@ -59,7 +59,7 @@ def _rules(found: Sequence[tuple[Source, FileKind]], stem: str) -> Imported:
     scene = next((read_scene(source).frames for source, kind in found if kind.key == "rai"), None)
     rules = next(source for source, kind in found if kind.key == RULES)
     made = import_rules(rules, stem, scene)
-    return Imported(format_source(Source("", made.text)), {}, tuple(made.faults.told))
+    return Imported(format_made(made.text), {}, tuple(made.faults.told))
 
 
 def _models(source: Source, key: str) -> Models:
@@ -86,7 +86,7 @@ def _imported(models: Models, stem: str, source: Source) -> Imported:
     names = {robot.name: f"{stem}_{robot.name}.urdf" for robot in models.robots}
     texts = {names[robot.name]: urdf(robot) for robot in models.robots}
     try:
-        text = format_source(Source("", program(models, names, plain_name(stem))))
+        text = format_made(program(models, names, plain_name(stem)))
     except OverflowError as error:
         raise _refusal("E0022", f"`{source.path}` puts something at {error}: that is no place in a scene") from None
     return Imported(text, texts, tuple(models.told))
