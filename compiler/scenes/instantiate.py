@@ -94,11 +94,17 @@ def _with_resting(
     start: frozenset[ir.Fact],
     settled: set[str],
 ) -> tuple[frozenset[ir.Fact], set[str]]:
-    """The motion literals at the start, with those of what lies on what can be moved, and all that can be moved."""
+    """The motion literals at the start, with those of what lies on what can be moved, and all that can be moved. Rules
+    that take a thing and delete nothing would not get it free of what it lies on: what they take is left."""
     moving = movable(relaxation, lifted.motions, start)
+    effects = [e for rule in relaxation.world.rules.values() for e in ir.effects_of(rule.effects)]
+    deleted = any(e.negated and e.literal.motion for e in effects)
+    taken = movable(relaxation, lifted.motions, ())
     while True:
         following = {fact[1 + place] for fact in start for place in followers(lifted.motions[fact[0]])}
         found = resting(built, lifted.library.types, moving, settled | following)
+        if not deleted:
+            found = [s for s in found if s.subject not in taken]
         more = carrying(context, lifted.placements, found)
         if not more:
             return start, moving

@@ -103,6 +103,14 @@ def test_it_is_told_what_lies_on_a_thing_by_where_it_is_alone(at: str, found: li
     assert [w.code for w in warnings] == found and problem.world.bodies["upper"].movable == bool(found)
 
 
+def test_what_a_rule_takes_that_lets_go_of_nothing_is_not_kept_where_it_lies() -> None:
+    text = f"{HEAD}\ntask t() {{\n{STACK.replace('on lower at (2 cm, 0)', 'at (1.52 m, 0, 0.16 m)')}\n}}"
+    rules = "import std.motion\nrule take(A: gripper, X: object) { pre (free A) post (grasped A X), [stable A X] }"
+    body = text.replace("import std.rules", rules).replace("goal (on tray1 lower)", "goal (held upper)")
+    problem, warnings = compile_text(body)
+    assert "W0023" not in {w.code for w in warnings} and ("stable", "lower", "upper") not in problem.init_motion
+
+
 def test_scenery_that_never_moves_may_be_built_into_itself() -> None:
     body = """
     scene hall()
