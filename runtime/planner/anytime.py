@@ -14,12 +14,13 @@ from .search.best_first import Candidate
 
 @dataclass(frozen=True, slots=True)
 class Steps:
-    """What a run lets one do: `propose` the next candidate by the cost of actions, `take` one through the bounds, ask
-    whether it `repeats` a plan that stands, but for a detour, and what the best plan is `worth`; and search for the
-    candidate that is most `promising`, below a value (None: enough below those met), with at most so many nodes."""
+    """What a run lets one do: `propose` the next candidate by the cost of actions, `take` one through the bounds
+    (whether it is accepted), ask whether it `repeats` a plan that stands, but for a detour, and what the best plan is
+    `worth`; and search for the candidate that is most `promising`, below a value (None: enough below those met), with
+    at most so many nodes."""
 
     propose: Callable[[], Candidate | None]
-    take: Callable[[Candidate], None]
+    take: Callable[[Candidate], bool]
     repeats: Callable[[Candidate], bool]
     worth: Callable[[], float]
     promising: Callable[[float | None, int], Clocked]
@@ -48,7 +49,8 @@ def better(steps: Steps, gap: float | None, budget: Budget) -> None:
         candidate = steps.promising(None, SCHEDULE.clocked_nodes).candidate
         if candidate is None:
             return
-        steps.take(candidate)
+        if not steps.take(candidate):
+            return
         if steps.worth() >= best:
             break
     steps.promising(None, SCHEDULE.clocked_nodes)

@@ -217,8 +217,9 @@ class _SolveRun:
         loop.search.status = Status.EXHAUSTED
         return None
 
-    def _take(self, loop: CandidateLoop, candidate: Candidate) -> None:
-        """Take one candidate through the bounds; whatever comes of it, the search will not propose it again."""
+    def _take(self, loop: CandidateLoop, candidate: Candidate) -> bool:
+        """Take one candidate through the bounds; whatever comes of it, the search will not propose it again. Whether it
+        is accepted."""
         self.candidates += 1
         if self.first_bound is None:
             self.first_bound = candidate.lower_bound
@@ -234,6 +235,7 @@ class _SolveRun:
                 self._keep_distinct(candidate)
             else:
                 loop.search.forbid_plan(candidate)
+        return candidate in self.accepted[-1:]
 
     def _keep_distinct(self, candidate: Candidate) -> None:
         """Drop what turns out to be a detour of the candidate that was accepted last, and forbid that in all its
