@@ -17,6 +17,8 @@ PDDL = frozenset(("domain", "problem"))
 MODELS = frozenset(("mjcf", "sdf", "modules", "rai"))
 """Kinds that hold robots and bodies."""
 RULES = "rules"
+LONGEST_NAME = 80
+"""Letters of a robot in the name of a file: disks take 255 bytes."""
 IMPORTED = PDDL | MODELS | {RULES}
 """Kinds that programs are made of."""
 
@@ -83,13 +85,18 @@ def _models(source: Source, key: str) -> Models:
 def _imported(models: Models, stem: str, source: Source) -> Imported:
     if not models.robots and not models.things and not models.declarations:
         raise _refusal("E0020", f"`{source.path}` holds no robot and no body that others may hit")
-    names = {robot.name: f"{stem}_{robot.name}.urdf" for robot in models.robots}
+    names = {robot.name: _file_name(stem, robot.name, k) for k, robot in enumerate(models.robots, 1)}
     texts = {names[robot.name]: urdf(robot) for robot in models.robots}
     try:
         text = format_made(program(models, names, plain_name(stem)))
     except OverflowError as error:
         raise _refusal("E0022", f"`{source.path}` puts something at {error}: that is no place in a scene") from None
     return Imported(text, texts, tuple(models.told))
+
+
+def _file_name(stem: str, robot: str, number: int) -> str:
+    """The file beside the program, called like its robot where a disk takes that."""
+    return f"{stem}_{robot if len(robot) <= LONGEST_NAME else f'{robot[:LONGEST_NAME]}_{number}'}.urdf"
 
 
 def _source(path: str) -> tuple[Source, FileKind]:
