@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tamplang.compiler.ir import Shape
@@ -58,6 +58,7 @@ def surface(shape: Shape, random: np.random.Generator, count: int = 300) -> np.n
     return np.stack([across * np.cos(angle), across * np.sin(angle), height], axis=1)
 
 
+@settings(deadline=None)
 @given(SHAPES, st.sampled_from([PATH_MARGIN, CHECK_MARGIN]), st.integers(0, 99))
 def test_spheres_cover_their_shape_within_the_margin_and_stay_inside(shape: Shape, margin: float, seed: int) -> None:
     spheres = cover(shape, margin)
