@@ -264,7 +264,24 @@ _LARGE = (
     ("wide bodies", 4000), ("wide loop", 9000), ("wide facts", 20000), ("wide rules", 4000), ("chained rules", 2000),
     ("wide conjunction", 20000), ("wide effects", 20000), ("wide declarations", 4000),
 )  # fmt: skip
+def _foreign(name: str, text: str) -> Make:
+    """A file of others, which is imported."""
+
+    def make(folder: Path) -> list[str]:
+        (folder / name).write_text(text, encoding="utf-8")
+        return ["import", name, "-o", "made.tamp"]
+
+    return make
+
+
+_FRAMES = "".join(f"f{k}: {{ Q: [{k}, 0, 1], shape: ssBox, size: [.1, .1, .1, .01] }}\n" for k in range(12_000))
+_MODEL = '<model name="m{}"><static>1</static><link name="l"><collision name="c"><geometry><sphere><radius>1</radius>'
+_MODELS = "".join(f"{_MODEL.format(k)}</sphere></geometry></collision></link></model>" for k in range(6000))
+_DECISIONS = "".join(f"DecisionRule r{k} {{ X, Y, {{ (on X Y) }} {{ (on X Y)! (on Y X) }} }}\n" for k in range(8000))
 HARD: dict[str, Make] = {
+    "import rai": _foreign("wide.g", _FRAMES),
+    "import sdf": _foreign("wide.sdf", f"<sdf version='1.9'>{_MODELS}</sdf>"),
+    "import rules": _foreign("wide.fol", f"on\n{_DECISIONS}"),
     **{f"check {name}": _family(name, size, "check") for name, size in _LARGE},
     **{f"ir {name}": _family(name, size, "compile", "--emit", "ir") for name, size in _LARGE[:4]},
     **{f"pddl {name}": _family(name, size, "compile", "--emit", "pddl") for name, size in _LARGE},

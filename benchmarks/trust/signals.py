@@ -40,6 +40,12 @@ BEYOND = 1.2
 """How far beyond the end of an undisturbed command a signal may come: it finds the command at work, ending or gone."""
 UNTIDY = "import std.logic\npredicate   (lit)\nrule light() {\n  pre not (lit)   post (lit) }\ntask t() {goal (lit)}\n"
 
+FRAMES = "".join(f"f{k} (world): {{ Q: [{k}, 0, 1], shape: ssBox, size: [.1, .1, .1, .01] }}\n" for k in range(300))
+SCENE = f"""world: {{}}
+turn (world): {{ joint: hingeX, limits: [-1, 1] }}
+tip (turn): {{ Q: [0, 0, .3], shape: sphere, size: [.05] }}
+{FRAMES}"""
+
 
 @dataclass(frozen=True, slots=True)
 class Command:
@@ -70,6 +76,7 @@ COMMANDS = {
     "run": Command(("run", str(EXAMPLES / "moving_stairs.tamp"), *SMALL), ("moving_stairs.run.json",)),
     "sweep": Command(("sweep", CLIMB, "-p", "n=1..3", "--plans", "plans"), ("climb.sweep.jsonl", "plans")),
     "verify": Command(("verify", "good.plan.json")),
+    "import": Command(("import", "arm.g", "-o", "arm.tamp"), ("arm.tamp", "arm_turn.urdf")),
 }
 
 
@@ -103,6 +110,7 @@ def prepare(place: Path) -> Prepared:
     folder = place / "sound"
     folder.mkdir()
     (folder / "untidy.tamp").write_text(UNTIDY)
+    (folder / "arm.g").write_text(SCENE)
     made = subprocess.run(
         [*_tamplang(), "solve", CLIMB, *SMALL, "--out", "good.plan.json", "--report", "good.html"],
         cwd=folder, env=_environment(place, place), capture_output=True, check=False,
@@ -261,6 +269,10 @@ def _leftovers(place: Path, prepared: Prepared, command: Command) -> list[str]:
 
 def _is_whole(path: Path, prepared: Prepared) -> bool:
     text = path.read_text(encoding="utf-8")
+    if path.suffix == ".g":
+        return text == SCENE
+    if path.suffix == ".urdf":
+        return text.rstrip().endswith("</robot>")
     if path.name == "untidy.tamp":
         return text in (UNTIDY, format_source(Source(path.name, UNTIDY)))
     if path.suffix == ".html":
