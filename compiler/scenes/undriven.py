@@ -71,7 +71,8 @@ def _worked(
             if any(_does(literals, own[name], kin, ends - kin) for literals in rules):
                 found.discard(name)
     kin = frozenset().union(*(own[name] for name in found))
-    moved = [places for literals in rules for _, places in literals if all(place <= kin for place in places)]
+    wanted = (places for literals in rules for _, places in literals if len(places) > 1)
+    moved = [places for places in wanted if all(place <= kin for place in places)]
     return {name for name in found if any(place & own[name] for places in moved for place in places)}
 
 

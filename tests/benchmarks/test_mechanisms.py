@@ -38,10 +38,11 @@ def test_what_a_mechanism_buys_is_told_by_runs_and_seconds(module: Any) -> None:
     ablation = module("ablation")
 
     def run(cpu: float, solved: bool) -> dict[str, object]:
-        return {"cpu": cpu, "status": "solved" if solved else "exhausted", "verified": solved}
+        bounds = [{"bound": "seq", "solved": 3, "refused": int(cpu)}]
+        return {"cpu": cpu, "status": "solved" if solved else "exhausted", "verified": solved, "bounds": bounds}
 
     base, without = [run(2.0, True), run(4.0, True)], [run(3.0, True), run(9.0, False)]
-    assert ablation.cell(base, without) == "-1 solved, 2.00"
-    assert ablation.cell(base, base) == "1.00"
+    assert ablation.cell(base, without) == "-1 solved, 2.00, 18/12"
+    assert ablation.cell(base, base) == "1.00, 12/12"
     assert ablation.buys([base], [without]) == "+1 of 2 solved, +6.0 s of 6.0 s"
     sys.modules.pop("ablation")
