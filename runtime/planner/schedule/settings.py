@@ -40,8 +40,8 @@ class ScheduleSettings:
         3e-4, "m", "How much nearer than at the switches two things may come; the verifier forbids three times as much."
     )
     clocked_nodes: int = setting(
-        500, "nodes", "How many nodes the search with clocks expands at most behind a plan; with a gap more and more.",
-        "Two arms and four things take 60; with four arms 2000 took 17 s of CPU, twice the plan itself.",
+        200, "nodes", "How many nodes the search with clocks expands at most behind a plan; with a gap more and more.",
+        "Two arms and four things take 60; with four arms 500 took 3 s of CPU, three quarters of the plan itself.",
     )
     better: int = setting(
         4, "candidates", "How many candidates that may be better are taken to motion behind the first plan at most, "
