@@ -108,7 +108,7 @@ def ending(loop: Callable[[], Status]) -> Status:
     try:
         with looking():
             return loop()
-    except (OutOfTime, MemoryError, RuntimeError) as error:
+    except (OutOfTime, MemoryError, RuntimeError, SystemError) as error:
         if not (isinstance(error, OutOfTime) or is_out_of_memory(error)):
             raise
         return Status.MEMORY if is_out_of_memory(error) else Status.BUDGET
@@ -125,7 +125,7 @@ def unless_spent(work: Callable[[], Result]) -> Result | None:
     try:
         with interruptible():
             return work()
-    except (OutOfTime, MemoryError, RuntimeError) as error:
+    except (OutOfTime, MemoryError, RuntimeError, SystemError) as error:
         if not (isinstance(error, OutOfTime) or is_out_of_memory(error)):
             raise
         answered()
@@ -133,8 +133,10 @@ def unless_spent(work: Callable[[], Result]) -> Result | None:
 
 
 def is_out_of_memory(error: BaseException) -> bool:
-    """Whether an error says that the system gave no more memory, to Python or to a compiled library."""
-    return isinstance(error, OutOfMemory | MemoryError) or "std::bad_alloc" in str(error)
+    """Whether an error says that the system gave no more memory, to Python or to a compiled library. Where Python
+    itself gets none it may return nothing and not even say so."""
+    told = ("std::bad_alloc", "without setting an exception")
+    return isinstance(error, OutOfMemory | MemoryError) or any(words in str(error) for words in told)
 
 
 class Clock:

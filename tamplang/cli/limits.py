@@ -88,7 +88,7 @@ def limited(
         with guarded(limit, memory_limit(memory, processes), started or _started()) as guard:
             guard.doing = doing
             yield guard
-    except (OutOfTime, MemoryError, RuntimeError) as error:
+    except (OutOfTime, MemoryError, RuntimeError, SystemError) as error:
         answered()
         if is_out_of_memory(error):
             raise Spent(out_of_memory(f"while {guard.doing}"), as_json) from None

@@ -64,7 +64,8 @@ def test_choices_and_default_of_an_option_are_those_of_the_table(option: Option)
     if option.choices:
         assert name == f"`--{option.name} " + "\\|".join(option.choices) + "`"
     number = isinstance(option.default, int | float)
-    written = "no limit" if option.default is None else f"{option.default:g}" if number else option.default
+    none = "a few candidates, while they are better" if option.name == "gap" else "no limit"
+    written = none if option.default is None else f"{option.default:g}" if number else option.default
     assert default.strip("`") == written
 
 
