@@ -11,6 +11,7 @@ from markupsafe import Markup
 from ...langs.frozen import dataclass
 from ...langs.writer import write_atomically
 from ..plan import Plan
+from .clearance import build_clearance
 from .render import FOLDER, environment, render_report, script_hash, script_text
 
 NOISE = 1e-3
@@ -48,11 +49,13 @@ def figures(first: Plan, second: Plan) -> list[Difference]:
     """Cost, times and what the verifier measured, where both plans have it."""
     rows = [
         Difference("Task", first.task.name, second.task.name),
+        Difference("Parameters", _parameters(first), _parameters(second)),
         Difference("Seed", str(first.task.seed), str(second.task.seed)),
         Difference("Verdict", _verdict(first), _verdict(second)),
         Difference("Actions", str(len(first.phases)), str(len(second.phases))),
         Difference("Cost", f"{first.statistics.cost:g}", f"{second.statistics.cost:g}"),
         Difference("Motion", f"{_seconds(first):.2f} s", f"{_seconds(second):.2f} s"),
+        Difference("Least clearance", _clearance(first), _clearance(second)),
         Difference("Search tree", f"{first.statistics.tree_nodes} nodes", f"{second.statistics.tree_nodes} nodes"),
     ]
     left, right = (_measured(plan) for plan in (first, second))
@@ -74,6 +77,16 @@ def _measured(plan: Plan) -> dict[str, str]:
     """The worst figure of each kind; what is far below its limit is rounding, and counts as 0."""
     measures = [] if plan.verdict is None else plan.verdict.measures
     return {m.kind: f"{m.amount:.3g}" if abs(m.amount) > NOISE * m.limit else "0" for m in measures}
+
+
+def _parameters(plan: Plan) -> str:
+    return ", ".join(f"{name} = {value}" for name, value in plan.task.parameters.items()) or "–"
+
+
+def _clearance(plan: Plan) -> str:
+    """The least distance of a robot to what it does not touch, and which two things it is between."""
+    least = min(build_clearance(plan), key=lambda c: c.least, default=None)
+    return "–" if least is None else f"{1000.0 * least.least:.1f} mm, {least.first} and {least.second}"
 
 
 def _seconds(plan: Plan) -> float:

@@ -13,6 +13,11 @@ from .sources import SourceLine, SourceLink, Sources
 from .timeline import ModulePlots, Timeline, build_plots, build_timeline, rule_colours, total_time, window_seconds
 from .tree import Tree, build_tree
 
+NEAR = 0.5
+"""The share of a limit from which on a figure counts as near to fail."""
+AT_LIMITS = ("joint_speed", "joint_acceleration", "joint_jerk")
+"""Kinds of measures that planners take to their limits."""
+
 
 @dataclass(frozen=True, slots=True)
 class LiteralView:
@@ -119,11 +124,13 @@ def minimised(plan: Plan) -> str:
 
 
 def shares(records: Sequence[MeasureRecord], sources: Sources) -> list[MeasureView]:
+    """Measures with what they use of their limits. One is marked as the worst: that which is nearest to fail, where
+    something is near; rates of joints are at their limits by design, as phases are no longer than they must."""
     ratios = [max(0.0, r.amount) / r.limit if r.limit > 0.0 and math.isfinite(r.limit) else None for r in records]
-    known = [s for s in ratios if s is not None]
-    worst = max(known) if known else None
+    known = [s for r, s in zip(records, ratios, strict=True) if s is not None and not r.kind.startswith(AT_LIMITS)]
+    worst = max(known, default=0.0)
     return [
-        MeasureView(r, sources.link(r.place), s, s is not None and s == worst and s > 0.0)
+        MeasureView(r, sources.link(r.place), s, s == worst >= NEAR and not r.kind.startswith(AT_LIMITS))
         for r, s in zip(records, ratios, strict=True)
     ]
 

@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 from tamplang.cli.app import application
 from tamplang.runtime.plan_files import write_plan
+from tamplang.runtime.report.clearance import build_clearance
 from tamplang.runtime.report.compare import actions, figures
 
 from .sample import climb_plan
@@ -20,6 +21,9 @@ def test_what_differs_is_told_in_figures_and_actions(tmp_path: Path) -> None:
     told = {row.name: (row.first, row.second) for row in figures(first, second)}
     assert told["Actions"] == (str(len(first.phases)), str(len(first.phases) - 1))
     assert next(row for row in figures(first, second) if row.name == "Cost").same
+    far = min(build_clearance(first), key=lambda c: c.least)
+    assert told["Least clearance"][0] == f"{1000.0 * far.least:.1f} mm, {far.first} and {far.second}"
+    assert "n = " in told["Parameters"][0]
     rows = actions(first, second)
     assert [row.first for row in rows] == [phase.action for phase in first.phases]
     assert [row.same for row in rows] == [True] * (len(rows) - 1) + [False] and rows[-1].second == ""

@@ -112,6 +112,7 @@ def test_measures_stand_against_their_limits_and_the_worst_is_marked() -> None:
         MeasureRecord("joint_limit_rad", 0.006, 0.008, "rad", 2.0, ["c[1]"]),
         MeasureRecord("penetration_m", -0.001, 0.001, "m", 1.1, []),
         MeasureRecord("torque_ratio", 0.3, 1.0, "", None, []),
+        MeasureRecord("joint_speed_rad_s", 2.0, 2.0, "rad/s", 0.5, ["c[1]"]),
     ]
     found = page(climb_plan(), verdict=VerdictRecord(True, {}, measures, [], [], goal_reached=True))
     rows = [row for row in found.rows["evidence"] if len(row) == 7][1:]
@@ -120,9 +121,16 @@ def test_measures_stand_against_their_limits_and_the_worst_is_marked() -> None:
         ["joint limit worst", "c[1]", "2.00 s", "0.006 rad", "0.008 rad"],
         ["penetration", "", "1.10 s", "-1 mm", "1 mm"],
         ["torque", "", "", "0.3", "1"],
+        ["joint speed rad", "c[1]", "0.50 s", "2 rad/s", "2 rad/s"],
     ]
-    assert found.bars[:4] == ["25.0 %", "75.0 %", "0.0 %", "30.0 %"]
-    assert found.widths[:4] == ["25.0%", "75.0%", "0.0%", "30.0%"]
+    assert found.bars[:5] == ["25.0 %", "75.0 %", "0.0 %", "30.0 %", "100.0 %"]
+    assert found.widths[:5] == ["25.0%", "75.0%", "0.0%", "30.0%", "100.0%"]
+
+
+def test_nothing_is_marked_where_nothing_is_near_to_fail() -> None:
+    measures = [MeasureRecord("slip_m", 1e-9, 0.002, "m", 3.2, []), MeasureRecord("gap_m", 0.0009, 0.002, "m", 1.0, [])]
+    found = page(climb_plan(), verdict=VerdictRecord(True, {}, measures, [], [], goal_reached=True))
+    assert not any("worst" in cell for row in found.rows["evidence"] if len(row) == 7 for cell in row[:1])
 
 
 def test_a_bar_ends_at_its_limit_where_the_figure_does_not() -> None:
