@@ -33,9 +33,9 @@ TASKS: tuple[Task, ...] = (
     ("quadruped", (), ()),
     ("quadruped", (("steps", 2),), ()),
     ("chain_climb", (("modules", 6),), ()),
-    ("zoo/inchworm", (), ("--task", "own")),
-    ("zoo/climber", (), ("--task", "own")),
-    ("zoo/snake", (), ("--task", "place8")),
+    ("zoo/inchworm", (), ("own",)),
+    ("zoo/climber", (), ("own",)),
+    ("zoo/snake", (), ("place8",)),
     ("real_bridge", (), ()),
 )
 
