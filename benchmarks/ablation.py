@@ -65,7 +65,7 @@ def key(mechanism: str, task: Task) -> str:
 def asked(run: bench.Run) -> int:
     """How often bounds were asked: it does not depend on the load of the machine."""
     bounds = run.get("bounds")
-    return sum(int(b["solved"]) + int(b["refused"]) for b in bounds) if isinstance(bounds, list) else 0
+    return sum(b["solved"] + b["refused"] for b in bounds.values()) if isinstance(bounds, dict) else 0
 
 
 def cell(base: Sequence[bench.Run], runs: Sequence[bench.Run]) -> str:

@@ -38,7 +38,7 @@ def test_what_a_mechanism_buys_is_told_by_runs_and_seconds(module: Any) -> None:
     ablation = module("ablation")
 
     def run(cpu: float, solved: bool) -> dict[str, object]:
-        bounds = [{"bound": "seq", "solved": 3, "refused": int(cpu)}]
+        bounds = {"seq": {"solved": 3, "refused": int(cpu)}}
         return {"cpu": cpu, "status": "solved" if solved else "exhausted", "verified": solved, "bounds": bounds}
 
     base, without = [run(2.0, True), run(4.0, True)], [run(3.0, True), run(9.0, False)]
