@@ -187,7 +187,7 @@ MUTATIONS = [
     Mutation("report: a small figure told as none", VIEW, "0.0 < abs(amount) < least", "False", FIGURES),
     Mutation("report: share of the limit turned over", VIEW, "max(0.0, r.amount) / r.limit if",
              "r.limit / max(1e-9, r.amount) if", FIGURES),
-    Mutation("report: least share called the worst", VIEW, "worst = max(known)", "worst = min(known)", FIGURES),
+    Mutation("report: least share called the worst", VIEW, "worst = max(known, default", "worst = min(known, default", FIGURES),
     Mutation("report: the first window counts as latency", VIEW, "plan.timing.windows[1:]", "plan.timing.windows[0:]",
              FIGURES),
     Mutation("report: mean told as greatest latency", VIEW, "max(seconds))", "sum(seconds) / len(seconds))", FIGURES),
