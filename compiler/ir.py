@@ -63,6 +63,7 @@ from .lifted_ir import (
 )  # fmt: skip
 from .objectives import Objective
 from .physics.records import Hold, Inertial
+from .solid_shapes import Pose, Shape, ShapeKind, SolidPart, Vec3
 
 __all__ = [
     "IDENTITY", "Action", "Aggregate", "And", "Any_", "Arith", "Body", "Breakdown", "Case", "Chain", "ChainEnd",
@@ -70,57 +71,17 @@ __all__ = [
     "EffectFor", "EffectIf", "EffectItem", "Effector", "Exists", "Fact", "Forall", "Formula", "Function",
     "Heuristic", "Hold", "Inertial", "Joint", "Letter", "Link", "Literal", "Module", "ModuleType",
     "MotionPredicate", "Not", "Number", "Object", "ObjectType", "Options", "Or", "Pose", "Predicate",
-    "Previous", "Problem", "Prune", "RangeType", "Row", "Rule", "Shape", "Term", "Type", "Value", "ValueType",
-    "Var", "Variable", "Vec3", "Vector", "World", "conjuncts", "effects_of", "effects_with_loops", "span_of",
+    "Previous", "Problem", "Prune", "RangeType", "Row", "Rule", "Shape", "ShapeKind", "SolidPart", "Term", "Type",
+    "Value", "ValueType", "Var", "Variable", "Vec3", "Vector", "World", "conjuncts", "effects_of",
+    "effects_with_loops", "span_of",
 ]  # fmt: skip
 
-Vec3 = tuple[float, float, float]
-Pose = tuple[float, float, float, float, float, float, float]
 Fact = tuple[str, ...]
 """A ground literal: predicate name, then the names of objects."""
 
 IDENTITY: Pose = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 # --- the world ---------------------------------------------------------------------------------------------------
-
-
-class ShapeKind(StrEnum):
-    """A convex shape is the hull of corners, from a mesh or a list."""
-
-    BOX = "box"
-    SPHERE = "sphere"
-    CAPSULE = "capsule"
-    CYLINDER = "cylinder"
-    CONVEX = "convex"
-
-
-@dataclass(frozen=True, slots=True)
-class Shape:
-    """`size` in metres: box (x, y, z), sphere (radius,), capsule and cylinder (radius, length along z without caps),
-    convex (the coordinates of all corners in turn, of a hull whose box along the axes has its middle at the origin).
-    A body that is not convex is made of `parts`; what is around them all is convex. The first part is the one that has
-    the largest flat top, on which things stand."""
-
-    kind: ShapeKind
-    size: tuple[float, ...]
-    parts: tuple[SolidPart, ...] = ()
-
-    @property
-    def solids(self) -> tuple[SolidPart, ...]:
-        """The convex shapes that it is made of: its parts, or itself."""
-        return self.parts or (SolidPart((0.0, 0.0, 0.0), self),)
-
-
-@dataclass(frozen=True, slots=True)
-class SolidPart:
-    """A convex part of a shape, its frame at `at` in that of the shape, and turned like it."""
-
-    at: Vec3
-    shape: Shape
-
-    @property
-    def placement(self) -> Pose:
-        return (*self.at, 0.0, 0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)

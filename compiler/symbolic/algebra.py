@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ..ir import And, Arith, Compare, Exists, Forall, Formula, Function, Not, Number, Or, Term
 from .normal_form import FALSE, NEGATED, TRUE
+
+Environment = Mapping[str, Any]
+"""Values of variables: an object's name, a number, a chain; or an array of object indices for a whole row at once."""
 
 COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
     "=": operator.eq,
@@ -21,6 +24,10 @@ COMPARISONS: dict[str, Callable[[Any, Any], Any]] = {
     ">=": operator.ge,
 }
 SLACK = 1e-9
+
+
+class Undefined(Exception):
+    """A term without value, such as a module past the end of a chain."""
 
 
 def flip(formula: Formula) -> Formula:

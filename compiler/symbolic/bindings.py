@@ -11,9 +11,10 @@ from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from ..ir import Chain, ChainType, Fact, Formula, Literal, Variable
+from .algebra import Environment
 from .chains import KnownFacts
 from .domains import FlatRule
-from .guards import Environment, Guards
+from .guards import Guards
 from .settings import SYMBOLIC
 
 Found = TypeVar("Found")
@@ -98,7 +99,7 @@ class Bindings(Generic[Found]):
         elif live is not None:
             settled = Answers()
             settled.add(asked.answers)
-            chosen, values, live = self.guards.branch(variables, live, env, asked, domains)
+            chosen, values, live = self.guards.candidates.branch(variables, live, env, asked, domains)
             others = [v for v in variables if v is not chosen]
             for value in values:
                 inner = self._of(flat, others, live, {**env, chosen.name: value}, domains, settled, word)

@@ -24,12 +24,12 @@ from ..ir import (
     Var,
     Variable,
 )
-from .algebra import conjunction
+from .algebra import Environment, Undefined, conjunction
 from .bindings import Bindings
 from .chains import KnownFacts
 from .domains import FlatRule
 from .expressions import Check, compiled, ground, literal_test, source, split
-from .guards import Environment, Guards, Undefined
+from .guards import Guards
 from .layout import FIELD, STATIC, Field, Layout
 from .normal_form import TRUE, free_names
 from .steps import Addition, Step

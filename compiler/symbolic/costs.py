@@ -24,9 +24,8 @@ from ..ir import (
     Term,
     Var,
 )
-from .algebra import arithmetic
+from .algebra import Environment, Undefined, arithmetic
 from .expressions import literal_test
-from .guards import Environment, Undefined
 from .successors import Successors
 
 

@@ -9,8 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from ..ir import (
     Aggregate,
     And,
@@ -42,19 +40,23 @@ from ..ir import (
     Var,
     Variable,
 )
-from .algebra import COMPARISONS, MATHS, arithmetic, conjunction, disjunction, flip, holds, is_plain, negation
+from .algebra import (
+    COMPARISONS,
+    MATHS,
+    Environment,
+    Undefined,
+    arithmetic,
+    conjunction,
+    disjunction,
+    flip,
+    holds,
+    negation,
+)
+from .candidates import Candidates
 from .chains import KnownFacts
 from .geometry import SceneLengths
-from .layout import FIELD, FLAG, STATIC, Layout
+from .layout import FIELD, STATIC, Layout
 from .normal_form import FALSE, TRUE, free_names
-from .settings import SYMBOLIC
-
-Environment = Mapping[str, Any]
-"""Values of variables: an object's name, a number, a chain; or an array of object indices for a whole row at once."""
-
-
-class Undefined(Exception):
-    """A term without value, such as a module past the end of a chain."""
 
 
 class Guards:
@@ -69,7 +71,7 @@ class Guards:
         self.static = KnownFacts(problem, layout.static if known is None else known)
         self._types: dict[str, tuple[str, ...]] = {}
         self._order = geometry.index
-        self._ordered: dict[frozenset[str], tuple[Value, ...]] = {}
+        self.candidates = Candidates(self)
 
     # --- terms ---------------------------------------------------------------------------------------------------
 
@@ -307,7 +309,7 @@ class Guards:
         if not variables:
             yield env, tuple(live)
             return
-        chosen, values, live = self.branch(variables, live, env, word, domains or {})
+        chosen, values, live = self.candidates.branch(variables, live, env, word, domains or {})
         others = [v for v in variables if v is not chosen]
         for value in values:
             yield from self.solutions(others, live, {**env, chosen.name: value}, word, domains)
@@ -325,106 +327,6 @@ class Guards:
                 if part not in live:
                     live.append(part)
         return live
-
-    def branch(
-        self,
-        variables: Sequence[Variable],
-        live: list[Formula],
-        env: Environment,
-        word: KnownFacts | None,
-        domains: Mapping[str, frozenset[str]],
-    ) -> tuple[Variable, Sequence[Value], list[Formula]]:
-        """The variable with the fewest candidates, its values, and what is left to ask of the conjuncts."""
-        chosen, values = self._most_constrained(variables, live, env, word, domains)
-        return chosen, *self._filter(chosen, values, live, env)
-
-    def _most_constrained(
-        self,
-        variables: Sequence[Variable],
-        live: Sequence[Formula],
-        env: Environment,
-        word: KnownFacts | None,
-        domains: Mapping[str, frozenset[str]],
-    ) -> tuple[Variable, Sequence[Value]]:
-        best: tuple[Variable, Sequence[Value]] | None = None
-        for variable in variables:
-            if isinstance(variable.type, RangeType) and not free_names(variable.type) <= env.keys():
-                continue
-            values = self._candidates(variable, live, env, word, domains.get(variable.name))
-            if best is None or len(values) < len(best[1]):
-                best = variable, values
-        if best is None:
-            raise Undefined
-        return best
-
-    def _candidates(
-        self,
-        variable: Variable,
-        live: Sequence[Formula],
-        env: Environment,
-        word: KnownFacts | None,
-        domain: frozenset[str] | None,
-    ) -> Sequence[Value]:
-        if isinstance(variable.type, ChainType):
-            return self._chains(variable, live, env, word)
-        if not isinstance(variable.type, ObjectType):
-            return self.values(variable, env, word)
-        allowed = domain
-        for formula in live:
-            found = self._allowed(variable.name, formula, word)
-            if found is not None:
-                allowed = found if allowed is None else allowed & found
-        everything = self.values(variable, env, word)
-        if allowed is None:
-            return everything
-        members = self.layout.domains.of_type(variable.type.name)
-        key = allowed & members
-        if key not in self._ordered:
-            self._ordered[key] = (*sorted(key, key=self._order.__getitem__),)
-        return self._ordered[key]
-
-    def _chains(
-        self, variable: Variable, live: Sequence[Formula], env: Environment, word: KnownFacts | None
-    ) -> Sequence[Value]:
-        """The chains whose ends those comparisons leave that tell one."""
-        chains = self.values(variable, env, word)
-        for formula in live:
-            if not isinstance(formula, Compare) or formula.operator != "=":
-                continue
-            for here, there in ((formula.left, formula.right), (formula.right, formula.left)):
-                if isinstance(here, ChainEnd) and here.chain == variable.name and isinstance(there, Object):
-                    chains = [c for c in chains if isinstance(c, Chain) and there.name == (c.first, c.last)[here.last]]
-        return chains
-
-    def _allowed(self, name: str, formula: Formula, word: KnownFacts | None) -> frozenset[str] | None:
-        """The objects that one conjunct leaves for a variable; None when it says nothing at once."""
-        if isinstance(formula, Compare) and formula.operator == "=":
-            for here, there in ((formula.left, formula.right), (formula.right, formula.left)):
-                if here == Var(name) and isinstance(there, Object):
-                    return frozenset((there.name,))
-        if not isinstance(formula, Literal) or Var(name) not in formula.args:
-            return None
-        kind = self.layout.kinds[formula.predicate]
-        known = self.static if kind == STATIC else word if kind == FLAG else None
-        if known is None:
-            return self.layout.domains.at(formula.predicate, formula.args.index(Var(name)))
-        return known.matching(formula, name)
-
-    def _filter(
-        self, variable: Variable, values: Sequence[Value], live: list[Formula], env: Environment
-    ) -> tuple[Sequence[Value], list[Formula]]:
-        """Settle comparisons of lengths for all candidates at once."""
-        if len(values) <= SYMBOLIC.single_values or not isinstance(variable.type, ObjectType):
-            return values, live
-        usable = [f for f in live if isinstance(f, Compare) and free_names(f) == {variable.name} and is_plain(f)]
-        if not usable:
-            return values, live
-        indices = self.geometry.indices_of(values)
-        keep = np.ones(len(indices), dtype=bool)
-        for formula in usable:
-            inner = {**env, variable.name: indices}
-            keep &= holds(formula.operator, self.number(formula.left, inner), self.number(formula.right, inner))
-        return [values[int(i)] for i in np.flatnonzero(keep)], [f for f in live if f not in usable]
 
 
 def _is_thing(term: Term, env: Environment) -> bool:

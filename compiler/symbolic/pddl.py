@@ -35,9 +35,9 @@ from ..ir import (
     Var,
     Variable,
 )
-from .algebra import conjunction, disjunction, negation
+from .algebra import Environment, conjunction, disjunction, negation
 from .domains import FlatRule
-from .guards import Environment, Guards
+from .guards import Guards
 from .normal_form import FALSE, TRUE, free_names
 from .settings import SYMBOLIC
 from .strips import NOBODY, NOTHING, THING, Change, Schema, Strips, alternatives, contradicts, denial, literals

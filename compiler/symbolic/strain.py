@@ -12,10 +12,10 @@ from typing import Any
 
 from ...langs.frozen import dataclass
 from ..ir import Action, Chain, Compare, Term
+from .algebra import Environment, Undefined
 from .blocks import Block
 from .domains import FlatRule
 from .expressions import Check
-from .guards import Environment, Undefined
 from .locations import LOWER, length_bounds
 from .normal_form import free_names
 from .steps import Step

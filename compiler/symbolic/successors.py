@@ -13,12 +13,13 @@ from typing import Any
 
 from ...langs.trees import parts
 from ..ir import Action, ChainType, Fact, Formula, Problem, Value
+from .algebra import Environment
 from .blocks import Block, BlockMaker
 from .chains import KnownFacts
 from .domains import Domains, FlatRule
 from .expressions import source
 from .geometry import SceneLengths
-from .guards import Environment, Guards
+from .guards import Guards
 from .layout import Layout
 from .normal_form import NormalForm
 from .settings import SYMBOLIC

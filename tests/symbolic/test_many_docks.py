@@ -8,8 +8,9 @@ import pytest
 
 from tamplang.compiler.ir import Chain, Formula
 from tamplang.compiler.pipeline import compile_text
+from tamplang.compiler.symbolic.algebra import Environment
 from tamplang.compiler.symbolic.chains import KnownFacts
-from tamplang.compiler.symbolic.guards import Environment, Guards
+from tamplang.compiler.symbolic.guards import Guards
 from tamplang.compiler.symbolic.successors import Successors
 
 CUBES = """

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from ....compiler.ir import Action, Fact, Forall, Formula, Problem, Rule, conjuncts, span_of
 from ....compiler.printing_terms import format_formula
-from ....compiler.symbolic.guards import Environment
+from ....compiler.symbolic.algebra import Environment
 from ....compiler.symbolic.renaming import renaming
 from ....compiler.symbolic.successors import Successors
 from ....langs.frozen import dataclass

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from ....compiler.ir import Action, Any_, Effect, EffectIf, EffectItem, Fact, Object, Problem
+from ....compiler.symbolic.algebra import Environment, Undefined
 from ....compiler.symbolic.chains import KnownFacts
-from ....compiler.symbolic.guards import Environment, Guards, Undefined
+from ....compiler.symbolic.guards import Guards
 from ....compiler.symbolic.normal_form import TRUE
 from ....compiler.symbolic.successors import Successors
 from ...skeleton import Phase, Skeleton

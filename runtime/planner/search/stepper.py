@@ -11,9 +11,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 
 from ....compiler import ir
+from ....compiler.symbolic.algebra import Environment, Undefined
 from ....compiler.symbolic.domains import Domains
 from ....compiler.symbolic.geometry import SceneLengths
-from ....compiler.symbolic.guards import Environment, Guards, Undefined
+from ....compiler.symbolic.guards import Guards
 from ....compiler.symbolic.layout import Layout
 from ....compiler.symbolic.normal_form import TRUE, NormalForm
 from ....langs.frozen import dataclass
