@@ -7,14 +7,12 @@ import hashlib
 import json
 import os
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from ..langs.disk_cache import cache_folder, keep, recalled
 from ..langs.frozen import dataclass
-from ..langs.grammar_loader import cache_folder
-from ..langs.writer import write_atomically
 from .collada import asset
 from .ir import Vec3
 
@@ -71,25 +69,24 @@ def mesh_body(path: str, content: bytes, scale: Sequence[float]) -> MeshBody:
     found = _recalled(file)
     if found is None:
         found = _made(path, content, scale)
-        with suppress(OSError):
-            file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-            write_atomically(file, json.dumps(asdict(found)).encode())
+        keep(file, json.dumps(asdict(found)).encode())
     return found
 
 
 def _recalled(file: Path) -> MeshBody | None:
     """The remembered body, where this user wrote it and it is whole."""
+    content = recalled(file)
+    if content is None:
+        return None
     try:
-        if hasattr(os, "getuid") and file.stat().st_uid != os.getuid():
-            return None
-        told: dict[str, Any] = json.loads(file.read_bytes())
+        told: dict[str, Any] = json.loads(content)
         size, (x, y, z) = tuple(map(float, told["size"])), map(float, told["middle"])
         numbers = float(told["filled"]), float(told["grown"]), float(told["unit"])
         whole = len(size) % 3 == 0 and len(size) >= 12
         parts = tuple((tuple(map(float, s)), (float(a), float(b), float(c))) for s, (a, b, c) in told["parts"])
         rest = str(told["up"]), tuple(map(str, told["faults"])), parts
         return MeshBody(size, (x, y, z), *numbers, *rest) if whole else None
-    except (OSError, ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError):
         return None
 
 

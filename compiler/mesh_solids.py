@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..langs.disk_cache import cache_folder, keep, recalled
 from ..langs.frozen import dataclass
-from ..langs.grammar_loader import cache_folder
-from ..langs.writer import write_atomically
 from .apart import apart
 from .convex_cuts import cut, hull_volume
 from .hulls import Array, HullError, corners_of
@@ -72,22 +70,19 @@ def mesh_solid(
     if found is None:
         found = _made(_sound(points, triangles), given)
         if given is None:
-            with suppress(OSError):
-                file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-                told = [found.corners, found.parts, found.faults, found.grown]
-                write_atomically(file, json.dumps(told).encode())
+            keep(file, json.dumps([found.corners, found.parts, found.faults, found.grown]).encode())
     return found
 
 
-def _recalled(file: os.PathLike[str]) -> MeshSolid | None:
+def _recalled(file: Path) -> MeshSolid | None:
     """What is remembered, where this user wrote it and it is whole."""
+    content = recalled(file)
+    if content is None:
+        return None
     try:
-        if hasattr(os, "getuid") and os.stat(file).st_uid != os.getuid():
-            return None
-        with open(file, "rb") as stream:
-            corners, parts, faults, grown = json.load(stream)
+        corners, parts, faults, grown = json.loads(content)
         return MeshSolid(_tuples(corners), tuple(map(_tuples, parts)), tuple(map(str, faults)), float(grown))
-    except (OSError, ValueError, TypeError):
+    except (ValueError, TypeError):
         return None
 
 

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import io
-import os
 import pickle
-import stat
 import sys
-from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
 import lark
 
-from .writer import write_atomically
+from .disk_cache import cache_folder, keep, recalled
 
 PARTS = ("tamplang", "terms", "logic", "modules", "physics", "motion", "rules", "heuristics", "scenes", "tasks")
 _FOLDER = Path(__file__).parent / "grammar"
@@ -49,20 +46,13 @@ def parser() -> lark.Lark:
     return built
 
 
-def cache_folder() -> Path:
-    """Where what can be made again is kept."""
-    root = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    return Path(root) / "tamplang"
-
-
 def load_cached(file: Path) -> lark.Lark | None:
     """The cached parser, or None. The file is unpickled, so only a plain one that this user owns is opened, and only
     tables that are whole by their digest are used: damaged ones may load and read texts wrongly."""
+    content = recalled(file)
+    if content is None:
+        return None
     try:
-        known = file.stat()
-        if not stat.S_ISREG(known.st_mode) or (hasattr(os, "getuid") and known.st_uid != os.getuid()):
-            return None
-        content = file.read_bytes()
         digest, tables = content[:DIGEST], content[DIGEST:]
         if hashlib.sha256(tables).digest() != digest:
             return None
@@ -82,9 +72,7 @@ def load_cached(file: Path) -> lark.Lark | None:
 
 
 def store(built: lark.Lark, file: Path) -> None:
-    """Write the tables in one step, so that no other process ever reads half of them; give up silently."""
+    """Keep the tables behind their digest."""
     content = io.BytesIO()
     built.save(content)
-    with suppress(OSError):
-        file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        write_atomically(file, hashlib.sha256(content.getvalue()).digest() + content.getvalue())
+    keep(file, hashlib.sha256(content.getvalue()).digest() + content.getvalue())

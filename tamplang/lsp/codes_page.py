@@ -7,8 +7,8 @@ from functools import cache
 
 from .. import __version__
 from ..langs.codes import CODES
+from ..langs.disk_cache import cache_folder
 from ..langs.explanation import CodeInfo, examples
-from ..langs.grammar_loader import cache_folder
 from ..langs.writer import write_atomically
 
 _STYLE = "body{max-width:50em;margin:2em auto;font:16px/1.5 sans-serif;padding:0 1em}pre{background:#8882;padding:.6em}"
