@@ -69,7 +69,13 @@ class Successors:
 
     def after(self, state: int, number: int) -> int:
         """The state after an action that can be done."""
-        return next(following for following, action in self.expand(state) if action == number)
+        found = self.following(state, number)
+        assert found is not None
+        return found
+
+    def following(self, state: int, number: int) -> int | None:
+        """The state after an action; None where it cannot be done."""
+        return next((following for following, action in self.expand(state) if action == number), None)
 
     def blocks(self, state: int) -> list[Block]:
         """The blocks of the successor function of a state."""

@@ -93,8 +93,7 @@ class PlanForms:
             return None
         key = state, number
         if key not in self._next:
-            ways = self._successors.expand(state)
-            self._next[key] = next((following for following, action in ways if action == number), None)
+            self._next[key] = self._successors.following(state, number)
         return self._next[key]
 
     def _rows(self, numbers: Numbers, modes: Sequence[Mode]) -> Mapping[str, tuple[object, ...]]:

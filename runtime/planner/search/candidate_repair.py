@@ -50,7 +50,7 @@ def _after(search: SkeletonSearch, numbers: Sequence[int]) -> int | None:
     """The state after actions from the start; None where they cannot follow each other."""
     state = search.successors.initial
     for number in numbers:
-        following = next((then for then, action in search.successors.expand(state) if action == number), None)
+        following = search.successors.following(state, number)
         if following is None:
             return None
         state = following
@@ -62,7 +62,7 @@ def _candidate(search: SkeletonSearch, numbers: Sequence[int], bound: float) -> 
     successors, no_goods = search.successors, search.no_goods
     state, past = successors.initial, (EMPTY, no_goods.root)
     for number in numbers:
-        following = next((then for then, action in successors.expand(state) if action == number), None)
+        following = successors.following(state, number)
         then = None if following is None else no_goods.advance(*past, state, number)
         if following is None or then is None or (no_goods.active and not no_goods.allows(state, number)):
             return None
