@@ -17,7 +17,6 @@ from .bounds.multi_bound import MultiBound
 from .bounds.settings import BOUNDS
 from .bounds.verdicts import Judgement
 from .conflicts.infeasibility import Refusals
-from .conflicts.openings import taking_part
 from .search.best_first import Candidate, SkeletonSearch
 from .search.candidate_repair import repaired
 from .search.learned_penalties import LearnedPenalties
@@ -118,8 +117,8 @@ class CandidateLoop:
         possible = {number for _, number in successors.expand(successors.initial)}
         asked = {k for k, n in enumerate(candidate.numbers[: len(skeleton)]) if n in possible and refused in (0, k)}
         leaving = [openings.leaving(number) for number in candidate.numbers]
-        for k, alone, conflict in self.bounds.refused_openings(skeleton, asked, leaving):
-            openings.forbid(candidate.numbers[k], taking_part(skeleton, k))
+        for k, movers, alone, conflict in self.bounds.refused_openings(skeleton, asked, leaving):
+            openings.forbid(candidate.numbers[k], movers)
             places.add(k)
             if k != refused:
                 self.refusals.add(replace(alone, problem=self.refusals.problem), conflict)

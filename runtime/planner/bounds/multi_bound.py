@@ -179,17 +179,18 @@ class MultiBound(Solves):
 
     def refused_openings(
         self, skeleton: Skeleton, asked: Collection[int], leaving: Sequence[frozenset[str]]
-    ) -> Iterator[tuple[int, Skeleton, Conflict]]:
+    ) -> Iterator[tuple[int, frozenset[str], Skeleton, Conflict]]:
         """The phases of those `asked` before which nothing that takes part in them has left its place, and that P_seq
-        refuses at the start whatever others do; each with the skeleton of it alone, and why. `leaving` tells what each
-        action has leave its place. Raises OutOfTime."""
+        refuses at the start whatever others do; each with what takes part, the skeleton of it alone, and why. `leaving`
+        tells what each action has leave its place. Raises OutOfTime."""
         left: frozenset[str] = frozenset()
         for k in range(len(skeleton)):
-            if k in asked and not taking_part(skeleton, k) & left:
+            movers = taking_part(skeleton, k) if k in asked else None
+            if movers is not None and not movers & left:
                 alone = opening(skeleton, k)
                 result = self.unit.result(self._window(self.unit.skeleton(alone), 0, 0))
                 if holds_whatever_others_do(alone, result):
-                    yield k, alone, Conflict(Bound.SEQ, 0, 0, True, tuple(result.violations))
+                    yield k, movers, alone, missed(result, 0, 0, True)
             left |= leaving[k]
 
     def _needs_no_solve(self, skeleton: Skeleton, strains: Sequence[float], k: int) -> bool:

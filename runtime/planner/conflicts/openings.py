@@ -28,6 +28,7 @@ class Openings:
         self._found: dict[int, tuple[int, frozenset[str]]] = {}
         self._begun: dict[int, int] = {}
         self._acting: dict[int, frozenset[str]] = {}
+        self._leaving: dict[int, frozenset[str]] = {}
 
     def __bool__(self) -> bool:
         return bool(self._found)
@@ -66,10 +67,15 @@ class Openings:
             known = self._acting[number] = movers(self.problem, self.successors.action(number))
         return known
 
-
     def leaving(self, number: int) -> frozenset[str]:
         """What may be elsewhere after an action than at the start: bodies that it names, and modules that it names, but
         for those of which it leaves alone what held at the start."""
+        known = self._leaving.get(number)
+        if known is None:
+            known = self._leaving[number] = self._left(number)
+        return known
+
+    def _left(self, number: int) -> frozenset[str]:
         acting, action = self.acting(number), self.successors.action(number)
         rule = self.problem.rules.get(action.rule)
         if rule is None or not all(isinstance(e, Effect) for e in rule.effects):

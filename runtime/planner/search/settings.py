@@ -37,7 +37,7 @@ class SearchSettings:
         1000, "nodes",
         "Nodes that are expanded at most for another way of the robots of a candidate that motion refused, while the "
         "others do as before.",
-        "4 to 60 are needed where a way of two to four actions of one crawler is another",
+        "4 to 60 are needed where a way of two to four actions of one robot is another",
     )
     penalty_power: int = setting(
         6, "1",
