@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
-from ....compiler.ir import Fact
+from ....compiler.ir import Fact, Problem
 from ....compiler.symbolic.estimate import Estimate
 from ....langs.frozen import dataclass
 from ...geometry.attachments import carrier
@@ -161,11 +161,7 @@ class ClockedSearch:
         return known
 
     def _after(self, clocks: Clocks, step: _Step, number: int) -> Clocks:
-        *modules, last, added = clocks
-        begin = max((modules[k] for k in step.waits), default=last)
-        last = max(last, begin + step.seconds)
-        for k in step.binds:
-            modules[k] = last
+        *modules, last, added = _behind(clocks, step.waits, step.binds, step.seconds)
         rule = self._successors.action(number).rule
         more = self._pace.more.get(rule, 0.0) + self._pace.cost * self._successors.cost(number)
         return *modules, last, added + more
@@ -183,8 +179,7 @@ class ClockedSearch:
         added = frozenset(told)
         after = left(problem.motions, mode, deleted) | added
         binds = {self._number[n] for n in bound_between(problem, mode, added, after) if n in self._number}
-        named = {carrier(problem, a) for literal in added for a in literal[1:]}
-        waits = {self._number[n] for n in named if n in self._number} or set(range(len(self._modules)))
+        waits = _waiting(problem, self._number, added)
         return _Step(self._pace.seconds.get(action.rule, 0.0), tuple(sorted(waits)), tuple(sorted(binds | waits)),
                      after)  # fmt: skip
 
@@ -236,16 +231,28 @@ class ClockedSearch:
 
 def clocks_along(skeleton: Skeleton, paths: Sequence[PhasePath], clocks: Clocks) -> Clocks:
     """The clocks behind the motions of the first phases of a skeleton; empty ones stand for the start."""
-    problem, names = skeleton.problem, tuple(skeleton.problem.world.modules)
-    *modules, last, added = clocks or (0.0,) * (len(names) + 2)
+    problem = skeleton.problem
+    numbers = {name: k for k, name in enumerate(problem.world.modules)}
+    clocks = clocks or (0.0,) * (len(numbers) + 2)
     for k, path in enumerate(paths):
-        named = {carrier(problem, a) for literal in skeleton.phases[k].added for a in literal[1:]}
-        waits = [m for m, name in enumerate(names) if name in named] or range(len(names))
-        last = max(last, max((modules[m] for m in waits), default=last) + path.duration)
-        bound = bound_by(skeleton, k)
-        for m, name in enumerate(names):
-            if m in waits or name in bound:
-                modules[m] = last
+        waits = _waiting(problem, numbers, skeleton.phases[k].added)
+        binds = {numbers[n] for n in bound_by(skeleton, k) if n in numbers}
+        clocks = _behind(clocks, waits, binds | waits, path.duration)
+    return clocks
+
+
+def _waiting(problem: Problem, numbers: Mapping[str, int], added: Mode) -> set[int]:
+    """The modules for which the motion to a switch that adds these literals waits: those that they name, else all."""
+    named = {carrier(problem, a) for literal in added for a in literal[1:]}
+    return {numbers[n] for n in named if n in numbers} or set(numbers.values())
+
+
+def _behind(clocks: Clocks, waits: Iterable[int], binds: Iterable[int], seconds: float) -> Clocks:
+    """The clocks behind a motion of so many seconds that waits for some modules, and its switch, which binds some."""
+    *modules, last, added = clocks
+    last = max(last, max((modules[k] for k in waits), default=last) + seconds)
+    for k in binds:
+        modules[k] = last
     return *modules, last, added
 
 
