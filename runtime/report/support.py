@@ -225,18 +225,10 @@ def _circle(x: float, y: float, radius: float) -> list[Point]:
 
 
 def _hull(points: Sequence[Point]) -> list[Point]:
-    """The convex hull, counterclockwise (Andrew's monotone chain)."""
-    ordered = sorted(set(points))
+    """The convex hull, counterclockwise."""
+    from scipy.spatial import ConvexHull
 
-    def half(given: Sequence[Point]) -> list[Point]:
-        kept: list[Point] = []
-        for p in given:
-            while len(kept) > 1 and _left(kept[-2], kept[-1], p) <= 0.0:
-                kept.pop()
-            kept.append(p)
-        return kept[:-1]
-
-    return half(ordered) + half(ordered[::-1])
+    return [points[k] for k in ConvexHull(points).vertices]
 
 
 def _left(a: Point, b: Point, p: Point) -> float:
