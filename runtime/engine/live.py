@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from ...compiler import ir
-from ...compiler.physics.frames import Poses
+from ...compiler.physics.frames import Poses, poses
 from ...compiler.physics.safety import safety_of
 from ...compiler.physics.statics import drives
 from ..skeleton import Array, Configuration
@@ -96,8 +96,6 @@ class LiveEngine:
 
     def hold(self, mode: frozenset[ir.Fact], there: Configuration) -> tuple[str, str] | None:
         """Hold what the last action leaves for a while; what is wrong then, as of `trouble`."""
-        from ...compiler.physics.frames import poses
-
         def joints(times: Array, order: int) -> Mapping[str, Array]:
             rest = {name: np.tile(rows[7:], (len(times), 1)) for name, rows in there.modules.items()}
             return rest if order == 0 else {name: np.zeros_like(rows) for name, rows in rest.items()}

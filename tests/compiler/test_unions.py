@@ -4,7 +4,9 @@ into hollows."""
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -117,10 +119,12 @@ BAD = {
 
 
 @pytest.mark.parametrize(("fault", "write"), [*zip(BAD, [as_dae, as_stl, as_ascii_stl, as_obj], strict=True)])
-def test_a_bad_surface_is_told_and_what_it_holds_is_the_same(tmp_path: Path, fault: str, write: object) -> None:
+def test_a_bad_surface_is_told_and_what_it_holds_is_the_same(
+    tmp_path: Path, fault: str, write: Callable[..., bytes]
+) -> None:
     change, message = BAD[fault]
     ending = {as_obj: "obj", as_dae: "dae"}.get(write, "stl")
-    (tmp_path / f"m.{ending}").write_bytes(write(*change(*crate())))  # type: ignore[operator]
+    (tmp_path / f"m.{ending}").write_bytes(write(*change(*crate())))
     text = f'{ROOM}task t() {{ scene room() object m: mesh("m.{ending}", 1 cm) at (9 m, 0, 0)\n' \
            "object item: sphere(2 cm) on table fact (grippable item) goal (held item) }"  # fmt: skip
     (tmp_path / "t.tamp").write_text(text)
@@ -137,10 +141,10 @@ def test_a_bad_surface_is_told_and_what_it_holds_is_the_same(tmp_path: Path, fau
     (lambda f: f[-4:-2], "E0509", "the corners lie in a plane"),
 ])  # fmt: skip
 def test_a_mesh_that_holds_nothing_is_refused_for_its_cause(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], faces: object, code: str, message: str
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], faces: Callable[..., Any], code: str, message: str
 ) -> None:
     points, all_faces = crate()
-    (tmp_path / "m.obj").write_bytes(as_obj(points, faces(all_faces)))  # type: ignore[operator]
+    (tmp_path / "m.obj").write_bytes(as_obj(points, faces(all_faces)))
     (tmp_path / "t.tamp").write_text(
         f'{ROOM}task t() {{ scene room() object m: mesh("m.obj", 1 cm) at (9 m, 0, 0) '
         "object item: sphere(2 cm) on table fact (grippable item) goal (held item) }"
