@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tamplang.runtime.planner.motion.collision.broad_phase import NO_PAIRS, Blocks, Pairs, Wanted
+from tamplang.runtime.planner.motion.collision.broad_phase import NO_PAIRS, Blocks, OwnerMargins, Pairs
 from tamplang.runtime.skeleton import Array
 
 NEAR = 0.3
@@ -34,7 +34,7 @@ def test_all_pairs_that_are_near_are_found_in_order(mine: list[int], others: lis
     least = random.uniform(0.0, 0.05, (4, 4))
     blocks = Blocks()
     special = {(i, j): (margins[i, j], least[i, j]) for i in range(len(margins)) for j in range(len(margins))}
-    blocks.grid(7, a, b, Wanted(0.0, special))
+    blocks.grid(7, a, b, OwnerMargins(0.0, special))
     found = blocks.near((points, points), (other_points, other_points), NEAR)
 
     owner, other_owner = np.repeat(a[:, 2], a[:, 1]), np.repeat(b[:, 2], b[:, 1])
@@ -57,7 +57,7 @@ def test_what_is_far_is_left_out_and_what_took_part_stays() -> None:
     runs = np.array([(0, 2, 0), (2, 1, 1)])
     blocks = Blocks()
     blocks.pairs(0, np.array([(0, 1, 0)]), np.array([(1, 1, 0)]), np.zeros((1, 2)))
-    blocks.grid(0, runs, np.array([(3, 1, 1)]), Wanted(0.0, {}))
+    blocks.grid(0, runs, np.array([(3, 1, 1)]), OwnerMargins(0.0, {}))
     close = np.zeros((4, 3))
     far = np.array([[0.0, 0, 0], [9.0, 0, 0], [20.0, 0, 0], [20.1, 0, 0]])
     every = blocks.near((close, close), (close, close), NEAR)
@@ -77,7 +77,7 @@ def test_of_many_things_the_same_pairs_are_found_as_of_few() -> None:
     things = np.array([(k, 1, 2 + k) for k in range(600)])
     points = random.uniform(-1, 1, (5, 3))
     others = random.uniform(-4, 4, (600, 3))
-    wanted = Wanted(0.05, {(0, 2): (0.5, 0.1), (2, 0): (0.5, 0.1), (1, 5): (-np.inf, 0.0), (5, 1): (-np.inf, 0.0)})
+    wanted = OwnerMargins(0.05, {(0, 2): (0.5, 0.1), (2, 0): (0.5, 0.1), (1, 5): (-np.inf, 0.0), (5, 1): (-np.inf, 0.0)})
     many, few = Blocks(), Blocks()
     many.grid(3, parts, things, wanted)
     for k in range(0, 600, 150):

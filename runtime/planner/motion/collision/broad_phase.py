@@ -52,7 +52,7 @@ class Pairs:
         return both, at < len(self.places)
 
 
-class Wanted:
+class OwnerMargins:
     """The margins of two things by their owners, in metres, wished and least: `usual` and 0, or what `special` says."""
 
     def __init__(self, usual: float, special: Mapping[tuple[int, int], tuple[float, float]]) -> None:
@@ -85,7 +85,7 @@ class Grid:
     phase: int
     first: Runs
     second: Runs
-    margins: Wanted
+    margins: OwnerMargins
 
 
 NO_PAIRS = Pairs(
@@ -108,7 +108,7 @@ class Blocks:
     def __len__(self) -> int:
         return sum(map(len, self._margins)) + sum(len(grid.first) * len(grid.second) for grid in self._large)
 
-    def grid(self, phase: int, first: Runs, second: Runs, margins: Wanted) -> None:
+    def grid(self, phase: int, first: Runs, second: Runs, margins: OwnerMargins) -> None:
         """Every run of `first` against every one of `second`, kept apart as `margins` says of their owners. Of many
         only those are looked at that are near all of `first`."""
         grid = Grid(self._size, phase, first, second, margins)

@@ -16,7 +16,7 @@ from .....langs.frozen import dataclass
 from ....skeleton import Array, Breach
 from ..nlp.row_groups import RowGroup, RowLabel
 from ..nlp.unknowns import Indices, UnknownsLayout
-from .broad_phase import Blocks, Runs, Wanted
+from .broad_phase import Blocks, OwnerMargins, Runs
 from .clearance_rows import ClearanceGroup, Clearances, Ruler, WishGroup
 from .obstacles import Obstacles, fixed_obstacles
 from .part_frames import Cloud
@@ -133,7 +133,7 @@ class Collisions:
             self._scenes[bodies] = np.array(found, dtype=np.int64).reshape(-1, 3)
         return self._scenes[bodies]
 
-    def _wanted(self, margins: Margins) -> Wanted:
+    def _wanted(self, margins: Margins) -> OwnerMargins:
         """The margins of two parts; -inf where they may touch."""
         found: dict[tuple[int, int], tuple[float, float]] = {}
         usual = margins.usual, 0.0
@@ -147,7 +147,7 @@ class Collisions:
                 for b in self._labels.of.get(other, ()):
                     wished = -np.inf if margin is None else min(margin, found.get((a, b), usual)[0])
                     found[a, b] = found[b, a] = wished, least
-        return Wanted(margins.usual, found)
+        return OwnerMargins(margins.usual, found)
 
     def _next_to(self, name: str) -> list[int]:
         """The labels of the parts at most one joint away from an effector; of a body its own."""
@@ -163,7 +163,7 @@ class Collisions:
             ]  # fmt: skip
         return self._close[name]
 
-    def _within(self, phase: int, name: str, runs: Runs, wanted: Wanted) -> None:
+    def _within(self, phase: int, name: str, runs: Runs, wanted: OwnerMargins) -> None:
         """The parts of one module that can meet; they wish no more than they have at home."""
         pairs = own_pairs(self.problem.world.modules[name].type)
         if pairs:

@@ -18,7 +18,7 @@ from ..collision.clearance_rows import Clearances
 from ..collision.pairs_in_phases import Collisions, Margins, refresh, rows
 from ..nlp.augmented_lagrangian import SolverOptions, SolverResult, SolverStatus, project, solve
 from ..nlp.features import Features, differences, homing, kept_limits, norms
-from ..nlp.loaded_features import Wanted, loaded_groups, speaks
+from ..nlp.loaded_features import LoadedLiteral, loaded_groups, speaks
 from ..nlp.program import Program
 from ..nlp.row_groups import LinearGroup, RowGroup
 from ..nlp.settings import SOLVER
@@ -106,9 +106,9 @@ class SwitchProgram:
         """The scale of the rows of what a phase adds."""
         return 1.0
 
-    def _loaded(self) -> list[Wanted]:
+    def _loaded(self) -> list[LoadedLiteral]:
         """What rows about loads bind where, before and after each switch."""
-        found: list[Wanted] = []
+        found: list[LoadedLiteral] = []
         for slice_, phase in enumerate(self.phases, start=1):
             after = next_mode(self.skeleton, phase)
             for literal in sorted(self.skeleton.phases[phase].added):

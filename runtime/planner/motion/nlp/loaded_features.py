@@ -14,7 +14,7 @@ from ....skeleton import Array, Breach
 from .row_groups import RowGroup, RowLabel, StageGroup
 from .unknowns import UnknownsLayout
 
-Wanted = tuple[Fact, str, int, int, frozenset[Fact]]
+LoadedLiteral = tuple[Fact, str, int, int, frozenset[Fact]]
 """A literal, when its rows bind ("switch" or "during"), the slice, the phase, and the mode whose loads count."""
 
 
@@ -23,7 +23,7 @@ def speaks(problem: Problem, literal: Fact) -> bool:
     return any(speaks_of_loads(row) for row in problem.motions[literal[0]].rows)
 
 
-def loaded_groups(problem: Problem, layout: UnknownsLayout, wanted: Iterable[Wanted]) -> list[RowGroup]:
+def loaded_groups(problem: Problem, layout: UnknownsLayout, wanted: Iterable[LoadedLiteral]) -> list[RowGroup]:
     """One group for each row and slice that has something unknown."""
     groups: list[RowGroup] = []
     for literal, when, slice_, phase, mode in dict.fromkeys(wanted):

@@ -19,7 +19,7 @@ from ..keyframes.bearing_rows import bearing_groups
 from ..keyframes.keyframe_program import run
 from ..nlp.augmented_lagrangian import PATH, SolverOptions, SolverStatus, project
 from ..nlp.features import Features, differences, homing, limits, norms
-from ..nlp.loaded_features import Wanted, loaded_groups, speaks
+from ..nlp.loaded_features import LoadedLiteral, loaded_groups, speaks
 from ..nlp.program import Program
 from ..nlp.row_groups import RowGroup
 from ..nlp.unknowns import UnknownsLayout
@@ -90,9 +90,9 @@ class PathProgram:
                 for literal in sorted(next_mode(self.skeleton, number)):
                     self._features.add(literal, "during", (slices[-1],), number)
 
-    def _loaded(self) -> list[Wanted]:
+    def _loaded(self) -> list[LoadedLiteral]:
         """What rows about loads bind where."""
-        found: list[Wanted] = []
+        found: list[LoadedLiteral] = []
         for k, number in enumerate(self.phases):
             slices, phase = self._slices(k), self.skeleton.phases[number]
             after = next_mode(self.skeleton, number)
