@@ -77,7 +77,8 @@ def test_of_many_things_the_same_pairs_are_found_as_of_few() -> None:
     things = np.array([(k, 1, 2 + k) for k in range(600)])
     points = random.uniform(-1, 1, (5, 3))
     others = random.uniform(-4, 4, (600, 3))
-    wanted = OwnerMargins(0.05, {(0, 2): (0.5, 0.1), (2, 0): (0.5, 0.1), (1, 5): (-np.inf, 0.0), (5, 1): (-np.inf, 0.0)})
+    special = {(0, 2): (0.5, 0.1), (2, 0): (0.5, 0.1), (1, 5): (-np.inf, 0.0), (5, 1): (-np.inf, 0.0)}
+    wanted = OwnerMargins(0.05, special)
     many, few = Blocks(), Blocks()
     many.grid(3, parts, things, wanted)
     for k in range(0, 600, 150):
