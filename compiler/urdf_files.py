@@ -6,9 +6,7 @@ A plan carries URDF and meshes as they are, and a verifier builds the same modul
 from __future__ import annotations
 
 import math
-import posixpath
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from xml.etree import ElementTree
 
@@ -18,12 +16,11 @@ from ..langs.reader import source_of
 from ..langs.source import Source
 from .foreign import Files, Missing, beside
 from .ir import Vec3
-from .mesh_bodies import MeshBody, NoBody, mesh_body
+from .mesh_bodies import MeshBody
+from .named_meshes import UnreadMesh, mesh_places, named_mesh
 from .poses import Quaternion, roll_pitch_yaw
 from .xml_texts import XmlError, decoded, read_xml, span_of
 
-ABOVE = 32
-"""How many folders above a URDF are searched for a package."""
 MeshName = tuple[str, str, str]
 """A mesh of a URDF: the path of the URDF, its `filename` and its `scale`."""
 
@@ -70,8 +67,8 @@ def _load_meshes(found: UrdfFile, source: Source, label: Label, names: dict[str,
         key = mesh_name(source.path, mesh)
         if key not in found.meshes:
             found.meshes[key] = None
-            for code, message in _load_mesh(found, key, names, files):
-                found.diagnostics.append(Diagnostic(code, message, span_of(source, mesh), (label,)))
+            code, message = _load_mesh(found, key, names, files)
+            found.diagnostics.append(Diagnostic(code, message, span_of(source, mesh), (label,)))
 
 
 def mesh_name(path: str, mesh: ElementTree.Element) -> MeshName:
@@ -79,29 +76,22 @@ def mesh_name(path: str, mesh: ElementTree.Element) -> MeshName:
     return path, mesh.get("filename", ""), " ".join(mesh.get("scale", "1 1 1").split())
 
 
-def _load_mesh(found: UrdfFile, key: MeshName, names: dict[str, str], files: Files) -> Iterator[tuple[str, str]]:
-    """Reads the body of a mesh into `found`; gives codes and messages."""
+def _load_mesh(found: UrdfFile, key: MeshName, names: dict[str, str], files: Files) -> tuple[str, str]:
+    """Reads the body of a mesh into `found`; gives the code and the words of what is to be told."""
     path, name, scale_text = key
-    places = list(_mesh_places(path, name))
-    chosen = files.first([place for place, _ in places])
-    if chosen is None:
-        yield "E0515", f'there is no mesh file "{name}"'
-        return
-    file, fits = places[chosen]
-    names[file] = list(_mesh_places(names[path], name))[chosen][0]
-    beside_package = "" if fits else f"; no folder of the name of its package holds it, so {file} is taken"
     try:
-        x, y, z = map(float, scale_text.split())
-        body = mesh_body(file, files.read(file), (x, y, z))
-    except NoBody as reason:
-        yield "W0010", f'the mesh "{name}" is left out: {reason}'
-        return
-    except (Missing, XmlError, ValueError, RuntimeError) as reason:
-        help = f": {reason}" if isinstance(reason, Missing | XmlError) else ""
-        yield "E0515", f'the mesh file "{name}" cannot be read{help}'
-        return
-    found.meshes[key] = body
-    yield "W0006", f'the mesh "{name}" is replaced by {body.told()}{beside_package}'
+        scale = tuple(map(float, scale_text.split()))
+    except ValueError:
+        scale = ()
+    if len(scale) != 3:
+        return "E0515", f'the scale of the mesh "{name}" is not three numbers: `{scale_text[:40]}`'
+    try:
+        mesh = named_mesh(path, name, scale, files)
+    except UnreadMesh as reason:
+        return "W0010" if reason.left_out else "E0515", str(reason)
+    names[mesh.file] = list(mesh_places(names[path], name))[mesh.place][0]
+    found.meshes[key] = mesh.body
+    return "W0006", mesh.told
 
 
 def three(element: ElementTree.Element | None, name: str) -> Vec3:
@@ -134,15 +124,3 @@ def turned(origin: ElementTree.Element | None, newer: bool) -> Quaternion:
         raise ValueError("`quat_xyzw` is not four numbers, not all of them 0")
     x, y, z, w = (value / norm for value in values)
     return x, y, z, w
-
-
-def _mesh_places(path: str, name: str) -> Iterator[tuple[str, bool]]:
-    """Where the file of a mesh may be, and whether that is where its name says; `package://NAME/…` is looked for in the
-    folders above the URDF, first under NAME."""
-    package = name.removeprefix("package://").removeprefix("model://")
-    if package == name:
-        yield beside(path, name.removeprefix("file://")), True
-        return
-    for inside, fits in ((package, True), (package.partition("/")[2], False)):
-        for above in range(ABOVE):
-            yield posixpath.normpath(beside(path, posixpath.join("../" * above, inside))), fits

@@ -14,8 +14,11 @@ from typing import Any
 
 from ...langs.diagnostics import Diagnostic, SourceError
 from ...langs.source import Source, Span
+from ..foreign import Files, beside
 from ..ir import IDENTITY, Pose
+from ..named_meshes import UnreadMesh
 from ..poses import compose, make
+from .mesh_forms import MeshReader
 from .models import FAR, Form, Hinge, Models, PartWeight, RobotEnd, RobotModel, RobotPart, Thing, linked
 from .names import STANDARD, GivenNames
 from .nodes import Faults
@@ -46,6 +49,7 @@ class _Unfit(Exception):
 class _CatalogueReading:
     def __init__(self, source: Source) -> None:
         self.faults, self.models, self.names = Faults(source), Models(), GivenNames(STANDARD)
+        self.meshes = MeshReader(source.path)
         self.found: list[Diagnostic] = []
         self.sizes: dict[str, int] = {}
         self.at = 0
@@ -202,17 +206,21 @@ class _CatalogueReading:
         name = str(item.get("name") or f"obstacle_{_id(item)}")
         for shape in _list(item, "collision"):
             for form in self._forms(item, shape, frame):
-                self.models.things.append(Thing("base", self.names.fresh(name), form))
+                self.models.things.append(Thing("base", self.names.fresh(name), (form,)))
 
     def _forms(self, item: object, shape: dict[str, Any], frame: Pose) -> list[Form]:
-        kind, given = str(shape.get("type", "")), shape.get("parameters", {})
+        kind, given = str(shape.get("type", "")).lower(), shape.get("parameters", {})
         place = compose(frame, _pose(shape.get("pose")))
+        if kind == "mesh":
+            return self._mesh(item, given, place)
         if kind == "sphere":
-            size: tuple[float, ...] = (float(given["r"]),)
+            size: tuple[float, ...] = (_size(given, "r", "radius"),)
         elif kind in ("cylinder", "capsule"):
-            size = float(given["r"]), float(given["z"])
+            size = _size(given, "r", "radius"), _size(given, "z", "length")
         elif kind == "box":
             size = float(given["x"]), float(given["y"]), float(given["z"])
+        elif kind == "empty":
+            return []
         else:
             self._leave(item, f"a shape `{kind}` of `{_id(item)}` has no counterpart, and is left out")
             return []
@@ -221,6 +229,31 @@ class _CatalogueReading:
             self._leave(item, f"a {kind} of `{_id(item)}` has no volume, and is left out")
             return []
         return [Form(kind, size, place)]
+
+    def _mesh(self, item: object, given: dict[str, Any], place: Pose) -> list[Form]:
+        """The forms of a mesh, whose file is named from the file or, as packages are, from a folder above it."""
+        name = str(given["file"]).strip()
+        scale = given.get("scale", 1.0)
+        sizes = [float(v) for v in (scale if isinstance(scale, list) else [scale] * 3)]
+        if len(sizes) not in (1, 3):
+            raise _Unfit("the scale of a mesh is one number or three")
+        beside_it = Files().first([beside(self.faults.source.path, name)]) is not None
+        named = name if beside_it or "://" in name or not name else f"package://{name}"
+        try:
+            forms, told = self.meshes.forms(named, sizes if len(sizes) == 3 else sizes * 3, place)
+        except UnreadMesh as reason:
+            if not reason.left_out:
+                self.found.append(Diagnostic("E0515", str(reason), self._place(item)))
+            else:
+                self._leave(item, str(reason))
+            return []
+        self.models.told.append(Diagnostic("W0006", told, self._place(item)))
+        return forms
+
+
+def _size(given: dict[str, Any], short: str, long: str) -> float:
+    """A size, which older files call by a longer name."""
+    return float(given[short] if short in given else given[long])
 
 
 def _id(item: object) -> str:

@@ -19,6 +19,7 @@ from .models import (
     RobotModel,
     RobotPart,
     Thing,
+    ball,
     linked,
     plain_ends,
 )
@@ -88,12 +89,10 @@ class _Builder:
         tree = self._tree(body)
         joints = [j for b in tree for j in self._joints(b)]
         moving = [j for j in joints if self.v["jnt_type"][j] != FREE]
-        shapes, count = [g for b in tree for g in self._geoms(b)], len(self.models.things)
-        if moving or (joints and len(shapes) > 1):
+        if moving:
             self._robot(body, tree, place)
         elif joints:
-            self._things(body, place, "object", sum(self.v["body_mass"][b] for b in tree))
-            self.models.facts += [f"(grippable {thing.name})" for thing in self.models.things[count:]]
+            self._loose(body, tree, place)
         else:
             self._things(body, place)
             for other in self.below.get(body, ()):
@@ -122,13 +121,26 @@ class _Builder:
             found = next((e for (k, n), e in named.items() if k == kind and name.startswith(n)), None)
         self.reader.leave(found if found is not None else self.reader.lines[0], message)
 
-    def _things(self, body: int, frame: Pose, type_: str = "base", mass: float = 0.0) -> None:
+    def _things(self, body: int, frame: Pose) -> None:
         for geom in self._geoms(body):
             form = self._form(geom)
             if form is not None:
                 turned = Form(form.kind, form.size, compose(frame, form.place))
-                named = self.m.geoms[geom] if type_ == "base" else self.m.bodies[body]
-                self.models.things.append(Thing(type_, self.names.fresh(named), turned, mass))
+                self.models.things.append(Thing("base", self.names.fresh(self.m.geoms[geom]), (turned,)))
+
+    def _loose(self, top: int, tree: list[int], place: Pose) -> None:
+        """A body that floats with all that is fixed to it, as one of several shapes."""
+        frames, forms = {top: place}, []
+        for body in tree:
+            if body != top:
+                frames[body] = compose(frames[self.v["body_parentid"][body]], self.m.pose("body", body))
+            made = [form for form in map(self._form, self._geoms(body)) if form is not None]
+            forms += [Form(form.kind, form.size, compose(frames[body], form.place)) for form in made]
+        if forms:
+            name = self.names.fresh(self.m.bodies[top])
+            mass = sum(self.v["body_mass"][body] for body in tree)
+            self.models.things.append(Thing("object", name, tuple(forms), mass))
+            self.models.facts.append(f"(grippable {name})")
 
     def _robot(self, top: int, tree: list[int], place: Pose) -> None:
         name = self.names.fresh(self.m.bodies[top] or "robot")
@@ -258,18 +270,3 @@ class _Builder:
         if simpler:
             self._leave("geom", name, f"geom `{name}` becomes a body of few faces around its hull")
         return Form("convex", shape.size, compose(place, make(middle, STRAIGHT)))
-
-
-def ball() -> list[Vec3]:
-    """Corners of a body around the sphere of radius 1: rings of 12 at 6 heights, and two ends."""
-    wide = 1.0 / (math.cos(math.pi / 12) * math.cos(math.pi / 14))
-    found: list[Vec3] = [(0.0, 0.0, wide), (0.0, 0.0, -wide)]
-    for ring in range(1, 7):
-        high = math.pi * ring / 7
-        for k in range(12):
-            angle = math.pi * k / 6
-            out = wide * math.sin(high)
-            found.append((out * math.cos(angle), out * math.sin(angle), wide * math.cos(high)))
-    return found
-
-

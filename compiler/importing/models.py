@@ -1,14 +1,10 @@
-"""Robots and bodies of others as records, and these as text: a program, and a URDF for each module beside it.
-
-A URDF holds what the text of a module cannot: turned frames and axes, and inertias. `reading.py` names the files.
-"""
+"""Robots and bodies of others as records."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import field, replace
-from xml.sax.saxutils import quoteattr
 
 from ...langs.diagnostics import Diagnostic
 from ...langs.frozen import dataclass
@@ -94,11 +90,11 @@ class RobotModel:
 
 @dataclass(frozen=True, slots=True)
 class Thing:
-    """A body of a scene; its form lies in the world."""
+    """A body of a scene; its forms lie in the world."""
 
     type: str
     name: str
-    form: Form
+    forms: tuple[Form, ...]
     mass: float = 0.0
 
 
@@ -159,7 +155,7 @@ def plain_ends(names: GivenNames, parts: Sequence[RobotPart], hinges: Sequence[H
 def _outermost(part: RobotPart, directions: Sequence[Vec3]) -> Pose:
     """Where the shapes of a part go farthest along one of the directions, facing that way; the frame of a part without
     shapes."""
-    found = [(_extent(form, d), form, d) for form in part.forms for d in directions]
+    found = [(extent(form, d), form, d) for form in part.forms for d in directions]
     if not found:
         return make((0.0, 0.0, 0.0), between((0.0, 0.0, 1.0), directions[0]))
     far, form, direction = max(found, key=lambda each: round(each[0], 9))
@@ -169,7 +165,7 @@ def _outermost(part: RobotPart, directions: Sequence[Vec3]) -> Pose:
     return make((x, y, z), between((0.0, 0.0, 1.0), direction))
 
 
-def _extent(form: Form, direction: Sequence[float]) -> float:
+def extent(form: Form, direction: Sequence[float]) -> float:
     """How far a shape goes along a direction from the origin of its part."""
     if form.kind == "sphere":
         points, radius = [(0.0, 0.0, 0.0)], form.size[0]
@@ -197,69 +193,6 @@ def set_upright(robot: RobotModel, place: Pose) -> tuple[RobotModel, Pose]:
     return stood, make(place[:3], (0.0, 0.0, 0.0, 1.0))
 
 
-def program(models: Models, files: dict[str, str], scene: str) -> str:
-    """The text of the program, whose modules read the URDFs `files`, by robot."""
-    lines = [f"import {name}" for name in models.imports] + list(models.declarations)
-    for robot in models.robots:
-        lines.append(f'module {robot.name} from urdf "{files[robot.name]}" {{')
-        lines += [f"    {_end(end)}" for end in robot.ends] + [f"    fact {fact}" for fact in robot.facts] + ["}"]
-    inside = [line for thing in models.things for line in _thing(thing)]
-    for stood in models.stood:
-        inside.append(f"{stood.robot} {stood.name}: at {_vector(stood.place[:3])}{_heading(stood.place)}")
-        inside += [f"fact {fact}" for fact in _footing(models, stood)]
-    inside += [f"fact {fact}" for fact in models.facts]
-    if models.goals:
-        lines += [f"task {scene}() {{", *(f"    {line}" for line in inside), f"    goal {', '.join(models.goals)}", "}"]
-    elif inside:
-        lines += [f"scene {scene}() {{", *(f"    {line}" for line in inside), "}"]
-    return "\n".join(lines) + "\n"
-
-
-def _footing(models: Models, stood: Stood) -> Iterator[str]:
-    """In the words of `std.rules`, that a module that is fixed to the world stands on the nearest body at rest."""
-    bases = [thing for thing in models.things if thing.type == "base"]
-    if not stood.fixed or not bases or "std.rules" not in models.imports:
-        return
-    root = next(robot for robot in models.robots if robot.name == stood.robot).ends[0]
-    at = compose(stood.place, root.place)[:3]
-    base = min(bases, key=lambda thing: _away(thing.form, at)).name
-    end = f"{stood.name}.{root.name}"
-    yield from (f"(support {end})", f"(on {base} {end})", f"[stable {base} {end}]")
-
-
-def _away(form: Form, point: Vec3) -> float:
-    """How far a point is from the box around a shape along the world's axes."""
-    spans = [(-_extent(form, [-e for e in axis]), _extent(form, axis)) for axis in DIRECTIONS[:3]]
-    along = [sum(a * p for a, p in zip(axis, point, strict=True)) for axis in DIRECTIONS[:3]]
-    return math.hypot(*(max(low - p, p - high, 0.0) for (low, high), p in zip(spans, along, strict=True)))
-
-
-def _end(end: RobotEnd) -> str:
-    where = "" if end.place[:3] == (0.0, 0.0, 0.0) else f" at {_vector(end.place[:3])}"
-    x, y, z = rotate(orientation(end.place), (0.0, 0.0, 1.0))
-    normal = (round(x, 12) + 0.0, round(y, 12) + 0.0, round(z, 12) + 0.0)
-    facing = "" if normal == (0.0, 0.0, 1.0) else f" normal ({', '.join(map(_number, normal))})"
-    return f'effector {end.name}: {end.type} "{end.part}" sphere({_length(END)}){where}{facing}'
-
-
-def _thing(thing: Thing) -> Iterator[str]:
-    form, mass = thing.form, f" mass {_number(thing.mass)} kg" if thing.mass > 0 else ""
-    if form.kind == "sphere":
-        form = replace(form, place=make(form.place[:3], (0.0, 0.0, 0.0, 1.0)))
-    if form.kind != "convex" and upright(form.place):
-        shape = f"{form.kind}({', '.join(map(_length, form.size))})"
-        heading = "" if form.kind in ("capsule", "cylinder") else _heading(form.place)
-        yield f"{thing.type} {thing.name}: {shape} at {_vector(form.place[:3])}{heading}{mass}"
-        return
-    points = [compose(make((0, 0, 0), orientation(form.place)), make(p, (0, 0, 0, 1.0)))[:3] for p in corners(form)]
-    middle = [(min(p[k] for p in points) + max(p[k] for p in points)) / 2 for k in range(3)]
-    listed = ", ".join(_vector([p[k] - middle[k] for k in range(3)]) for p in points)
-    yield (
-        f"{thing.type} {thing.name}: hull({listed}) "
-        f"at {_vector([form.place[k] + middle[k] for k in range(3)])}{mass}"
-    )
-
-
 def corners(form: Form) -> list[Vec3]:
     """The corners of a convex body that is the shape, or, where it is round, lies around it."""
     if form.kind == "convex":
@@ -279,83 +212,23 @@ def corners(form: Form) -> list[Vec3]:
     ]
 
 
-MOST = 1e9
-"""Metres and other units: what is larger is a mistake, and no number for a scene."""
 ROUND = 16
 """Corners of what stands around something round that leans: 2 % farther out."""
-
-
-def urdf(robot: RobotModel) -> str:
-    """The text of a URDF 1.1: quaternions keep turns to the last digit."""
-    lines = ['<?xml version="1.0"?>', f'<robot name={_quoted(robot.name)} version="1.1">']
-    for part in robot.parts:
-        lines.append(f"  <link name={_quoted(part.name)}>")
-        if part.weight is not None:
-            m = dict(zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), part.weight.moments, strict=True))
-            moments = " ".join(f'{k}="{v!r}"' for k, v in m.items())
-            mass = f'<mass value="{part.weight.mass!r}"/>'
-            lines.append(f"    <inertial>{_origin(part.weight.place)}{mass}<inertia {moments}/></inertial>")
-        for form in part.forms:
-            lines.append(f"    <collision>{_origin(form.place)}<geometry>{_geometry(form)}</geometry></collision>")
-        lines.append("  </link>")
-    for h in robot.hinges:
-        lines.append(f'  <joint name={_quoted(h.name)} type="{h.kind}">')
-        lines.append(f"    <parent link={_quoted(h.parent)}/><child link={_quoted(h.child)}/>{_origin(h.origin)}")
-        if h.kind != "fixed":
-            ends = f' lower="{h.lower!r}" upper="{h.upper!r}"' if h.kind != "continuous" else ""
-            more = f' acceleration="{h.acceleration!r}"' if h.acceleration > 0 else ""
-            limit = f'<limit{ends} effort="{h.effort!r}" velocity="{h.speed!r}"{more}/>'
-            lines.append(f'    <axis xyz="{_xyz(h.axis)}"/>{limit}')
-        if h.leader is not None:
-            name, factor, offset = h.leader
-            lines.append(f'    <mimic joint={_quoted(name)} multiplier="{factor!r}" offset="{offset!r}"/>')
-        lines.append("  </joint>")
-    return "\n".join([*lines, "</robot>", ""])
-
-
-def _geometry(form: Form) -> str:
-    if form.kind == "box":
-        return f'<box size="{_xyz(form.size)}"/>'
-    if form.kind == "sphere":
-        return f'<sphere radius="{form.size[0]!r}"/>'
-    if form.kind == "convex":
-        return f'<convex points="{" ".join(f"{v:.9g}" for v in form.size)}"/>'
-    return f'<{form.kind} radius="{form.size[0]!r}" length="{form.size[1]!r}"/>'
-
-
-def _origin(pose: Pose) -> str:
-    turn = "" if pose[3:6] == (0.0, 0.0, 0.0) else f' quat_xyzw="{_xyz(pose[3:])}"'
-    return f'<origin xyz="{_xyz(pose[:3])}"{turn}/>'
-
-
-def _xyz(values: Sequence[float]) -> str:
-    return " ".join(repr(float(v)) for v in values)
-
-
-def _quoted(text: str) -> str:
-    return quoteattr(text)
-
-
-def _number(value: float) -> str:
-    """Raises OverflowError where the language has no such number."""
-    if not abs(value) < MOST:
-        raise OverflowError(f"{value:g}")
-    return f"{value:.15g}".replace("e+", "e")
-
-
-def _length(value: float) -> str:
-    return "0 m" if value == 0 else f"{_number(value)} m"
-
-
-def _vector(values: Sequence[float]) -> str:
-    return f"({', '.join(_length(v) for v in values)})"
-
-
-def _heading(place: Pose) -> str:
-    angle = 2 * math.atan2(place[5], place[6])
-    return "" if abs(angle) < 1e-15 else f" heading {_number(angle)} rad"
 
 
 def relative(world: dict[str, Pose], parent: str, child: str) -> Pose:
     """The frame `child` in the frame `parent`, both known in the world."""
     return compose(inverse(world[parent]), world[child])
+
+
+def ball() -> list[Vec3]:
+    """Corners of a body around the sphere of radius 1: rings of 12 at 6 heights, and two ends."""
+    wide = 1.0 / (math.cos(math.pi / 12) * math.cos(math.pi / 14))
+    found: list[Vec3] = [(0.0, 0.0, wide), (0.0, 0.0, -wide)]
+    for ring in range(1, 7):
+        high = math.pi * ring / 7
+        for k in range(12):
+            angle = math.pi * k / 6
+            out = wide * math.sin(high)
+            found.append((out * math.cos(angle), out * math.sin(angle), wide * math.cos(high)))
+    return found

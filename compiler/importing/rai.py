@@ -30,6 +30,7 @@ from .models import (
     relative,
 )
 from .names import STANDARD, GivenNames
+from .rai_shapes import RaiShapes
 
 if TYPE_CHECKING:
     from .rai_texts import RaiAttribute, RaiEntry
@@ -40,8 +41,6 @@ MOVES: dict[str, tuple[str, Vec3]] = {
     "transY": ("prismatic", (0.0, 1.0, 0.0)), "transZ": ("prismatic", (0.0, 0.0, 1.0)),
 }  # fmt: skip
 LOOSE = ("rigid", "free")
-SIZES = {"ssBox": 3, "box": 3, "sphere": 1, "capsule": 2, "cylinder": 2}
-SILENT = ("marker", "camera", "none")
 
 
 @dataclass(slots=True)
@@ -63,14 +62,14 @@ class RaiScene:
     def __init__(self) -> None:
         self.frames: dict[str, RaiFrame] = {}
         self.faults = FaultList()
-        self.models, self.names = Models(), GivenNames(STANDARD)
+        self.models, self.names, self.shapes = Models(), GivenNames(STANDARD), RaiShapes(self)
 
     def add(self, entry: RaiEntry) -> None:
         """Take in a frame, a change of one, or the end of one."""
         known = next((n for n in (entry.name, entry.prefix + entry.name) if n in self.frames), None)
         if entry.edits or entry.deletes:
             if known is None:
-                self._fault(entry.span, f"there is no frame `{entry.name}` to change")
+                self.fault(entry.span, f"there is no frame `{entry.name}` to change")
             elif entry.deletes:
                 del self.frames[known]
             else:
@@ -80,17 +79,17 @@ class RaiScene:
             return
         name = entry.prefix + entry.name
         if name in self.frames:
-            self._fault(entry.span, f"two frames are called `{name}`")
+            self.fault(entry.span, f"two frames are called `{name}`")
             return
         self.frames[name] = RaiFrame(name, entry.span, dict(entry.given), self._parent(entry))
 
     def _parent(self, entry: RaiEntry) -> str | None:
         if len(entry.parents) > 1:
-            self._fault(entry.span, f"`{entry.name}` hangs on {len(entry.parents)} frames; write one in its brackets")
+            self.fault(entry.span, f"`{entry.name}` hangs on {len(entry.parents)} frames; write one in its brackets")
         for parent in entry.parents[:1]:
             known = next((n for n in (entry.prefix + parent, parent) if n in self.frames), None)
             if known is None:
-                self._fault(entry.span, f"`{entry.name}` hangs on `{parent}`, which is not there")
+                self.fault(entry.span, f"`{entry.name}` hangs on `{parent}`, which is not there")
             return known
         return None
 
@@ -98,7 +97,7 @@ class RaiScene:
         """The modules and bodies. Raises SourceError."""
         for frame in self.frames.values():
             if frame.parent is not None and frame.parent not in self.frames:
-                self._fault(frame.span, f"`{frame.name}` hangs on `{frame.parent}`, which is not there")
+                self.fault(frame.span, f"`{frame.name}` hangs on `{frame.parent}`, which is not there")
         self.faults.end()
         for name in self.frames:
             self._resolve(name, set())
@@ -110,9 +109,7 @@ class RaiScene:
         for frame in self.frames.values():
             if self._moves(frame) and frame.name not in taken:
                 taken |= self._robot(frame)
-        for frame in self.frames.values():
-            if frame.name not in taken:
-                self._body(frame)
+        self._bodies(taken)
         self.faults.end()
         self.models.told += self.faults.told
         return self.models
@@ -122,7 +119,7 @@ class RaiScene:
         if frame.place is not None:
             return frame.place
         if name in way:
-            self._fault(frame.span, f"`{name}` hangs on itself")
+            self.fault(frame.span, f"`{name}` hangs on itself")
             frame.place = IDENTITY
             return IDENTITY
         way.add(name)
@@ -132,7 +129,7 @@ class RaiScene:
         frame.origin = self._pose(frame, "pre")
         kind = self._kind(frame)
         if kind in MOVES and "q" in frame.given:
-            own = self._motion(kind, self._numbers(frame, "q", 1)[0] * self._sign(frame))
+            own = self._motion(kind, self.numbers(frame, "q", 1)[0] * self._sign(frame))
         frame.place = compose(parent, compose(frame.origin, own))
         return frame.place
 
@@ -151,7 +148,7 @@ class RaiScene:
         if kind in MOVES:
             return frame.parent is not None
         if kind not in ("none", "None", *LOOSE):
-            self._leave(frame, f"joint `{frame.name}` is of kind `{kind}`, which has no counterpart, and is held")
+            self.leave(frame, f"joint `{frame.name}` is of kind `{kind}`, which has no counterpart, and is held")
             frame.given.pop("joint")
         return False
 
@@ -196,16 +193,16 @@ class RaiScene:
         origin = compose(own, inverse(self._motion(kind, start)))
         if any(abs(a - b) > 1e-9 for a, b in zip(origin[:3], frame.origin[:3], strict=True)):
             message = f"joint `{frame.name}` is off its parent by its `Q`, which rai drops when it moves: use `pre`"
-            self._leave(frame, message)
+            self.leave(frame, message)
         lower, upper = -math.inf, math.inf
         if "limits" in frame.given:
-            values = self._numbers(frame, "limits", 2, more=True)
+            values = self.numbers(frame, "limits", 2, more=True)
             lower, upper = values[0], values[1]
         if lower >= upper:  # rai takes empty limits for none
             lower, upper = -math.inf, math.inf
         if math.isinf(lower):
             if turn == "prismatic":
-                self._leave(frame, f"joint `{frame.name}` has no limits: it moves {FAR:g} m each way")
+                self.leave(frame, f"joint `{frame.name}` has no limits: it moves {FAR:g} m each way")
             lower, upper = (0.0, 0.0) if turn == "revolute" else (-FAR, FAR)
             turn = "continuous" if turn == "revolute" else turn
         leader, sign = self._leader(frame, world), self._sign(frame)
@@ -216,9 +213,9 @@ class RaiScene:
         """1, or -1 for a joint whose `joint_scale` turns it round."""
         if "joint_scale" not in frame.given:
             return 1.0
-        scale = self._numbers(frame, "joint_scale", 1)[0]
+        scale = self.numbers(frame, "joint_scale", 1)[0]
         if abs(scale) != 1.0:
-            self._fault(frame.span, f"`joint_scale` of `{frame.name}` is {scale:g}: only 1 and -1 are known", "E0020")
+            self.fault(frame.span, f"`joint_scale` of `{frame.name}` is {scale:g}: only 1 and -1 are known", "E0020")
         return math.copysign(1.0, scale)
 
     def _leader(self, frame: RaiFrame, world: dict[str, Pose]) -> tuple[str, float, float] | None:
@@ -229,54 +226,61 @@ class RaiScene:
         prefixes = [frame.name[:k] for k in range(len(frame.name) + 1)]
         known = next((p + wanted for p in prefixes if p + wanted in world and p + wanted != frame.name), None)
         if known is None or self._kind(self.frames[known]) not in MOVES:
-            self._leave(frame, f"joint `{frame.name}` follows `{wanted}`, which its module lacks: it moves by itself")
+            self.leave(frame, f"joint `{frame.name}` follows `{wanted}`, which its module lacks: it moves by itself")
             return None
         return known, 1.0, 0.0
 
     def _part(self, frame: RaiFrame, formed: bool) -> RobotPart:
-        form = self._form(frame) if formed else None
-        mass = self._numbers(frame, "mass", 1)[0] if "mass" in frame.given and formed else 0.0
-        weight = PartWeight(mass, IDENTITY, (0.0,) * 6) if mass > 0 else None
-        return RobotPart(frame.name, () if form is None else (form,), weight)
+        forms = tuple(self.shapes.forms(frame)) if formed else ()
+        mass = self.numbers(frame, "mass", 1)[0] if "mass" in frame.given and formed else 0.0
+        return RobotPart(frame.name, forms, self._weight(frame, mass) if mass > 0 else None)
 
-    def _body(self, frame: RaiFrame) -> None:
-        form = self._form(frame)
-        if form is None:
-            return
-        above, loose = frame, False
-        while above.parent is not None and not loose:
-            loose, above = self._kind(above) in LOOSE, self.frames[above.parent]
-        whole = Form(form.kind, form.size, frame.place or IDENTITY)
-        name = self.names.fresh(frame.name)
-        mass = self._numbers(frame, "mass", 1)[0] if loose and "mass" in frame.given else 0.0
-        self.models.things.append(Thing("object" if loose else "base", name, whole, mass))
-        self.models.facts += [f"(grippable {name})"] if loose else []
+    def _weight(self, frame: RaiFrame, mass: float) -> PartWeight:
+        """A mass with its centre, `com`, and its moments, `inertia`: three, or six in rows."""
+        x, y, z = self.numbers(frame, "com", 3) if "com" in frame.given else (0.0, 0.0, 0.0)
+        given = frame.given.get("inertia")
+        many = 6 if given is not None and len(given.numbers()) == 6 else 3
+        values = self.numbers(frame, "inertia", many) if given is not None else (0.0,) * 3
+        a, b, c, d, e, f = values if many == 6 else (values[0], 0.0, 0.0, values[1], 0.0, values[2])
+        return PartWeight(mass, make((x, y, z), STRAIGHT), (a, b, c, d, e, f))
 
-    def _form(self, frame: RaiFrame) -> Form | None:
-        given = frame.given.get("shape")
-        if given is None or str(given.value) in SILENT:
-            return None
-        kind = str(given.value)
-        if kind not in SIZES:
-            self._leave(frame, f"`{frame.name}` has a shape `{kind}`, which has no counterpart, and is left out")
-            return None
-        size = self._numbers(frame, "size", SIZES[kind], more=True)
-        if kind in ("ssBox", "box"):
-            size = size[:3]
-        elif kind == "sphere":
-            size = size[-1:]
-        else:
-            size = size[-1], size[-2]
-        if min(size) <= 0:
-            self._leave(frame, f"`{frame.name}` has no volume, and its shape is left out")
-            return None
-        return Form("box" if kind == "ssBox" else kind, size)
+    def _bodies(self, taken: set[str]) -> None:
+        """The bodies of frames that belong to no module: what hangs together on a loose frame is one."""
+        for frame in self.frames.values():
+            if frame.name in taken:
+                continue
+            loose, members = self._loose(frame), [frame]
+            if loose is not None:
+                taken |= {n for n in self._below(loose.name) if self._loose(self.frames[n]) is loose} - taken
+                members = [self.frames[n] for n in self._below(loose.name) if self._loose(self.frames[n]) is loose]
+            forms = [
+                Form(f.kind, f.size, compose(member.place or IDENTITY, f.place))
+                for member in members
+                for f in self.shapes.forms(member)
+            ]
+            if not forms:
+                continue
+            if loose is None:
+                self.models.things += [Thing("base", self.names.fresh(frame.name), (form,)) for form in forms]
+                continue
+            name = self.names.fresh(loose.name)
+            mass = sum(self.numbers(m, "mass", 1)[0] for m in members if "mass" in m.given)
+            self.models.things.append(Thing("object", name, tuple(forms), mass))
+            self.models.facts.append(f"(grippable {name})")
 
-    def _numbers(self, frame: RaiFrame, key: str, count: int, more: bool = False) -> tuple[float, ...]:
+    def _loose(self, frame: RaiFrame) -> RaiFrame | None:
+        """The nearest frame up from one, itself among them, that hangs loose on its parent."""
+        above: RaiFrame | None = frame
+        while above is not None and (above.parent is None or self._kind(above) not in LOOSE):
+            above = None if above.parent is None else self.frames[above.parent]
+        return above
+
+    def numbers(self, frame: RaiFrame, key: str, count: int, more: bool = False) -> tuple[float, ...]:
+        """`count` finite numbers of an attribute, or `more`; ones, and a fault, where it is something else."""
         given = frame.given.get(key)
         values = () if given is None else given.numbers()
         if len(values) < count or (len(values) > count and not more) or not all(map(math.isfinite, values)):
-            self._fault(frame.span, f"`{key}` of `{frame.name}` is not {count} finite number{'s' * (count > 1)}")
+            self.fault(frame.span, f"`{key}` of `{frame.name}` is not {count} finite number{'s' * (count > 1)}")
             return (1.0,) * count
         return values
 
@@ -287,11 +291,13 @@ class RaiScene:
         try:
             return given.pose()
         except ValueError as reason:
-            self._fault(given.span, f"`{key}` of `{frame.name}` is no pose: {reason}", "E0019")
+            self.fault(given.span, f"`{key}` of `{frame.name}` is no pose: {reason}", "E0019")
             return IDENTITY
 
-    def _leave(self, frame: RaiFrame, message: str) -> None:
+    def leave(self, frame: RaiFrame, message: str) -> None:
+        """Tell what of a frame is left out or becomes something else."""
         self.faults.note(frame.span, message)
 
-    def _fault(self, span: Span, message: str, code: str = "E0022") -> None:
+    def fault(self, span: Span, message: str, code: str = "E0022") -> None:
+        """What keeps the scene from being read."""
         self.faults.add(code, span, message)

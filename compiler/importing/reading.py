@@ -10,7 +10,8 @@ from ...langs.frozen import dataclass
 from ...langs.reader import read_bytes
 from ...langs.source import Source
 from .kinds import KINDS, FileKind, kind_of_text
-from .models import Models, program, urdf
+from .model_texts import program, urdf
+from .models import Models
 from .names import plain_name
 
 PDDL = frozenset(("domain", "problem"))

@@ -7,15 +7,14 @@ frame unless it says otherwise; an axis is given in the frame of its joint, or o
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ...langs.source import Source
 from ..ir import IDENTITY, Pose, Vec3
-from ..poses import compose, inverse, make, orientation, roll_pitch_yaw, rotate, unit
+from ..poses import compose, inverse, orientation, rotate, unit
 from .models import (
     FAR,
-    STRAIGHT,
     Form,
     Hinge,
     Models,
@@ -27,6 +26,7 @@ from .models import (
     plain_ends,
 )
 from .names import STANDARD, GivenNames
+from .sdf_shapes import SdfShapes, pose_of
 from .xml_trees import Element, XmlFaults
 
 SPOKEN = 1e15
@@ -68,6 +68,7 @@ def import_sdf(source: Source) -> Models:
 class _SdfReading:
     def __init__(self, faults: XmlFaults) -> None:
         self.faults, self.models, self.names = faults, Models(), GivenNames(STANDARD)
+        self.shapes = SdfShapes(faults)
 
     def all(self) -> Models:
         root = self.faults.root()
@@ -93,7 +94,7 @@ class _SdfReading:
     def _model(self, element: Element) -> None:
         model = _Model(element)
         self._collect(model, element, "")
-        place = self._pose(element.find("pose"))
+        place = pose_of(self.faults, element.find("pose"))
         if place is None or self.faults.found:
             return
         for name in model.frames:
@@ -135,7 +136,7 @@ class _SdfReading:
         if not relative and child.tag == "frame":
             relative = child.get("attached_to", "")
         within = "" if relative in ("", "__model__") else scope + relative
-        found = self._pose(pose)
+        found = pose_of(self.faults, pose)
         if found is not None:
             model.frames[name] = _Frame(child, within or scope.removesuffix("::"), found)
 
@@ -314,7 +315,7 @@ class _SdfReading:
 
     def _part(self, model: _Model, link: str, shift: Pose) -> RobotPart:
         element = model.links[link]
-        forms = tuple(Form(f.kind, f.size, compose(shift, f.place)) for f in self._forms(element))
+        forms = tuple(Form(f.kind, f.size, compose(shift, f.place)) for f in self._forms(model, link))
         return RobotPart(link, forms, self._weight(element, shift))
 
     def _weight(self, link: Element, shift: Pose) -> PartWeight | None:
@@ -322,7 +323,7 @@ class _SdfReading:
         if element is None or element.find("mass") is None:
             return None
         mass = self.faults.numbers(element, element.findtext("mass"), 1, "`mass`")
-        place = self._pose(element.find("pose"))
+        place = pose_of(self.faults, element.find("pose"))
         moments = [
             self.faults.numbers(element, element.findtext(f"inertia/{key}") or default, 1, f"`{key}`")
             for key, default in zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "100101", strict=True)
@@ -336,64 +337,32 @@ class _SdfReading:
         self._things_of(model, list(model.links), place, "base" if static else "object")
 
     def _things_of(self, model: _Model, links: Sequence[str], place: Pose, kind: str) -> None:
-        """Bodies of links. One that moves freely is one body: what has several shapes is a module without joints."""
-        found = [(n, f) for n in links for f in self._forms(model.links[n])]
+        """Bodies of links; what moves freely is one body of all its shapes."""
+        found = [
+            Form(f.kind, f.size, compose(place, compose(self._resolve(model, n), f.place)))
+            for n in links
+            for f in self._forms(model, n)
+        ]
         name = model.element.get("name", "body")
-        if kind == "object" and len(found) > 1:
-            shown = model.element
-            self.faults.leave(shown, f"`{name}` moves freely and has {len(found)} shapes: it stands still here")
-            kind = "base"
-        for link, form in found:
-            whole = compose(place, compose(self._resolve(model, link), form.place))
-            weight = self._weight(model.links[link], IDENTITY) if kind == "object" else None
-            mass = 0.0 if weight is None else weight.mass
+        if kind == "base":
+            self.models.things += [Thing(kind, self.names.fresh(name), (form,)) for form in found]
+        elif found:
+            weights = [self._weight(model.links[link], IDENTITY) for link in links]
             fresh = self.names.fresh(name)
-            self.models.things.append(Thing(kind, fresh, Form(form.kind, form.size, whole), mass))
-            self.models.facts += [f"(grippable {fresh})"] if kind == "object" else []
+            mass = sum(weight.mass for weight in weights if weight is not None)
+            self.models.things.append(Thing(kind, fresh, tuple(found), mass))
+            self.models.facts.append(f"(grippable {fresh})")
 
-    def _forms(self, link: Element) -> Iterator[Form]:
-        for collision in link.findall("collision"):
-            place = self._pose(collision.find("pose"))
-            geometry = collision.find("geometry")
-            for shape in [] if geometry is None else list(geometry):
-                found = self._form(shape)
-                if found is not None and place is not None:
-                    yield Form(found.kind, found.size, compose(place, found.place))
+    def _forms(self, model: _Model, link: str) -> list[Form]:
+        """The shapes of a link in its frame."""
+        scope = link.rpartition("::")[0]
 
-    def _form(self, shape: Element) -> Form | None:
-        round_ = ("radius", "length")
-        sizes = {"box": ("size",), "sphere": ("radius",), "cylinder": round_, "capsule": round_}
-        if shape.tag == "plane":
-            self.faults.leave(shape, f"a plane becomes a plate of {2 * FAR:g} m")
-            return Form("box", (2 * FAR, 2 * FAR, 0.1), make((0.0, 0.0, -0.05), STRAIGHT))
-        if shape.tag not in sizes:
-            self.faults.leave(shape, f"a shape `{shape.tag}` has no counterpart, and is left out")
-            return None
-        found: list[float] = []
-        for key in sizes[shape.tag]:
-            values = self.faults.numbers(shape, shape.findtext(key), 3 if key == "size" else 1, f"`{key}`")
-            found += values or ()
-        if len(found) != (3 if shape.tag == "box" else len(sizes[shape.tag])):
-            return None
-        if min(found) <= 0:
-            self.faults.leave(shape, f"a {shape.tag} without volume is left out")
-            return None
-        return Form(shape.tag, tuple(found))
-
-    def _pose(self, element: Element | None) -> Pose | None:
-        """A pose in metres, and roll, pitch and yaw or a quaternion; None after a fault."""
-        if element is None or not (element.text or "").strip():
-            return IDENTITY
-        quaternion = element.get("rotation_format") == "quat_xyzw"
-        values = self.faults.numbers(element, element.text, 7 if quaternion else 6, "a pose")
-        if values is None:
-            return None
-        if quaternion:
-            norm = math.hypot(*values[3:])
-            if norm == 0:
-                self.faults.fault(element, "the quaternion of a pose is 0")
+        def frame(name: str) -> Pose | None:
+            known = f"{scope}::{name}" if scope else name
+            if name == "__model__":
+                return compose(inverse(self._resolve(model, link)), self._resolve(model, scope))
+            if known not in model.frames:
                 return None
-            x, y, z, w = (v / norm for v in values[3:])
-            return make((values[0], values[1], values[2]), (x, y, z, w))
-        scale = math.pi / 180 if element.get("degrees") in ("true", "1") else 1.0
-        return make((values[0], values[1], values[2]), roll_pitch_yaw(*(scale * v for v in values[3:])))
+            return compose(inverse(self._resolve(model, link)), self._resolve(model, known))
+
+        return self.shapes.forms(model.links[link], frame)

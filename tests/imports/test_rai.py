@@ -40,7 +40,7 @@ def test_a_scene_lies_where_rai_puts_it(command: Command) -> None:
     Path("s.g").write_text(SCENE)
     Path("hand.g").write_text(HAND)
     answer = command("import", "s.g", "-o", "s.tamp")
-    assert answer.status == 0 and "hand.g:3:" in answer.told and "`mesh`" in answer.told
+    assert answer.status == 0 and "hand.g:3:" in answer.told and "the mesh of `P_c`" in answer.told
     assert problems(command, "s.tamp") == []
     text = Path("s.tamp").read_text()
     assert "base table: box(2 m, 2 m, 0.06 m) at (0 m, 0 m, 0.6 m)" in text

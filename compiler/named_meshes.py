@@ -1,0 +1,67 @@
+"""Meshes that files of others name: where they lie on the disk, and the bodies that stand for them."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from collections.abc import Iterator, Sequence
+
+from ..langs.frozen import dataclass
+from .foreign import Files, Missing, beside
+from .mesh_bodies import MeshBody, NoBody, mesh_body
+from .xml_texts import XmlError
+
+ABOVE = 32
+"""How many folders above a file are searched for a package."""
+_SCHEME = re.compile(r"(package|model)://")
+
+
+class UnreadMesh(Exception):
+    """A mesh has no body. The message says why; `left_out` tells whether that is because it has no volume, so that
+    nothing can be run into."""
+
+    def __init__(self, message: str, left_out: bool = False) -> None:
+        super().__init__(message)
+        self.left_out = left_out
+
+
+@dataclass(frozen=True, slots=True)
+class NamedMesh:
+    """The body of a mesh, the path of its file, and which of `mesh_places` that is. `told` says what the body is."""
+
+    body: MeshBody
+    file: str
+    place: int
+    told: str
+
+
+def named_mesh(path: str, name: str, scale: Sequence[float], files: Files) -> NamedMesh:
+    """The body of the mesh `name` that the file at `path` names, `scale` times as large. Raises UnreadMesh."""
+    if not name.strip():
+        raise UnreadMesh("a mesh has no file")
+    places = list(mesh_places(path, name))
+    chosen = files.first([place for place, _ in places])
+    if chosen is None:
+        raise UnreadMesh(f'there is no mesh file "{name}"')
+    file, fits = places[chosen]
+    beside_package = "" if fits else f"; no folder of the name of its package holds it, so {file} is taken"
+    try:
+        body = mesh_body(file, files.read(file), scale)
+    except NoBody as reason:
+        raise UnreadMesh(f'the mesh "{name}" is left out: {reason}', left_out=True) from None
+    except (Missing, XmlError, ValueError, RuntimeError) as reason:
+        help = f": {reason}" if isinstance(reason, Missing | XmlError) else ""
+        raise UnreadMesh(f'the mesh file "{name}" cannot be read{help}') from None
+    return NamedMesh(body, file, chosen, f'the mesh "{name}" is replaced by {body.told()}{beside_package}')
+
+
+def mesh_places(path: str, name: str) -> Iterator[tuple[str, bool]]:
+    """Where the file of a mesh may be, and whether that is where its name says; `package://NAME/…` is looked for in the
+    folders above the file that names it, first under NAME."""
+    package = _SCHEME.sub("", name, count=1) if _SCHEME.match(name) else None
+    if package is None:
+        yield beside(path, name.removeprefix("file://")), True
+        return
+    for inside, fits in ((package, True), (package.partition("/")[2], False)):
+        for above in range(ABOVE):
+            yield posixpath.normpath(beside(path, posixpath.join("../" * above, inside))), fits
