@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..ir import JointKind, Problem
-from .frames import Array, Poses, foot_radius, meeting
+from .frames import Array, Poses, crossed, foot_radius, meeting
 from .records import CONTACTS
 from .structure import WORLD, Edge, Structure, subtrees
 
@@ -136,14 +136,14 @@ def _force(direction: Array) -> Array:
 
 def _moment(direction: Array, place: Array) -> Array:
     """The functional of a wrench that is its moment about a line through `place`."""
-    return np.concatenate([np.cross(place, direction), direction], axis=1)
+    return np.concatenate([crossed(place, direction), direction], axis=1)
 
 
 def _across(axis: Array) -> list[Array]:
     """Directions all round across axes `(T, 3)`."""
-    first = np.cross(axis, np.eye(3)[np.abs(axis).argmin(axis=1)])
+    first = crossed(axis, np.eye(3)[np.abs(axis).argmin(axis=1)])
     first /= np.linalg.norm(first, axis=1, keepdims=True)
-    second = np.cross(axis, first)
+    second = crossed(axis, first)
     angles = [math.pi * k / (2 * SIDES) for k in range(2 * SIDES)]
     return [math.cos(a) * first + math.sin(a) * second for a in angles]
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...langs.frozen import dataclass
 from ..ir import Fact, Hold, JointKind, Problem
-from .frames import Array, Poses, foot_radius, meeting, node_weights, node_wrench
+from .frames import Array, Poses, crossed, foot_radius, meeting, node_weights, node_wrench
 from .loops import shared
 from .records import CONTACTS
 from .structure import WORLD, Edge, Node, Structure, structure
@@ -78,7 +78,7 @@ def drives_of(
             node = (edge.names[0], edge.joint)
             joint = problem.world.modules[node[0]].type.joints[edge.joint]
             axis = at.turns[node] @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
-            own = moment - np.cross(at.places[node], force) if joint.kind == JointKind.REVOLUTE else force
+            own = moment - crossed(at.places[node], force) if joint.kind == JointKind.REVOLUTE else force
             found[node] = (-1.0 if edge.child == node else 1.0) * (own * axis).sum(axis=1)
     return found
 
@@ -87,7 +87,7 @@ def met(problem: Problem, edge: Edge, at: Poses, force: Array, moment: Array) ->
     """What the second of a pair's `names` puts on the first `(T, 3)`, in the axes of where they meet."""
     place, axes = meeting(problem, edge, at)
     own = np.einsum("tij,ti->tj", axes, force)
-    bent = np.einsum("tij,ti->tj", axes, moment - np.cross(place, force))
+    bent = np.einsum("tij,ti->tj", axes, moment - crossed(place, force))
     return (-own, -bent) if edge.turned else (own, bent)
 
 
@@ -123,7 +123,7 @@ def _joint_loads(problem: Problem, edge: Edge, at: Poses, force: Array, moment: 
     joint = problem.world.modules[edge.names[0]].type.joints[edge.joint]
     node = (edge.names[0], edge.joint)
     axis = at.turns[node] @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
-    own = moment - np.cross(at.places[node], force)
+    own = moment - crossed(at.places[node], force)
     along = (own if joint.kind == JointKind.REVOLUTE else force) * axis
     drive = np.abs(along.sum(axis=1))
     found = []

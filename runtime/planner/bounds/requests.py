@@ -12,9 +12,9 @@ from ...budget import Budget
 from ...seeds import Seed
 from ...skeleton import BoundResult, Configuration, Skeleton, beginning
 from ..motion.keyframes.sequence import solve_sequence, window_feasible
-from ..motion.path.relief import relieved
 from ..motion.path.whole_path import solve_path
 from ..motion.phases import UnsupportedPhase, solve_sequence_path
+from ..motion.phases.relief import relieved
 from ..motion.settings import MotionSettings
 from ..statics import borne
 

@@ -99,7 +99,7 @@ class Solves:
         if result.feasible:
             return self._timed(first, result, sequence.configurations[len(first) + 1 :])
         bound = Bound.SEQ_PATH
-        if self.finest == Bound.PATH:
+        if self.finest == Bound.PATH and not all(v.kind in LOADS for v in result.violations):
             known = sequence.configurations[: len(first) + 1]
             free = self._path(first, replace(sequence, configurations=known))
             if free.feasible:
@@ -110,9 +110,9 @@ class Solves:
     def _timed(self, skeleton: Skeleton, result: BoundResult, ahead: list[Configuration]) -> Judgement:
         """Accepted, with motions that begin and end gently and are as slow as their drives need."""
         judgement = with_motion(self.problem.world, result, ahead)
-        paths = slowed(skeleton, judgement.paths or [], result.configurations[0])
-        if paths is None:
-            return Judgement(False, conflicts=[Conflict(Bound.PATH, 0, len(skeleton) - 1, True, ())])
+        paths, heavy = slowed(skeleton, judgement.paths or [], result.configurations[0])
+        if heavy:
+            return Judgement(False, conflicts=[Conflict(Bound.SEQ_PATH, 0, heavy[0].phase, True, tuple(heavy))])
         judgement.paths = paths
         return judgement
 

@@ -82,8 +82,8 @@ class Scheduler:
         for path in paths:
             self._budget.check()
             faster.append(retimed(self._problem.world, path, tick))
-        slower = slowed(skeleton, faster, start_configuration(self._problem))
-        if slower is None:
+        slower, heavy = slowed(skeleton, faster, start_configuration(self._problem))
+        if heavy:
             return [path_as_is(path, tick) for path in paths]
         return [f if s.duration <= f.duration else path_as_is(replace(f, duration=s.duration), tick)
                 for f, s in zip(faster, slower, strict=True)]  # fmt: skip

@@ -99,8 +99,8 @@ def exceeded_on(skeleton: Skeleton, phase: int, path: PhasePath, before: Configu
     """What is too heavily loaded on the way through a phase."""
     shares = np.linspace(0.0, 1.0, STATICS.looked_at)
     modules, bodies = _sampled(path, before, shares)
-    moments = [f"{share * path.duration:.3g} s into the motion" for share in shares]
-    return exceeded(skeleton.problem, skeleton.phases[phase].mode, modules, bodies, phase, moments)
+    mode = skeleton.phases[phase].mode
+    return exceeded(skeleton.problem, mode, modules, bodies, phase, _moments(shares * path.duration))
 
 
 def borne(skeleton: Skeleton, result: BoundResult) -> BoundResult:
@@ -186,12 +186,14 @@ def _most(edge: Edge) -> float:
     return math.hypot(hold.force, shear)
 
 
-def slowed(skeleton: Skeleton, paths: Sequence[PhasePath], before: Configuration) -> list[PhasePath] | None:
-    """The paths, each as slow as its drives and docks need for the inertia of what they carry; None where even rest
-    asks too much. With `physics = statics` they stay as they are."""
+def slowed(
+    skeleton: Skeleton, paths: Sequence[PhasePath], before: Configuration
+) -> tuple[list[PhasePath], list[Violation]]:
+    """The paths, each as slow as its drives and docks need for the inertia of what they carry; and where no slowness
+    helps the first of them, what is too heavily loaded there. With `physics = statics` they stay as they are."""
     problem = skeleton.problem
     if problem.options.physics != "dynamics":
-        return list(paths)
+        return list(paths), []
     made: list[PhasePath] = []
     now = before
     for phase, path in enumerate(paths):
@@ -199,10 +201,16 @@ def slowed(skeleton: Skeleton, paths: Sequence[PhasePath], before: Configuration
         modules, bodies = _sampled(path, now, np.linspace(0.0, 1.0, count + 1))
         stretch = _stretch(problem, skeleton.phases[phase].mode, modules, bodies, path.duration, count)
         if stretch is None:
-            return None
+            mode, times = skeleton.phases[phase].mode, np.linspace(0.0, path.duration * STATICS.slowest, count + 1)
+            found = loads(problem, mode, poses(problem, modules, bodies, times), safety_of(problem.options))
+            return list(paths), _violations(problem, found, phase, _moments(times / STATICS.slowest))
         made.append(replace(path, duration=math.ceil(path.duration * stretch * 100.0) / 100.0))
         now = Configuration({n: rows[-1] for n, rows in modules.items()}, {n: rows[-1] for n, rows in bodies.items()})
-    return made
+    return made, []
+
+
+def _moments(times: Array) -> list[str]:
+    return [f"{time:.3g} s into the motion" for time in times]
 
 
 def _stretch(

@@ -1,7 +1,9 @@
-"""The penalty that keeps a path clear of obstacles, of itself and of joint limits, with its Gauss-Newton Hessian."""
+"""The penalty that keeps a path clear of obstacles, of itself, of joint limits, and where it is asked, of loads beyond
+strengths, with its Gauss-Newton Hessian."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,7 +43,7 @@ class Penalty:
 
 @dataclass(slots=True)
 class _Rows:
-    """Missed clearances of active pairs: amount, gradient `(rows, joints)`, and the slice they belong to."""
+    """Missed clearances of active pairs, or loads: amount, gradient `(rows, joints)`, and the slice they belong to."""
 
     amount: Array
     slope: Array
@@ -61,11 +63,12 @@ def penalty(batch: Batch, inner: Array, weight: float, widening: float = 1.0) ->
     hessian = np.zeros((phases, slices, joints, joints))
     diagonal = np.arange(joints)
     hessian[:, :, diagonal, diagonal] += limit * (over != 0.0)
-    overlap = np.zeros(phases)
+    overlap, times = np.zeros(phases), batch.looks.shares.shape[1]
+    np.maximum.at(overlap, rows.place // times, rows.amount - widening * batch.margin)
+    if batch.loads:
+        rows = _joined([rows, *_load_rows(batch, inner)])
     if len(rows.amount):
-        times = batch.looks.shares.shape[1]
         value += 0.5 * weight * np.bincount(rows.place // times, rows.amount**2, phases)
-        np.maximum.at(overlap, rows.place // times, rows.amount - widening * batch.margin)
         order = np.argsort(rows.place, kind="stable")
         amount, slope = rows.amount[order], rows.slope[order]
         found, first = np.unique(rows.place[order], return_index=True)
@@ -102,19 +105,33 @@ def most_missed(batch: Batch, inner: Array) -> Array:
 
 
 def _missed(batch: Batch, inner: Array, margin: float) -> _Rows:
-    values = inner
-    if batch.looks.weights is not None:
-        values = np.einsum("ts,bsj->btj", batch.looks.weights, batch.with_ends(inner))
+    values = _looked_at(batch, inner)
     geometry, shares = batch.coarse, margin * batch.looks.shares
     frames = geometry.kinematics.frames(values)
     points = geometry.points.placed(frames)
     rows = [make(margin, shares, geometry, points, frames) for make in (_obstacle_rows, _pair_rows)]
     if batch.closely or batch.exact.wholes:
         rows += _exact_rows(batch, frames, margin)
-    slope = geometry.kinematics.by_variables(np.concatenate([r.slope for r in rows]))
-    return _Rows(
-        np.concatenate([r.amount for r in rows]), slope, np.concatenate([r.place for r in rows])
-    )  # fmt: skip
+    found = _joined(rows)
+    return _Rows(found.amount, geometry.kinematics.by_variables(found.slope), found.place)
+
+
+def _joined(rows: Sequence[_Rows]) -> _Rows:
+    return _Rows(*(np.concatenate([getattr(r, part) for r in rows]) for part in ("amount", "slope", "place")))
+
+
+def _looked_at(batch: Batch, inner: Array) -> Array:
+    """The joint values `(phases, times, joints)` at the times that the batch looks at."""
+    if batch.looks.weights is None:
+        return inner
+    return np.asarray(np.einsum("ts,bsj->btj", batch.looks.weights, batch.with_ends(inner)))
+
+
+def _load_rows(batch: Batch, inner: Array) -> Iterator[_Rows]:
+    times = batch.looks.shares.shape[1]
+    for phase, values in enumerate(_looked_at(batch, inner)):
+        time, amount, slope = batch.loads[phase].missed(values)
+        yield _Rows(amount, slope, phase * times + time)
 
 
 def _obstacle_rows(

@@ -13,6 +13,7 @@ from ....geometry.splines import spline_weights
 from ....skeleton import Array, Configuration
 from ..end_conditions import swept_weights
 from .batch_kinematics import Indices
+from .bearing import PhaseLoads
 from .contact_margins import share_table
 from .exact_check import ExactGeometry, PhaseParts
 from .joint_forest import PhaseTree, joint_values
@@ -64,7 +65,8 @@ class Batch:
     `start`, `end` `(phases, joints)` are fixed; a path `(phases, slices + 1, joints)` joins them. `phases` are
     the numbers of the phases. `coarse` is the geometry that the optimiser sees, at the times of `looks`; `exact` the
     true shapes, which accept a path, on the spline that is stored of it: `stored` takes a path to its instants. With
-    `closely` the optimiser sees the true shapes, too.
+    `closely` the optimiser sees the true shapes, too. Paths give way to `loads`, one for each phase, where there are
+    any.
     """
 
     def __init__(
@@ -82,6 +84,7 @@ class Batch:
         self.stored = swept_weights(slices, PHASES.refinement)
         self.looks = Looks(slices, 1)
         self.closely = False
+        self.loads: tuple[PhaseLoads, ...] = ()
         self.exact = ExactGeometry([e for _, e in parts], contacts, self.coarse.kinematics)
         if not collisions:
             self.coarse.ignore_collisions()
@@ -95,6 +98,7 @@ class Batch:
         result = object.__new__(Batch)
         result.slices, result.margin, result.stored = self.slices, self.margin, self.stored
         result.looks, result.closely = self.looks, self.closely
+        result.loads = tuple(self.loads[i] for i in index) if self.loads else ()
         result.variables = [self.variables[i] for i in index]
         result.phases, result.joints = self.phases[index], self.joints.take(index)
         result.start, result.end = self.start[index], self.end[index]

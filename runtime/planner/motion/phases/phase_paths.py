@@ -15,16 +15,15 @@ import numpy as np
 from .....compiler.ir import JointKind, World
 from .....compiler.motion.collision import contacts
 from ....budget import Budget
-from ....geometry.transforms import coupled
 from ....seeds import Seed
 from ....skeleton import Array, Bound, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
 from ..path.settings import PATHS
 from ..settings import MotionSettings
 from ..time_scaling import shortest_duration
 from .attempts import PhaseGroup, improve, polish_groups, solve_groups, start_group
-from .batch_kinematics import mounted_poses
 from .exact_check import Clash, blocked, worst_clash
-from .joint_forest import Mount, PhaseTree, UnsupportedPhase, arrive, phase_tree, pose_vector
+from .joint_forest import PhaseTree, UnsupportedPhase, arrive, phase_tree
+from .mounted import placed
 from .phase_batch import Batch
 from .phase_geometry import make_parts
 from .settings import PHASES
@@ -88,9 +87,9 @@ def solve_sequence_path(
     OutOfTime.
     """
     started = time.perf_counter()
-    trees, states, drift, others = _chain(skeleton, configurations, settings)
+    trees, states, drift, others = chained(skeleton, configurations, settings)
     kept = taken_over(known, trees, [states[0][0], *(e for _, e in states)])
-    groups = _groups(skeleton, [t for t in trees if t.phase not in kept], states, settings)
+    groups = grouped(skeleton, [t for t in trees if t.phase not in kept], states, settings)
     result = BoundResult(Bound.SEQ_PATH, False, math.inf, 0.0, 0, [states[0][0], *(e for _, e in states)], [], drift)
     result.violations += [v for group in groups for v in _blocked(group.batch)]
     if not result.violations:
@@ -103,7 +102,7 @@ def solve_sequence_path(
         if settings.polish:
             result.iterations += polish_groups(groups, budget)
             result.cost_before, result.cost = result.cost, before + _cost(groups)
-        result.paths = _paths(skeleton, _motions(groups) | kept, trees, states, settings.slices)
+        result.paths = stored_paths(skeleton, motions(groups) | kept, trees, states, settings.slices)
         _refine(skeleton, result, states, sorted(coarse), settings, budget)
         if known:
             result.paths = [known.paths[k] if k in others and k in kept else p for k, p in enumerate(result.paths)]
@@ -155,8 +154,8 @@ def polish(
     path and from `starts` bumped ones, and replaced where that is cheaper and passes the swept check. Phases that are
     no open chains stay as they are. Raises OutOfTime."""
     started = time.perf_counter()
-    trees, states, _, others = _chain(skeleton, result.configurations, settings)
-    groups = _groups(skeleton, trees, states, settings)
+    trees, states, _, others = chained(skeleton, result.configurations, settings)
+    groups = grouped(skeleton, trees, states, settings)
     iterations = result.iterations
     for k, group in enumerate(groups):
         for row, phase in enumerate(group.batch.phases):
@@ -167,7 +166,7 @@ def polish(
         iterations += improve(group, seed.child("polish", k).random(), starts, budget)
     cost = _cost(groups)
     seconds = result.seconds + time.perf_counter() - started
-    paths = _paths(skeleton, _motions(groups), trees, states, settings.slices)
+    paths = stored_paths(skeleton, motions(groups), trees, states, settings.slices)
     for phase in others:
         paths[phase] = result.paths[phase]
     before = result.cost if result.cost_before is None else result.cost_before
@@ -178,7 +177,7 @@ def _cost(groups: Sequence[PhaseGroup]) -> float:
     return float(sum(group.cost.sum() for group in groups))
 
 
-def _chain(
+def chained(
     skeleton: Skeleton, configurations: Sequence[Configuration], settings: MotionSettings
 ) -> tuple[list[PhaseTree], list[tuple[Configuration, Configuration]], list[Violation], list[int]]:
     """The forest of each phase, the configurations at its two ends, where the given poses disagree with them, and the
@@ -203,7 +202,7 @@ def _chain(
     return trees, states, drift, others
 
 
-def _groups(
+def grouped(
     skeleton: Skeleton, trees: Sequence[PhaseTree], states: Sequence[tuple[Configuration, Configuration]],
     settings: MotionSettings,
 ) -> list[PhaseGroup]:
@@ -224,12 +223,12 @@ def _groups(
     return groups
 
 
-def _motions(groups: Sequence[PhaseGroup]) -> dict[int, Array]:
+def motions(groups: Sequence[PhaseGroup]) -> dict[int, Array]:
     """The joint values of the phases of some groups."""
     return {int(p): group.paths[k] for group in groups for k, p in enumerate(group.batch.phases)}
 
 
-def _paths(
+def stored_paths(
     skeleton: Skeleton, motions: Mapping[int, Array], trees: Sequence[PhaseTree],
     states: Sequence[tuple[Configuration, Configuration]], slices: int,
 ) -> list[PhasePath]:
@@ -239,21 +238,6 @@ def _paths(
     paths = []
     for tree, (start, _) in zip(trees, states, strict=True):
         values = motions.get(tree.phase, np.zeros((slices + 1, 0)))
-        modules = {m: np.tile(state, (len(values), 1)) for m, state in start.modules.items()}
-        for module, links in tree.links.items():
-            modules[module][:, :7] = _poses(tree, links[-1], values, start.modules[module])
-        for column, (module, joint) in enumerate(tree.variables):
-            modules[module][:, 7 + joint] = values[:, column]
-        for module in tree.links:
-            modules[module][:, 7:] = coupled(world.modules[module].type.joints, modules[module][:, 7:])
-        bodies = {b: _poses(tree, mount, values, start.bodies[b]) for b, mount in tree.bodies.items()}
+        modules, bodies = placed(tree, values, start, world)
         paths.append(PhasePath(modules, bodies, shortest_duration(world, modules)))
     return paths
-
-
-def _poses(tree: PhaseTree, mount: Mount, values: Array, before: Array) -> Array:
-    """Poses `(times, 7)` of a mounted frame, with quaternions that do not change sign from one to the next."""
-    poses = pose_vector(mounted_poses(tree, mount, values))
-    quaternions = np.concatenate([before[None, 3:7], poses[:, 3:]])
-    flips = np.cumprod(np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0, -1.0, 1.0))
-    return np.concatenate([poses[:, :3], poses[:, 3:] * flips[:, None]], axis=1)

@@ -122,6 +122,15 @@ class PhaseSettings:
     )
     spread: float = setting(0.6, "rad or m", "How far from them.")
     cuts_at_once: int = setting(6, "cuts", "Cuts that are tried on a polyline at a time.")
+    load_scale: float = setting(
+        0.1, "m", "What a load that is more than is kept of a strength by as much again counts as, beside clearances."
+    )
+    load_difference: float = setting(
+        1e-6, "rad or m", "By how much joints are varied to see how fast they change loads."
+    )
+    load_stride: int = setting(
+        5, "samples", "Every how many of the fine times loads are looked at where a path gives way to them."
+    )
     beyond: float = setting(
         2e-4, "rad or m",
         "How far joints may be beyond their limits.",

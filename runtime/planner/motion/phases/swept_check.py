@@ -1,4 +1,5 @@
-"""The swept check: whether a path keeps clear all along the spline that is stored of it, and within limits."""
+"""The swept check: whether a path keeps clear all along the spline that is stored of it, and within limits and, where
+it gives way to loads, strengths."""
 
 from __future__ import annotations
 
@@ -8,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....skeleton import Array
+from ...statics.settings import STATICS
 from .exact_check import swept_clearance
 from .phase_batch import Batch
 from .settings import PHASES
@@ -16,15 +18,17 @@ from .settings import PHASES
 @dataclass(slots=True)
 class Sweep:
     """The swept check per phase: excess clearance (metres; accepted from 0), how far joint limits are exceeded
-    (up to `PHASES.beyond`), and how far the largest step between slices exceeds what is allowed (up to 0)."""
+    (up to `PHASES.beyond`), how far the largest step between slices exceeds what is allowed (up to 0), and whether all
+    strengths are kept."""
 
     clearance: Array
     limit: Array
     step: Array
+    borne: NDArray[np.bool_]
 
     @property
     def clean(self) -> NDArray[np.bool_]:
-        return (self.clearance >= 0.0) & (self.limit <= PHASES.beyond) & (self.step <= 0.0)
+        return (self.clearance >= 0.0) & (self.limit <= PHASES.beyond) & (self.step <= 0.0) & self.borne
 
 
 def sweep(batch: Batch, paths: Array, chunk: int = 16) -> Sweep:
@@ -37,4 +41,7 @@ def sweep(batch: Batch, paths: Array, chunk: int = 16) -> Sweep:
         swept_clearance(batch.exact.take(index), values[index])
         for index in (np.arange(k, min(k + chunk, len(batch))) for k in range(0, len(batch), chunk))
     ])
-    return Sweep(clearance, beyond.max(axis=(1, 2), initial=-np.inf), step.max(axis=(1, 2), initial=-np.inf))
+    borne = np.ones(len(batch), bool)
+    for k, loads in enumerate(batch.loads):
+        borne[k] = loads.worst(values[k, :: PHASES.load_stride]) <= STATICS.kept
+    return Sweep(clearance, beyond.max(axis=(1, 2), initial=-np.inf), step.max(axis=(1, 2), initial=-np.inf), borne)
