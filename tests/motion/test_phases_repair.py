@@ -91,6 +91,21 @@ def test_a_post_between_two_slices_is_passed_after_repair() -> None:
     assert 1e-3 <= away.min() < 0.06
 
 
+def test_what_is_passed_between_two_looks_is_looked_at_closer() -> None:
+    """At 40 mm per look the ball is clear of a bead at both looks around it, and 2 mm deep, or 0.5 mm, half-way."""
+    clean = []
+    for deep in (2e-3, 5e-4):
+        plain = group_of(*cart_scene([], (-2.8, 0.0), (2.8, 0.0)), [0])
+        looks = (plain.batch.stored @ plain.paths)[0, :, 0]
+        middle = float(looks[100:102].mean())
+        bead = Body("bead", "object", Shape("sphere", (0.001,)), (middle, 0.051 - deep, 0.0, 0.0, 0.0, 0.0, 1.0), False)
+        group = group_of(*cart_scene([bead], (-2.8, 0.0), (2.8, 0.0)), [0])
+        ball = np.abs(looks - middle).min()
+        assert np.hypot(ball, 0.051 - deep) > 0.051
+        clean.append(bool(sweep(group.batch, group.paths).clean[0]))
+    assert clean == [False, True]
+
+
 def dense(path: np.ndarray) -> np.ndarray:
     from scipy.interpolate import CubicSpline
 

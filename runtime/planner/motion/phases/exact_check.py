@@ -1,8 +1,4 @@
-"""The true shapes of what moves in phases of one structure, and the exact distances that accept or refuse a path.
-
-Distances are measured at the slices first. A distance changes by no more than its two sides move, so that what is far
-apart there, less how far both go until another slice is nearer, needs no look between the slices.
-"""
+"""The true shapes of what moves in phases of one structure, and the exact distances that accept or refuse a path."""
 
 from __future__ import annotations
 
@@ -25,7 +21,6 @@ from .contact_margins import NEVER, REQUIRED, Kinds, cross_kinds
 from .joint_forest import Obstacle, PhaseTree
 from .settings import PHASES
 
-AT_SLICES = slice(None, None, PHASES.refinement)
 NOTHING = Shape(ShapeKind.SPHERE, (0.0,))
 OUT_OF_SIGHT = 1e9
 """Metres away: where missing obstacles are put."""
@@ -270,49 +265,6 @@ def near_entries(geometry: ExactGeometry, frames: Array, room: Array) -> list[En
         p, k, t = np.nonzero(near & (geometry.pair_kinds != NEVER)[:, :, None])
         found.append(Entries(True, i[p], j[p], k, t, geometry.pair_kinds[p, k]))
     return found
-
-
-def departure(vectors: Array) -> Array:
-    """How far vectors `(…, fine times)` go from where they are at a slice, until another one is nearer, the sum of
-    squares over the axis before `phases`: `(…, phases, slices + 1)` for `(…, k, phases, fine times)`."""
-    times = np.arange(vectors.shape[-1])
-    away = vectors - vectors[..., (times + PHASES.refinement // 2) // PHASES.refinement * PHASES.refinement]
-    first = np.maximum(times[AT_SLICES] - PHASES.refinement // 2, 0)
-    return np.asarray(np.sqrt(np.maximum.reduceat((away * away).sum(axis=-3), first, axis=-1)))
-
-
-def swept_clearance(geometry: ExactGeometry, values: Array) -> Array:
-    """The least excess clearance `(phases,)` at all fine times, for joint values `(phases, times, joints)`; `far`
-    when it is more."""
-    frames = geometry.kinematics.frames(values)
-    nodes, _, _, phases, times = frames.shape
-    shift, turn = departure(frames[:, 3]), departure(frames[:, :3].reshape(nodes, 9, phases, times))
-    lever = np.linalg.norm(geometry.local[:, :, :3, 3], axis=2) + geometry.reach
-    moved = shift[geometry.nodes] + lever.T[:, :, None] * turn[geometry.nodes]
-    least = np.full(phases, PHASES.far)
-    at_slices = frames[..., AT_SLICES]
-    for entries in near_entries(geometry, at_slices, moved + PHASES.far):
-        room = moved[entries.first, entries.phase, entries.time]
-        if entries.among:
-            room = room + moved[entries.second, entries.phase, entries.time]
-        distance = entries.measured(geometry, at_slices, room + PHASES.far).value
-        _lower(least, entries, distance)
-        closer = np.flatnonzero(distance - room < REQUIRED[entries.kind] + PHASES.far)
-        fine = _between(entries[closer], times)
-        _lower(least, fine, fine.measured(geometry, frames, np.full(len(fine.first), PHASES.far)).value)
-    return least
-
-
-def _between(entries: Entries, times: int) -> Entries:
-    """The entries, which are at slices, at the fine times nearest to these."""
-    around = entries.time[:, None] * PHASES.refinement + np.arange(PHASES.refinement) - PHASES.refinement // 2
-    result = entries[np.repeat(np.arange(len(entries.first)), PHASES.refinement)]
-    result.time = np.clip(around, 0, times - 1).ravel()
-    return result
-
-
-def _lower(least: Array, entries: Entries, distance: Array) -> None:
-    np.minimum.at(least, entries.phase, distance - REQUIRED[entries.kind])
 
 
 @dataclass(slots=True)

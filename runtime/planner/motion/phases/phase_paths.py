@@ -28,6 +28,7 @@ from .phase_batch import Batch
 from .phase_geometry import make_parts
 from .settings import PHASES
 from .smoothing import path_cost
+from .swept_clearance import between
 from .warm_starts import cost_of, taken_over
 
 
@@ -55,9 +56,10 @@ def _failures(group: PhaseGroup, world: World) -> list[Violation]:
     for k in np.flatnonzero(~group.solved):
         phase = int(batch.phases[k])
         values = batch.stored @ group.paths[k]
-        clash = worst_clash(batch.exact, int(k), values[::PHASES.blame_stride])
-        if clash.amount <= 0.0:
-            clash = worst_clash(batch.exact, int(k), values)
+        for looks in (values[::PHASES.blame_stride], values, between(values)):
+            clash = worst_clash(batch.exact, int(k), looks)
+            if clash.amount > 0.0:
+                break
         if clash.amount > 0.0:
             found.append(_told(phase, clash))
             continue

@@ -79,6 +79,16 @@ class PhaseSettings:
         "The same of a contact that begins or ends, which rows at switches may miss by more.",
     )
     refinement: int = setting(10, "samples", "Samples of the swept check per slice.")
+    deepest: float = setting(
+        8e-4, "m",
+        "How deep two things may press into each other between two looks at a path.",
+        "the verifier forbids 1 mm, and curves are taken for straight between looks",
+    )
+    closer_looks: int = setting(
+        8, "looks",
+        "Between two looks, to either side, where things pass each other so fast that they may be deeper there.",
+        "a box passed another at 0.1 m/s, 1.2 mm deep between two looks that saw 0.2 mm",
+    )
     far: float = setting(
         1e-3, "m",
         "Excess clearance beyond which nothing is measured: more counts as this much.",

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from ....skeleton import Array
 from ...statics.settings import STATICS
-from .exact_check import swept_clearance
 from .phase_batch import Batch
 from .settings import PHASES
+from .swept_clearance import swept_clearance
 
 
 @dataclass(slots=True)
