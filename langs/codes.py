@@ -272,7 +272,8 @@ CODES: dict[str, CodeInfo] = {
         "Even if all modules of the scene joined to one chain, as long as can be, no rule could bring about what the "
         "goal asks for; or it asks for more at once than the modules can do. `solve` proves it."),
     "W0010": CodeInfo("passed over in a URDF", "warning",
-        "A collision shape without volume, or of an unknown kind, is left out. `quat_xyzw` and `capsule` count from "
+        "A collision shape without volume, or of an unknown kind, is left out, as is one for which the shape of an "
+        "effector stands, since it lies in it. `quat_xyzw` and `capsule` count from "
         "version 1.1 of URDF on, as other readers have it. A joint without a way between its limits is fixed. An "
         "inertial that no body can have states nothing."),
     "W0011": CodeInfo("damaged results", "warning",

@@ -22,7 +22,7 @@ def sunken(module: ir.ModuleType) -> Iterator[tuple[ir.Effector, float]]:
     for effector in module.effectors:
         if effector.shape is None:
             continue
-        balls = _balls(effector.shape)
+        balls = balls_of(effector.shape)
         frame: int | None = effector.joint
         place = effector.placement
         while frame is not None:
@@ -47,7 +47,7 @@ def _outwards(
     return joint.parent, compose(joint.placement, place)
 
 
-def _balls(shape: ir.Shape) -> list[Ball]:
+def balls_of(shape: ir.Shape) -> list[Ball]:
     """Balls whose hull holds a shape."""
     match shape.kind:
         case ir.ShapeKind.SPHERE:
@@ -63,10 +63,10 @@ def _depth(link: ir.Link, place: ir.Pose, balls: Sequence[Ball]) -> float:
     """How far below the surface of a link, which is convex, all balls of an end at `place` lie; below 0 where one is
     out of it."""
     inside = compose(inverse(link.placement), place)
-    return min(_below(link.shape, position(compose(inside, (*at, 0.0, 0.0, 0.0, 1.0)))) - r for at, r in balls)
+    return min(below(link.shape, position(compose(inside, (*at, 0.0, 0.0, 0.0, 1.0)))) - r for at, r in balls)
 
 
-def _below(shape: ir.Shape, point: ir.Vec3) -> float:
+def below(shape: ir.Shape, point: ir.Vec3) -> float:
     """How far a point lies below the surface of a shape; of a hull nothing is said."""
     x, y, z = point
     size = shape.size

@@ -21,6 +21,7 @@ from ..physics.statements import StatedPart
 from ..physics.urdf_inertials import UnfitInertia, read_inertial
 from ..poses import compose, make
 from ..urdf_files import mesh_name
+from .covered_links import covers
 from .urdf_joints import JointBuilder
 from .urdf_mimics import coupled, settled
 from .urdf_reading import Reading, UrdfJoint
@@ -78,10 +79,11 @@ def build_urdf(
         return None
     placed = [_effector(context, end, frames, shapes) for end in ends]
     taken = [p[1] for p in placed if p is not None]
-    kept = tuple(s.link for s in shapes if s not in taken)
     effectors = tuple(p[0] for p in placed if p is not None)
     if len(effectors) < len(ends):
         return None
+    ours = [e for e, end in zip(effectors, ends, strict=True) if end.shape is not None]
+    kept = tuple(s.link for s in shapes if s not in taken and not _stood_for(reading, ours, s, links))
     return ir.ModuleType(name, joints, effectors, kept, tuple(weights.values()))
 
 
@@ -182,6 +184,18 @@ def _shape(reading: Reading, link: str, form: ElementTree.Element) -> tuple[ir.S
     else:
         return ir.Shape(ir.ShapeKind(form.tag), sizes), origin
     return None
+
+
+def _stood_for(
+    reading: Reading, effectors: Sequence[ir.Effector], shape: _LinkShape, links: Mapping[str, ElementTree.Element]
+) -> bool:
+    """Whether one of these effectors, which have shapes of their own, is in place of the shape."""
+    for effector in effectors:
+        if covers(effector, shape.link):
+            where = f"a collision shape of link `{shape.name}` lies in the effector `{effector.name}`"
+            reading.warn(links[shape.name], f"{where}, which stands for it")
+            return True
+    return False
 
 
 def _effector(
