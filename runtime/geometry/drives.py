@@ -7,6 +7,7 @@ and what moves one of its joints can move all.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 
 from ...compiler.ir import Fact, Problem
@@ -26,12 +27,7 @@ def braked(problem: Problem, mode: frozenset[Fact]) -> Mapping[str, frozenset[in
     modules = [m for m in problem.world.modules.values() if any(j.passive for j in m.type.joints)]
     if not modules:
         return {}
-    rigid, loose = _holds(problem, mode)
-    joints = {
-        (name, i): (rigid[name, j.parent], rigid[name, i])
-        for name, m in problem.world.modules.items() for i, j in enumerate(m.type.joints)
-    }  # fmt: skip
-    edges = [*joints.values(), *loose]
+    joints, edges = _graph(problem, mode)
     block = _blocks(edges)
     driven = {block[k] for k, (m, i) in enumerate(joints) if not problem.world.modules[m].type.joints[i].passive}
     moving = {key for k, key in enumerate(joints) if block[k] in driven and edges[k][0] != edges[k][1]}
@@ -42,6 +38,30 @@ def braked(problem: Problem, mode: frozenset[Fact]) -> Mapping[str, frozenset[in
         passive = [leader for leader in leaders if module.type.joints[leader].passive and leader not in led]
         found[module.name] = frozenset(i for i, leader in enumerate(leaders) if leader in passive)
     return found
+
+
+@remembered(256)
+def ringed(problem: Problem, mode: frozenset[Fact]) -> Mapping[str, frozenset[int]]:
+    """By module, the joints that lie on closed rings while `mode` holds: none of them moves alone. Where all of a ring
+    keep their values, what hangs on it can move as if the ring were one rigid thing."""
+    joints, edges = _graph(problem, mode)
+    block = _blocks(edges)
+    count = Counter(block)
+    found: dict[str, set[int]] = {}
+    for k, (name, i) in enumerate(joints):
+        if count[block[k]] > 1 or edges[k][0] == edges[k][1]:
+            found.setdefault(name, set()).add(i)
+    return {name: frozenset(joints) for name, joints in found.items()}
+
+
+def _graph(problem: Problem, mode: frozenset[Fact]) -> tuple[dict[Joint, Edge], list[Edge]]:
+    """The edge of each joint, and all edges: those of the joints first, in their order."""
+    rigid, loose = _holds(problem, mode)
+    joints = {
+        (name, i): (rigid[name, j.parent], rigid[name, i])
+        for name, m in problem.world.modules.items() for i, j in enumerate(m.type.joints)
+    }  # fmt: skip
+    return joints, [*joints.values(), *loose]
 
 
 def _holds(problem: Problem, mode: Iterable[Fact]) -> tuple[dict[Part, Part], list[Edge]]:

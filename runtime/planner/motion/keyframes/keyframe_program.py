@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -12,7 +12,7 @@ from .....compiler.motion.collision import Pair, contacts, keeps_pose
 from .....compiler.motion.permanent import permanent
 from ....budget import Budget
 from ....geometry.attachments import carrier, followers, involved, next_mode
-from ....geometry.drives import braked
+from ....geometry.drives import braked, ringed
 from ....skeleton import Array, Configuration, Skeleton
 from ..collision.clearance_rows import Clearances
 from ..collision.pairs_in_phases import Collisions, Margins, refresh, rows
@@ -38,12 +38,13 @@ class SwitchProgram:
     given: what a phase is the last to move comes to rest as it is there.
 
     With `free` the state before is unknown too, but for what never moved before: it satisfies the relations of its
-    mode. With `frozen`, robots that a switch does not concern stay where they are.
+    mode. With `frozen`, robots that a switch does not concern stay where they are, with `still` also the joints that
+    lie on closed rings.
     """
 
     def __init__(
         self, skeleton: Skeleton, first: int, last: int, start: Configuration, settings: MotionSettings,
-        free: bool = False, frozen: bool = True, end: Configuration | None = None,
+        free: bool = False, frozen: bool = True, end: Configuration | None = None, still: bool = False,
     ) -> None:  # fmt: skip
         self.skeleton = skeleton
         self.problem: Problem = skeleton.problem
@@ -54,7 +55,7 @@ class SwitchProgram:
         if free:
             self.layout.free_start(self._moved_before(first))
         for phase, names in zip(self.phases, moving, strict=True):
-            self.layout.add_slice(names, braked(self.problem, skeleton.phases[phase].mode))
+            self.layout.add_slice(names, self._held(phase, still))
         self._features = Features(self.problem, self.layout)
         if free:
             self._standing()
@@ -67,6 +68,14 @@ class SwitchProgram:
         """What has a slot of its own at the switch that ends a phase."""
         modules = involved(self.skeleton, phase) if frozen else frozenset(self.problem.world.modules)
         return modules | followers(self.problem, self.skeleton.phases[phase].mode)
+
+    def _held(self, phase: int, still: bool) -> Mapping[str, frozenset[int]]:
+        mode = self.skeleton.phases[phase].mode
+        held = braked(self.problem, mode)
+        if not still:
+            return held
+        rings = ringed(self.problem, mode)
+        return {name: held.get(name, frozenset()) | rings.get(name, frozenset()) for name in held.keys() | rings.keys()}
 
     def _moved_before(self, first: int) -> frozenset[str]:
         moved = set(self.problem.world.modules)

@@ -20,7 +20,7 @@ import numpy as np
 from .....compiler.ir import Function, JointKind, ModuleType, Problem, Shape, Var, Vec3
 from .....compiler.motion.collision import keeps_pose, pose_matrix
 from .....langs.frozen import dataclass
-from ....geometry.drives import braked
+from ....geometry.drives import braked, ringed
 from ....geometry.transforms import quaternions
 from ....skeleton import Array, Configuration, Phase
 
@@ -199,6 +199,8 @@ class Scene:
         self.edges: dict[str, list[tuple[str, str, str]]] = {}
         """Per module or body: own object, other object, other module or body."""
         self._read(phase)
+        self.kept = self._kept_rings(phase, start, end)
+        """By module, the joints that keep their values since they lie on rings that keep theirs."""
         self.rest = self._find_rest()
 
     def _read(self, phase: Phase) -> None:
@@ -218,6 +220,15 @@ class Scene:
             a, b = kept
             self.edges.setdefault(self.owner(a), []).append((a, b, self.owner(b)))
             self.edges.setdefault(self.owner(b), []).append((b, a, self.owner(a)))
+
+    def _kept_rings(self, phase: Phase, start: Configuration, end: Configuration) -> Mapping[str, frozenset[int]]:
+        if not any(self.moves.values()):
+            return {}
+        rings = ringed(self.problem, phase.mode)
+        return {
+            name: joints for name, joints in rings.items()
+            if all(abs(end.modules[name][7 + i] - start.modules[name][7 + i]) <= STILL for i in joints)
+        }
 
     def owner(self, name: str) -> str:
         """The module or body that an object belongs to."""
@@ -289,7 +300,10 @@ class Scene:
                 for _, _, other in self.edges.get(name, []):
                     if other in core:
                         degree[other] -= 1
-        if any(self.moves.get(name, False) for name in core):
+        moving = [name for name in core if self.moves.get(name, False)]
+        if moving and self.kept.keys() >= set(moving):
+            return set()
+        if moving:
             raise UnsupportedPhase(self.index, Reason.CLOSED, tuple(n for n in modules if n in core))
         return core
 
@@ -318,7 +332,8 @@ def phase_tree(problem: Problem, index: int, phase: Phase, start: Configuration,
             tree.bodies[owner] = mount
             mounts[owner] = {-1: mount}
         else:
-            held = {i: float(start.modules[owner][7 + i]) for i in brakes.get(owner, ())}
+            still = brakes.get(owner, frozenset()) | scene.kept.get(owner, frozenset())
+            held = {i: float(start.modules[owner][7 + i]) for i in still}
             mount_module(tree, owner, scene.world.modules[owner].type, scene.joint(name), mount, held)
             mounts[owner] = tree.links[owner]
         queue.extend((own, other) for own, other, to in scene.edges[owner] if to not in scene.rest)
