@@ -1,47 +1,45 @@
 """Export: a problem as PDDL that every planner reads: typed STRIPS, positive conditions only.
 
-Numeric guards over locations become static facts of their own; rules over chains become one action for every chain
-that the modules could ever form; alternatives become actions of their own; motion literals are left out. A goal with
-alternatives is reached by one action more.
+Numeric guards over locations become static facts of their own; rules over chains become one action for every length
+that chains could ever have, whose parameters are the ends of the modules; alternatives become actions of their own;
+motion literals are left out. A goal with alternatives is reached by one action more.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import permutations, product
-from math import perm
+from itertools import count, product
+from math import prod
+from typing import Any
 
 from ...langs.diagnostics import UsageError
 from ..ir import (
-    And,
-    Chain,
     ChainType,
     Compare,
     Effect,
     EffectIf,
     EffectItem,
     Exists,
-    Fact,
-    Forall,
     Formula,
     Literal,
-    Not,
     Object,
-    Or,
     Problem,
     RangeType,
     Term,
     Var,
     Variable,
+    effects_of,
 )
-from .algebra import Environment, conjunction, disjunction, negation
+from .algebra import Environment, conjunction, negation
 from .domains import FlatRule
 from .guards import Guards
-from .normal_form import FALSE, TRUE, free_names
+from .lifted_chains import ChainLifting, LiftedRule, ends_named, ends_of
+from .normal_form import FALSE, TRUE, free_names, substitute
+from .pddl_conditions import SOME, Settling
 from .settings import SYMBOLIC
 from .strips import NOBODY, NOTHING, THING, Change, Schema, Strips, alternatives, contradicts, denial, literals
-from .successors import Successors, has_chains
+from .successors import Successors
 
 
 def to_pddl(problem: Problem) -> tuple[str, str]:
@@ -60,14 +58,13 @@ class PddlWriter:
         self.guards: Guards = self.successors.guards
         self.layout = self.successors.layout
         self.strips = Strips(self.guards)
-        self.relations: dict[tuple[Formula, ...], tuple[str, tuple[Variable, ...]]] = {}
+        self.lifting, self.settling = ChainLifting(self.guards), Settling(problem, self.guards)
+        self.relations: dict[object, tuple[str, int]] = {}
         self.related: list[str] = []
         self._names: dict[tuple[str, str], str] = {}
         self._taken = {"reached", "object_"}
-        self._links: dict[tuple[ChainType, Chain], tuple[frozenset[Fact], frozenset[Fact]]] = {}
         self.schemas = [s for flat in self.successors.domains.rules for s in self.actions(flat)]
-        goals = alternatives(self._settled(self.successors.normal.normal(problem.goal, {}, False), {}))
-        self.goals = [Schema("`reach", [], *literals(g, self.layout), []) for g in goals]
+        self.goals = list(self._reaching(problem.goal))
         for schema in (*self.schemas, *self.goals):
             self.strips.note(schema)
         for schema in (*self.schemas, *self.goals):
@@ -89,8 +86,9 @@ class PddlWriter:
             lines.append(f"    ({self._predicate(predicate.name)} {shown})")
             if predicate.name in self.strips.denied:
                 lines.append(f"    ({self._predicate(denial(predicate.name))} {shown})")
-        for relation, variables in self.relations.values():
-            lines.append(f"    ({self._predicate(relation)} {_parameters([f'x{k}' for k in range(len(variables))])})")
+        ways = [(relation, 2) for relation in self.lifting.relations]
+        for relation, places in [*self.relations.values(), *ways]:
+            lines.append(f"    ({self._predicate(relation)} {_parameters([f'x{k}' for k in range(places)])})")
         return "\n".join([lines[0], *self._legend(), *lines[1:], "  )", *actions, ")", ""])
 
     def task(self) -> str:
@@ -105,6 +103,9 @@ class PddlWriter:
         facts = [*sorted(self.problem.init), *self.strips.initial(self.problem.init)]
         facts += [(THING, o) for o in self.problem.objects]
         shown = [f"({' '.join([self._predicate(p), *map(self._object, names)])})" for p, *names in facts]
+        for relation, passage in self.lifting.relations.items():
+            for _, *ends in passage.pairs:
+                shown.append(f"({' '.join([self._predicate(relation), *map(self._object, ends)])})")
         return [*shown, *self.related]
 
     def _objects(self) -> list[str]:
@@ -126,7 +127,7 @@ class PddlWriter:
 
     def conditions(self, schema: Schema) -> list[str]:
         """The literals that an action asks for."""
-        return list(dict.fromkeys([*map(self._relation_text, schema.static), *map(self._literal, schema.more)]))
+        return list(dict.fromkeys(map(self._literal, [*schema.static, *schema.more])))
 
     def effects(self, schema: Schema) -> tuple[list[str], list[str]]:
         """The literals that an action deletes, and those that it adds."""
@@ -140,15 +141,19 @@ class PddlWriter:
         if any(name in values and str(value) != values[name] for name, value in schema.env.items()):
             return None
         known = {n: values[n] for n in schema.parameters if n in values}
+        for name, chain in schema.chains.items():
+            ends = chain.values(values[name]) if name in values else {}
+            if ends is None:
+                return None
+            known |= ends
+        for name, other in schema.same.items():
+            if name in values and known.setdefault(other, values[name]) != values[name]:
+                return None
         return {f"?{self._variable(n)}": self._object(value) for n, value in known.items()}
 
     def shown(self, schema: Schema) -> list[str]:
         """The parameters of an action, in order."""
         return [f"?{self._variable(n)}" for n in schema.parameters]
-
-    def _relation_text(self, formula: Compare) -> str:
-        relation, variables = self.relations[(formula,)]
-        return f"({self._predicate(relation)} {' '.join('?' + self._variable(v.name) for v in variables)})"
 
     def _literal(self, literal: Literal) -> str:
         return f"({' '.join([self._predicate(literal.predicate), *map(self._term, literal.args)])})"
@@ -192,36 +197,79 @@ class PddlWriter:
 
     # --- actions -------------------------------------------------------------------------------------------------
 
-    def actions(self, flat: FlatRule) -> Iterator[Schema]:
-        """One action per choice of the small variables under which the rule may fire, and per alternative."""
-        domains = self.layout.domains.variable_domains(flat)
-        small = [v for v in flat.variables if v.name not in domains or domains[v.name] <= self.layout.small]
-        large = [v for v in flat.variables if v not in small]
-        for env in self._choices(small, {}, domains):
-            yield from self._actions(flat, env, large)
+    def _reaching(self, goal: Formula) -> Iterator[Schema]:
+        """The alternatives of the goal, as actions without effect. What it asks of chains is a condition on ends."""
+        for hidden, conjuncts in self.successors.normal.alternatives(goal):
+            chains = [v for v in hidden if isinstance(v.type, ChainType)]
+            others = tuple(v for v in hidden if v not in chains)
+            for lifted in self.lifting.choices(chains):
+                env = {name: chain.sample for name, chain in lifted.items()}
+                whole = conjunction(self.lifting.lift(f, lifted, env) for f in conjuncts)
+                large = ends_of(lifted)
+                links = [f for chain in lifted.values() for f in chain.holds(self._linkable(chain.type))]
+                every = {v.name: frozenset(self.problem.of_type("effector")) for v in large}
+                asked = Exists(others, whole) if others else whole
+                both = conjunction((*links, self.settling.settled(asked, env)))
+                for option in alternatives(self.settling.gathered(both, count())):
+                    conditions, static = literals(option, self.layout)
+                    known = LiftedRule([], lifted, {}, every, large)
+                    names = [*(v.name for v in large), *_some(conditions)]
+                    related = [self._relate(c, known) for c in static]
+                    yield Schema("`reach", names, conditions, related, [], chains=lifted)
 
-    def _actions(self, flat: FlatRule, env: Environment, large: Sequence[Variable]) -> Iterator[Schema]:
-        chains = [(v.type, env[v.name]) for v in flat.variables if isinstance(v.type, ChainType)]
-        links = conjunction(f for kind, chain in chains for f in self._is_chain(kind, chain))
-        settled = [links]
-        for formula in flat.conjuncts:
-            settled.append(self._settled(formula, env))
+    def actions(self, flat: FlatRule) -> Iterator[Schema]:
+        """One action per choice of the small variables under which the rule may fire, per length of its chains, and per
+        alternative."""
+        domains = dict(self.layout.domains.variable_domains(flat))
+        ranges = [v for v in flat.variables if isinstance(v.type, RangeType)]
+        objects = [v for v in flat.variables if v.name in domains]
+        every = frozenset(self.problem.of_type("effector"))
+        for chains in self.lifting.choices([v for v in flat.variables if isinstance(v.type, ChainType)]):
+            known = {name: chain.sample for name, chain in chains.items()}
+            for env in self._choices(ranges, known, domains):
+                conjuncts = [self.lifting.lift(f, chains, env) for f in flat.conjuncts]
+                same, conjuncts = ends_named(conjuncts, chains, domains)
+                small = [v for v in objects if v.name not in same and domains[v.name] <= self.layout.small]
+                if prod(len(domains[v.name]) for v in small) > SYMBOLIC.pddl_choices:
+                    small = []
+                large = [v for v in objects if v.name not in same and v not in small] + ends_of(chains)
+                ends = {v.name: every for v in large if v.name not in domains}
+                lifted = LiftedRule(conjuncts, chains, same, {**domains, **ends}, large)
+                for whole in self._choices(small, env, domains):
+                    yield from self._actions(flat, lifted, whole)
+
+    def _actions(self, flat: FlatRule, lifted: LiftedRule, env: Environment) -> Iterator[Schema]:
+        settled = [f for chain in lifted.chains.values() for f in chain.holds(self._linkable(chain.type))]
+        for formula in lifted.conjuncts:
+            settled.append(self.settling.settled(formula, env))
             if settled[-1] == FALSE:
                 return
         whole = conjunction(settled)
-        for condition, changes in self._changes(flat.rule.effects, env):
+        for condition, changes in self._changes(flat.rule.effects, env, lifted):
             both = conjunction((whole, condition, *self.strips.single(changes)))
+            both = self.settling.gathered(both, count())
             for option in [] if both == FALSE else alternatives(both):
                 conditions, static = literals(option, self.layout)
                 if not contradicts(conditions):
-                    for compare in static:
-                        self._relate(compare, large, flat)
-                    names = [v.name for v in large]
-                    schema = Schema(flat.rule.name, names, conditions, static, list(changes), env=env)
-                    schema.more += [Literal(self._typed(v, flat), (Var(v.name),)) for v in large]
+                    related = [self._relate(compare, lifted) for compare in static]
+                    names = [*(v.name for v in lifted.large), *_some(conditions)]
+                    kept = {name: value for name, value in env.items() if name not in lifted.chains}
+                    schema = Schema(
+                        flat.rule.name, names, conditions, related, list(changes), env=kept, chains=lifted.chains,
+                        same=lifted.same,
+                    )  # fmt: skip
+                    own = {v.name: v.name for v in lifted.large if v in flat.variables} | dict(lifted.same)
+                    schema.more += [Literal(self._typed(v, flat), (Var(name),)) for v, name in own.items()]
                     yield schema
 
-    def _changes(self, items: Sequence[EffectItem], env: Environment) -> Iterator[tuple[Formula, tuple[Change, ...]]]:
+    def _linkable(self, kind: ChainType) -> list[str]:
+        """The ends to which those of a chain may ever be linked."""
+        ends = self.layout.domains.at(kind.predicate, 0) | self.layout.domains.at(kind.predicate, 1)
+        return [e for e in self.problem.of_type("effector") if e in ends]
+
+    def _changes(
+        self, items: Sequence[EffectItem], env: Environment, lifted: LiftedRule
+    ) -> Iterator[tuple[Formula, tuple[Change, ...]]]:
         """The effects of a rule for every way in which its conditional effects may come out."""
         branches: list[tuple[Formula, tuple[Change, ...]]] = [(TRUE, ())]
         for item in items:
@@ -230,43 +278,58 @@ class PddlWriter:
                 literal = item.literal
                 if literal.motion:
                     continue
+                literal = self._lift(literal, env, lifted)
                 args = tuple(self.guards.resolve(a, env) for a in literal.args)
                 options = [(TRUE, ((Literal(literal.predicate, args), item.negated),))]
             elif isinstance(item, EffectIf):
-                condition = self._settled(self.successors.normal.normal(item.condition, {}, False), env)
-                options = [(conjunction((condition, c)), e) for c, e in self._changes(item.effects, env)]
+                if all(effect.literal.motion for effect in effects_of(item.effects)):
+                    continue
+                asked = self._lift(self.successors.normal.normal(item.condition, {}, False), env, lifted)
+                condition = self.settling.settled(asked, env)
+                options = [(conjunction((condition, c)), e) for c, e in self._changes(item.effects, env, lifted)]
                 options = [(c, e) for c, e in [*options, (negation(condition), ())] if c != FALSE]
             else:
                 inner = [e for e, _ in self.guards.solutions(item.variables, (), env, None)]
-                for found in product(*(list(self._changes(item.effects, e)) for e in inner)):
+                for found in product(*(list(self._changes(item.effects, e, lifted)) for e in inner)):
                     options.append((conjunction(c for c, _ in found), sum((e for _, e in found), ())))
             branches = [(conjunction((a, c)), (*b, *e)) for a, b in branches for c, e in options]
             if len(branches) > SYMBOLIC.pddl_branches:
                 raise UsageError("a rule has too many conditional effects for PDDL")
         yield from ((c, e) for c, e in branches if c != FALSE)
 
-    def _typed(self, variable: Variable, flat: FlatRule) -> str:
-        """Type and static reach of a variable, as a unary relation."""
-        relation = f"`may_{flat.rule.name}_{variable.name}"
-        key: tuple[Formula, ...] = (Literal(relation, (Var(variable.name),)),)
-        if key not in self.relations:
-            self.relations[key] = (relation, (variable,))
-            allowed = self.layout.domains.variable_domains(flat)[variable.name]
-            name = self._predicate(relation)
-            self.related += [f"({name} {self._object(o)})" for o in self.problem.objects if o in allowed]
-        return relation
+    def _lift(self, part: Any, env: Environment, lifted: LiftedRule) -> Any:
+        renaming = {name: Var(other) for name, other in lifted.same.items()}
+        return substitute(self.lifting.lift(part, lifted.chains, env), renaming)
 
-    def _relate(self, formula: Compare, large: Sequence[Variable], flat: FlatRule) -> None:
-        """A numeric guard over locations, grounded into static facts of a predicate of its own."""
-        key = (formula,)
+    def _typed(self, name: str, flat: FlatRule) -> str:
+        """Type and static reach of a variable, as a unary relation."""
+        allowed = self.layout.domains.variable_domains(flat)[name]
+        key = (name, flat.rule.name, allowed)
         if key not in self.relations:
-            names = free_names(formula)
-            variables = tuple(v for v in large if v.name in names)
-            self.relations[key] = relation, _ = f"`guard_{len(self.relations)}", variables
-            domains = self.layout.domains.variable_domains(flat)
-            for env, _ in self.guards.solutions(variables, key, {}, None, domains):
+            relation = self._relation(f"`may_{flat.rule.name}_{name}", key, 1)
+            shown = self._predicate(relation)
+            self.related += [f"({shown} {self._object(o)})" for o in self.problem.objects if o in allowed]
+        return self.relations[key][0]
+
+    def _relation(self, name: str, key: object, places: int) -> str:
+        """A static predicate of its own for `key`, called like `name`."""
+        taken = {relation for relation, _ in self.relations.values()}
+        fresh = name if name not in taken else f"{name}_{len(self.relations)}"
+        self.relations[key] = fresh, places
+        return fresh
+
+    def _relate(self, formula: Compare, lifted: LiftedRule) -> Literal:
+        """A numeric guard over locations, or a comparison of things, grounded into static facts of a predicate of its
+        own."""
+        names = free_names(formula)
+        variables = tuple(v for v in lifted.large if v.name in names)
+        key = (formula, tuple(lifted.domains[v.name] for v in variables))
+        if key not in self.relations:
+            relation = self._relation(f"`guard_{len(self.relations)}", key, len(variables))
+            for env, _ in self.guards.solutions(variables, (formula,), {}, None, lifted.domains):
                 things = " ".join(self._object(env[v.name]) for v in variables)
                 self.related.append(f"({self._predicate(relation)} {things})")
+        return Literal(self.relations[key][0], tuple(Var(v.name) for v in variables))
 
     def _choices(
         self, variables: Sequence[Variable], env: Environment, domains: Mapping[str, frozenset[str]]
@@ -275,104 +338,19 @@ class PddlWriter:
             yield env
             return
         first, *rest = variables
-        if isinstance(first.type, ChainType):
-            others = [value for value in env.values() if isinstance(value, Chain)]
-            values: Sequence[object] = [
-                c for c in self._chains(first.type) if all(self._together(first.type, c, o) for o in others)
-            ]
-        elif isinstance(first.type, RangeType):
-            values = self.guards.values(first, env, None)
+        if isinstance(first.type, RangeType):
+            values: Sequence[object] = self.guards.values(first, env, None)
         else:
             values = [o for o in self.problem.objects if o in domains[first.name]]
         for value in values:
             yield from self._choices(rest, {**env, first.name: value}, domains)
 
-    def _chains(self, kind: ChainType) -> Iterator[Chain]:
-        """Every chain that the modules of the problem could ever form. Raises UsageError where they are too many."""
-        modules = [m for m in self.problem.of_type(kind.element) if m in self.problem.world.modules]
-        lines = sum(perm(len(modules), size) for size in range(1, min(len(modules), 4) + 1))
-        if lines > SYMBOLIC.pddl_chains:
-            raise UsageError(f"PDDL needs actions for each chain, and {len(modules)} modules could form too many")
-        for size in range(1, len(modules) + 1):
-            for line in permutations(modules, size):
-                sides = [self._passages(m) for m in line]
-                for passage in product(*sides):
-                    yield Chain(tuple((m, a, b) for m, (a, b) in zip(line, passage, strict=True)))
-
-    def _passages(self, module: str) -> list[tuple[str, str]]:
-        ends = [f"{module}.{e.name}" for e in self.problem.world.modules[module].type.effectors]
-        return list(permutations(ends, 2))
-
-    def _settled(self, formula: Formula, env: Environment) -> Formula:
-        """What remains of a condition, with quantifiers over chains replaced by all chains that could ever be."""
-        if not has_chains(formula):
-            return self._unquantified(self.guards.reduce(formula, env, None), env)
-        match formula:
-            case And():
-                return conjunction(self._settled(f, env) for f in formula.operands)
-            case Or():
-                return disjunction(self._settled(f, env) for f in formula.operands)
-            case Exists() | Forall():
-                return self._quantified(formula, env)
-            case _:
-                raise UsageError(f"PDDL cannot say {formula}")
-
-    def _unquantified(self, formula: Formula, env: Environment) -> Formula:
-        """What remains of a condition, with quantifiers over things replaced by all of them."""
-        match formula:
-            case And():
-                return conjunction(self._unquantified(f, env) for f in formula.operands)
-            case Or():
-                return disjunction(self._unquantified(f, env) for f in formula.operands)
-            case Exists() | Forall():
-                found = (e for e, _ in self.guards.solutions(formula.variables, (), env, None))
-                all_of_them = (self._unquantified(self.guards.reduce(formula.body, e, None), e) for e in found)
-                return conjunction(all_of_them) if isinstance(formula, Forall) else disjunction(all_of_them)
-            case _:
-                return formula
-
-    def _quantified(self, formula: Exists | Forall, env: Environment) -> Formula:
-        variable = next((v for v in formula.variables if isinstance(v.type, ChainType)), None)
-        if variable is None or not isinstance(variable.type, ChainType):
-            return type(formula)(formula.variables, self._settled(formula.body, env))
-        others = tuple(v for v in formula.variables if v is not variable)
-        inner = type(formula)(others, formula.body) if others else formula.body
-        options = []
-        for chain in self._chains(variable.type):
-            exists = conjunction(self._is_chain(variable.type, chain))
-            rest = self._settled(inner, {**env, variable.name: chain})
-            either = isinstance(formula, Forall)
-            options.append(disjunction((negation(exists), rest)) if either else conjunction((exists, rest)))
-        return conjunction(options) if isinstance(formula, Forall) else disjunction(options)
-
-    def _together(self, kind: ChainType, one: Chain, other: Chain) -> bool:
-        """Whether two chains can be there at once: no link that one needs is denied by the other."""
-        told = [self._told(kind, chain) for chain in (one, other)]
-        return not told[0][0] & told[1][1] and not told[0][1] & told[1][0]
-
-    def _told(self, kind: ChainType, chain: Chain) -> tuple[frozenset[Fact], frozenset[Fact]]:
-        """The links that a chain needs, and those that it denies."""
-        if (kind, chain) not in self._links:
-            needed: set[Fact] = set()
-            denied: set[Fact] = set()
-            for formula in self._is_chain(kind, chain):
-                literal = formula.operand if isinstance(formula, Not) else formula
-                if isinstance(literal, Literal):
-                    fact = (literal.predicate, *(a.name for a in literal.args if isinstance(a, Object)))
-                    (denied if isinstance(formula, Not) else needed).add(self.layout.canonical(fact))
-            self._links[kind, chain] = frozenset(needed), frozenset(denied)
-        return self._links[kind, chain]
-
-    def _is_chain(self, kind: ChainType, chain: Chain) -> Iterator[Formula]:
-        """The links of a chain hold, and its ends are not linked on."""
-        for (_, _, leave), (_, enter, _) in zip(chain.modules, chain.modules[1:], strict=False):
-            yield Literal(kind.predicate, (Object(leave), Object(enter)))
-        inner = {part for line in chain.modules for part in line}
-        for end in dict.fromkeys((chain.first, chain.last)):
-            for other in self.problem.of_type("effector"):
-                if other not in inner and self.layout.encode((kind.predicate, end, other))[0]:
-                    yield Not(Literal(kind.predicate, (Object(end), Object(other))))
-
 
 def _parameters(names: Sequence[str]) -> str:
     return " ".join(f"?{n}" for n in names) + (" - object_" if names else "")
+
+
+def _some(conditions: Sequence[tuple[Literal, bool]]) -> list[str]:
+    """The parameters in conditions that stand for anything."""
+    names = (a.name for literal, _ in conditions for a in literal.args if isinstance(a, Var))
+    return list(dict.fromkeys(name for name in names if name.startswith(SOME)))

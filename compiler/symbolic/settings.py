@@ -42,10 +42,19 @@ class SymbolicSettings:
     )
     strips_facts: int = setting(4096, "facts", "Facts of a delete relaxation at most.")
     pddl_chains: int = setting(
+        2000, "actions",
+        "Kinds of chains, or of pairs of them, that one rule may be about in PDDL.",
+        "16 modules that are all alike have 120 pairs; 2000 actions take some 2 s",
+    )
+    pddl_denied_chains: int = setting(
         10, "orders",
-        "Orders in which modules could be docked, for PDDL.",
-        "two modules have 4; three have 15, 78 with the ways through them, and rules of two chains an action for each "
-        "pair of those, which takes minutes",
+        "Orders in which modules could be docked, for conditions in PDDL that deny a chain.",
+        "two modules have 4; three have 15, 78 with the ways through them",
+    )
+    pddl_choices: int = setting(
+        512, "choices",
+        "Choices of ends for the variables of a rule that each become an action in PDDL; beyond, they are parameters.",
+        "8 robots that step have 256; four feet and four sockets have a million",
     )
     pddl_branches: int = setting(64, "branches", "Actions that one rule may become as PDDL.")
     pddl_name: int = setting(

@@ -15,6 +15,7 @@ from ..ir import And, Any_, Compare, Exists, Forall, Formula, Literal, Not, Obje
 from .expressions import ground
 from .guards import Guards
 from .layout import FIELD, Layout
+from .lifted_chains import LiftedChain
 from .normal_form import FALSE, TRUE
 from .settings import SYMBOLIC
 
@@ -28,17 +29,20 @@ Change = tuple[Literal, bool]
 
 @dataclass(slots=True)
 class Schema:
-    """One action: its conditions, the comparisons that hold or not for good, and what it deletes and adds. `env` holds
+    """One action: its conditions, those that hold or not for good, and what it deletes and adds. `env` holds
     the values of the rule's other variables."""
 
     rule: str
     parameters: list[str]
     conditions: list[tuple[Literal, bool]]
-    static: list[Compare]
+    static: list[Literal]
     changes: list[Change]
     more: list[Literal] = field(default_factory=list)
     """Conditions that bind what wildcards stand for."""
     env: Mapping[str, object] = field(default_factory=dict)
+    chains: Mapping[str, LiftedChain] = field(default_factory=dict)
+    same: Mapping[str, str] = field(default_factory=dict)
+    """The rule's chains, and its variables that are ends of them, by the parameter that they stand for."""
     deleted: list[Literal] = field(default_factory=list)
     added: list[Literal] = field(default_factory=list)
 
@@ -76,6 +80,8 @@ class Strips:
         self.guards = guards
         self.layout: Layout = guards.layout
         self.denied: set[str] = set()
+        self.asked: set[tuple[str, int]] = set()
+        """Places of denied predicates at which a parameter stands, which may be anything of the type."""
         self.emptied: set[str] = set()
         self.unheld: set[str] = set()
 
@@ -89,6 +95,7 @@ class Strips:
                 self.emptied.add(literal.predicate)
             elif not positive:
                 self.denied.add(literal.predicate)
+                self.asked |= {(literal.predicate, k) for k, a in enumerate(literal.args) if isinstance(a, Var)}
         for literal, negated in schema.changes:
             if not negated or self.layout.kinds[literal.predicate] != FIELD:
                 continue
@@ -257,8 +264,12 @@ class Strips:
         """The facts that stand for what does not hold at the start."""
         domains = self.layout.domains
         for predicate in sorted(self.denied):
-            count = len(self.guards.problem.predicates[predicate].variables)
-            for names in product(*(sorted(domains.at(predicate, k)) for k in range(count))):
+            places = self.guards.problem.predicates[predicate].variables
+            every = [
+                self._all(predicate, k) if (predicate, k) in self.asked else domains.at(predicate, k)
+                for k in range(len(places))
+            ]
+            for names in product(*map(sorted, every)):
                 if (predicate, *names) not in facts:
                     yield (denial(predicate), *names)
         for predicate in sorted(self.emptied | self.unheld):

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from tamplang.compiler.ir import Problem
-from tamplang.compiler.pipeline import compile_text
+from tamplang.compiler.pipeline import compile_problem, compile_text
 from tamplang.compiler.symbolic.pddl import to_pddl
+from tamplang.compiler.symbolic.pddl_plans import plan_lines
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.langs.diagnostics import UsageError
 from tamplang.runtime.budget import Budget
@@ -95,6 +97,45 @@ def test_plans_are_as_long_as_ours(make: Callable[[], Problem], extra: int) -> N
     candidate = SkeletonSearch(problem, Successors(problem), "astar", Budget(20)).next()
     assert candidate is not None
     assert shortest(*to_pddl(problem), 8) == len(candidate.actions) + extra
+
+
+EXAMPLES: dict[str, dict[str, str]] = {
+    "chain_climb": {"modules": "3"}, "strut_bridge": {}, "quadruped": {"crawlers": "4"}, "terraces": {},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_plans_with_chains_are_plans_of_the_export(name: str) -> None:
+    """Each action of a plan is one of the export's, and these lead from its start to its goal."""
+    folder = Path(__file__).parents[2] / "examples"
+    problem, _ = compile_problem(folder / f"{name}.tamp", name, EXAMPLES[name])
+    candidate = SkeletonSearch(problem, Successors(problem), "astar", Budget(60)).next()
+    assert candidate is not None
+    domain, task = to_pddl(problem)
+    state = {tuple(a.split()) for a in ATOM.findall(task.partition("(:init")[2].partition("(:goal")[0])}
+    texts = dict(re.findall(r"\(:action (\w+)\n(.*?)(?=\n  \(:action|\n\)\n)", domain, re.DOTALL))
+    for line in plan_lines(problem, [(a.rule, [str(v) for v in a.args]) for a in candidate.actions]):
+        action, *things = line.strip("()").split()
+        parameters, condition, effect = actions(f"{texts[action]}\n)\n")[0]
+        binding = dict(zip(re.findall(r"\?\w+", parameters), things, strict=True))
+        put = [tuple(binding.get(word, word) for word in a.split()) for a in ATOM.findall(condition)]
+        assert set(put) <= state, line
+        gone = re.findall(r"\(not \(([^()]+)\)\)", effect)
+        come = ATOM.findall(re.sub(r"\(not \([^()]+\)\)", "", effect))
+        state -= {tuple(binding.get(word, word) for word in a.split()) for a in gone}
+        state |= {tuple(binding.get(word, word) for word in a.split()) for a in come}
+    assert {tuple(a.split()) for a in ATOM.findall(task.partition("(:goal")[2])} <= state
+
+
+def test_exports_of_chains_grow_with_their_lengths() -> None:
+    """Not with the number of chains that modules could form, which is some 10,000 times as large for eight as for
+    four."""
+    path = str(Path(__file__).parents[2] / "examples" / "chain_climb.tamp")
+    sizes = []
+    for modules in ("4", "8"):
+        problem, _ = compile_problem(path, "chain_climb", {"modules": modules})
+        sizes.append(sum(map(len, to_pddl(problem))))
+    assert sizes[1] < 12 * sizes[0]
 
 
 @pytest.mark.parametrize("name", variants.PROBLEMS)
