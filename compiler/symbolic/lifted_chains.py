@@ -43,7 +43,7 @@ BY_THING = ("distance", "stride", "load", "torque")
 
 
 @dataclass(frozen=True, slots=True)
-class Passage:
+class ModulePassage:
     """Modules of one kind walked through in one way: `relation` holds of each pair of ends by which one is entered and
     left. `kind` is the module type, `owned` whether a module of it has more than two ends."""
 
@@ -59,7 +59,7 @@ class LiftedChain:
     is such a chain, for what depends on no more."""
 
     type: ChainType
-    passages: tuple[Passage, ...]
+    passages: tuple[ModulePassage, ...]
     ends: tuple[tuple[str, str], ...]
     sample: Chain
 
@@ -107,8 +107,8 @@ class ChainLifting:
 
     def __init__(self, guards: Guards) -> None:
         self.guards, self.problem = guards, guards.problem
-        self._passages: dict[str, tuple[Passage, ...]] = {}
-        self.relations: dict[str, Passage] = {}
+        self._passages: dict[str, tuple[ModulePassage, ...]] = {}
+        self.relations: dict[str, ModulePassage] = {}
 
     def choices(self, variables: Sequence[Variable]) -> Iterator[dict[str, LiftedChain]]:
         """All ways to say of how many modules, and of which, chains are. Raises UsageError where they are too many."""
@@ -135,7 +135,7 @@ class ChainLifting:
                 for chain in self._again(first.type, line, list(known.values())):
                     yield from self._choices(rest, {**known, first.name: chain})
 
-    def _lines(self, kind: ChainType) -> Iterator[tuple[Passage, ...]]:
+    def _lines(self, kind: ChainType) -> Iterator[tuple[ModulePassage, ...]]:
         passages = self._of(kind)
         modules = self._modules(kind)
         for size in range(1, sum(modules.values()) + 1):
@@ -148,7 +148,7 @@ class ChainLifting:
         return Counter(world[m].type.name for m in self.problem.of_type(kind.element) if m in world)
 
     def _again(
-        self, kind: ChainType, line: tuple[Passage, ...], known: Sequence[LiftedChain]
+        self, kind: ChainType, line: tuple[ModulePassage, ...], known: Sequence[LiftedChain]
     ) -> Iterator[LiftedChain]:
         """A chain for which there are modules only where it is one of those that are known, from the same end or from
         the other."""
@@ -163,7 +163,7 @@ class ChainLifting:
                 ends = tuple((leave, enter) for enter, leave in chain.ends[::-1])
                 yield LiftedChain(kind, line, ends, _sample(line))
 
-    def _of(self, kind: ChainType) -> tuple[Passage, ...]:
+    def _of(self, kind: ChainType) -> tuple[ModulePassage, ...]:
         if kind.element not in self._passages:
             found: dict[tuple[Any, ...], list[tuple[str, str, str]]] = {}
             many: dict[str, bool] = {}
@@ -177,7 +177,7 @@ class ChainLifting:
                     found.setdefault(self._like(module.type.name, enter, leave), []).append((name, enter, leave))
             made = []
             for like, pairs in found.items():
-                passage = Passage(f"`way_{len(self.relations) + 1}", like[0], tuple(pairs), many[like[0]])
+                passage = ModulePassage(f"`way_{len(self.relations) + 1}", like[0], tuple(pairs), many[like[0]])
                 self.relations[passage.relation] = passage
                 made.append(passage)
             self._passages[kind.element] = tuple(made)
@@ -229,7 +229,7 @@ class ChainLifting:
         return conjunction(bodies) if isinstance(formula, Forall) else disjunction(bodies)
 
 
-def _turned(one: Passage, other: Passage) -> bool:
+def _turned(one: ModulePassage, other: ModulePassage) -> bool:
     """Whether one passage is the other, walked the other way."""
     module, enter, leave = one.pairs[0]
     return (module, leave, enter) in other.pairs
@@ -241,7 +241,7 @@ def ends_of(chains: Mapping[str, LiftedChain]) -> list[Variable]:
     return [Variable(name, ObjectType("effector")) for name in names]
 
 
-def _sample(line: Sequence[Passage]) -> Chain:
+def _sample(line: Sequence[ModulePassage]) -> Chain:
     """A chain of such passages, of different modules as far as there are such."""
     used: set[str] = set()
     found = []
