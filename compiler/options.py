@@ -27,6 +27,11 @@ class Option:
     choices: tuple[str, ...] = ()
     most: int | None = None
 
+    @property
+    def hint(self) -> str:
+        """What it is, as the end of a message says it."""
+        return self.help[0].lower() + self.help[1:].rstrip(".")
+
 
 EVERYWHERE = frozenset(("task", "solve", "sweep", "python"))
 

@@ -316,6 +316,9 @@ CODES: dict[str, CodeInfo] = {
         "A thing that is put `at` a point lies on top of another one that some action can move. It is carried along, "
         "as if it had been put `on` that one; of what is true at the start nothing else is added. What lies with its "
         "middle on something that never moves stays where it is."),
+    "W0024": CodeInfo("no strength stated", "warning",
+        "`physics` is on, and no joint states a torque or a bearing moment, and no end how it holds: what is not "
+        "stated has no limit, so that nothing is refused for its weight."),
 }
 
 

@@ -111,6 +111,8 @@ class Breach(StrEnum):
     BEARING = "bearing moment"
     DOCK = "dock load"
     FOOT = "foot load"
+    SLIP = "slip"
+    TIP = "tip"
 
 
 class Bound(StrEnum):
@@ -124,7 +126,7 @@ class Bound(StrEnum):
     PATH = "path"
 
 
-LOADS = frozenset((Breach.TORQUE, Breach.BEARING, Breach.DOCK, Breach.FOOT))
+LOADS = frozenset((Breach.TORQUE, Breach.BEARING, Breach.DOCK, Breach.FOOT, Breach.SLIP, Breach.TIP))
 """Breaches that are loads beyond what bears them."""
 
 

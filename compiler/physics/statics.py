@@ -19,15 +19,19 @@ from .loops import shared
 from .records import CONTACTS
 from .structure import WORLD, Edge, Node, Structure, structure
 
-KINDS = {"torque": "a drive", "bearing": "a bending moment", "dock": "a load", "foot": "a load"}
+KINDS = {
+    "torque": "a torque", "bearing": "a bending moment", "dock": "a load", "foot": "a load",
+    "slip": "a force across of {} of what friction holds", "tip": "a moment of {} of what its edge holds",
+}  # fmt: skip
 LIMITLESS = 1e3
 """A ratio that stands for a load that nothing could bear, as of a thing that is pulled off what only rests."""
 
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """How near an edge comes to its strength over the samples `(T,)`: `ratio`, of what kind: torque, bearing, dock or
-    foot; `amount` and `strength` in `unit` where the ratio is greatest."""
+    """How near an edge comes to its strength over the samples `(T,)`: `ratio`, of what kind: torque, bearing, dock,
+    foot, and of what friction and edges hold, slip and tip; `amount` and `strength` in `unit` where the
+    ratio is greatest."""
 
     edge: Edge
     kind: str
@@ -44,12 +48,14 @@ class Load:
         return f"joint {second} of {first}" if self.edge.is_joint else f"{first} and {second}"
 
     def told(self, safety: float) -> str:
-        """The greatest load in words: `joint j2 of c needs 73 N m of 38 N m, 1.5 times`."""
+        """The greatest load in words: `joint j2 of c: a torque of 73 N m, 1.5 times, is 2.9 times the 38 N m that it
+        bears`."""
         worst = int(np.argmax(self.ratio))
         if not self.unit:
-            return f"{self.names}: {self.amount[worst]:.3g} of what friction and edges hold, {safety:g} times"
+            return f"{self.names}: {KINDS[self.kind].format(f'{self.amount[worst]:.3g}')}, {safety:g} times"
         amount, strength = f"{self.amount[worst]:.3g} {self.unit}", f"{self.strength:.3g} {self.unit}"
-        return f"{self.names}: {KINDS[self.kind]} of {amount}, {safety:g} times, is more than {strength}"
+        ratio = f"is {self.ratio[worst]:.3g} times the {strength} that it bears"
+        return f"{self.names}: {KINDS[self.kind]} of {amount}, {safety:g} times, {ratio}"
 
 
 def loads(problem: Problem, mode: frozenset[Fact], at: Poses, safety: float = 1.0) -> list[Load]:
@@ -116,7 +122,10 @@ def loads_of(problem: Problem, edge: Edge, at: Poses, force: Array, moment: Arra
     own, bent = met(problem, edge, at, force, moment)
     kind = "foot" if edge.manner in CONTACTS else "dock"
     rows = _held(edge.hold, own, bent, foot_radius(problem, edge.place), edge.manner, safety)
-    return [Load(edge, kind, safety * amount / strength, amount, strength, unit) for amount, strength, unit in rows]
+    return [
+        Load(edge, own or kind, safety * amount / strength, amount, strength, unit)
+        for amount, strength, unit, own in rows
+    ]
 
 
 def _joint_loads(problem: Problem, edge: Edge, at: Poses, force: Array, moment: Array, safety: float) -> list[Load]:
@@ -140,30 +149,30 @@ def _joint_loads(problem: Problem, edge: Edge, at: Poses, force: Array, moment: 
 
 def _held(
     hold: Hold, force: Array, moment: Array, radius: float, manner: str, safety: float
-) -> list[tuple[Array, float, str]]:
-    """What a pair bears of force and moment in its own axes, as amounts, strengths and units. What presses on a contact
-    is force along -z."""
+) -> list[tuple[Array, float, str, str]]:
+    """What a pair bears of force and moment in its own axes, as amounts, strengths, units, and kinds of their own. What
+    presses on a contact is force along -z."""
     across, bend = np.linalg.norm(force[:, :2], axis=1), np.linalg.norm(moment[:, :2], axis=1)
     twist = np.abs(moment[:, 2])
-    rows: list[tuple[Array, float, str]] = []
+    rows: list[tuple[Array, float, str, str]] = []
     for amount, strength, unit in ((across, hold.shear, "N"), (bend, hold.moment, "N m"), (twist, hold.twist, "N m")):
         if math.isfinite(strength):
-            rows.append((amount, strength, unit))
+            rows.append((amount, strength, unit, ""))
     if manner not in CONTACTS:
         if math.isfinite(hold.force):
-            rows.append((np.abs(force[:, 2]), hold.force, "N"))
+            rows.append((np.abs(force[:, 2]), hold.force, "N", ""))
         if manner == "grip" and math.isfinite(hold.friction) and math.isfinite(hold.force):
-            rows.append((across, hold.friction * hold.force, "N"))
+            rows.append((across, hold.friction * hold.force, "N", ""))
         return rows
     sticks = hold.force if manner == "pad" else 0.0
     pull = np.maximum(force[:, 2], 0.0)
     if sticks > 0.0 and math.isfinite(sticks):
-        rows.append((pull, sticks, "N"))
+        rows.append((pull, sticks, "N", ""))
     if not math.isfinite(sticks):
         return rows
     held = np.maximum(sticks - force[:, 2], 1e-9)
     if math.isfinite(hold.friction):
-        rows.append((np.minimum(across / (hold.friction * held), LIMITLESS), 1.0, ""))
+        rows.append((np.minimum(across / (hold.friction * held), LIMITLESS), 1.0, "", "slip"))
     if not math.isfinite(hold.moment):
-        rows.append((np.minimum(bend / (radius * held), LIMITLESS), 1.0, ""))
+        rows.append((np.minimum(bend / (radius * held), LIMITLESS), 1.0, "", "tip"))
     return rows

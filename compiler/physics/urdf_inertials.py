@@ -33,6 +33,8 @@ def read_inertial(
     element, name = link.find("inertial"), link.get("name", "")
     if element is None:
         return None
+    if element.find("mass") is None:
+        raise UnfitInertia(f"the inertial of link `{name}` has no `mass`")
     mass = _number(element.find("mass"), "value", name)
     if mass == 0.0:
         return None

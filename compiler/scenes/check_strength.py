@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from ...langs.diagnostics import did_you_mean
 from ...langs.trees import parts
 from .. import ir
@@ -47,8 +49,8 @@ def check_strength(findings: Findings, problem: ir.Problem) -> None:
     if not found:
         return
     worst = max(found, key=lambda load: float(load.ratio[0]))
-    module = world.owner(worst.edge.names[0])
-    thing = world.modules.get(module) or world.bodies.get(module)
+    owners = [world.owner(name) for name in worst.edge.names if name]
+    thing = next((world.modules[n] for n in owners if n in world.modules), None) or world.bodies.get(owners[0])
     if thing is not None and thing.span is not None:
         stated = stated_at(problem, worst.edge)
         findings.report(
@@ -60,8 +62,19 @@ def check_strength(findings: Findings, problem: ir.Problem) -> None:
         )
 
 
+def _says_strength(world: ir.World) -> bool:
+    """Whether a joint or an end states what it bears."""
+    types = {m.type.name: m.type for m in world.modules.values()}.values()
+    joints = any(math.isfinite(min(j.torque, j.bearing)) for t in types for j in t.joints)
+    return joints or any(e.holds for t in types for e in t.effectors) or any(b.holds for b in world.bodies.values())
+
+
 def _warn(findings: Findings, problem: ir.Problem) -> None:
     world = problem.world
+    first = next((m for m in world.modules.values() if m.span is not None), None)
+    if first is not None and not _says_strength(world):
+        message = "`physics` is on, but nothing of the scene states a strength: whatever the load, all bear it"
+        findings.report("W0024", first.span, message, help="add `torque` to joints, and to ends how they hold")
     kinds = {m.type.name: m for m in world.modules.values() if unstated(m.type)}
     things = [b for b in world.bodies.values() if b.movable and b.mass is None]
     for name, module in kinds.items():

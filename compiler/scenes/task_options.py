@@ -74,14 +74,14 @@ def _number(context: Context, scope: Scope, option: Option, term: syntax.Term) -
         return None
     if value < 0 or (value == 0 and name not in ("margin", "gap")):
         least = "at least 0" if name in ("margin", "gap") else "positive"
-        context.findings.report("E0210", term.span, f"option `{name}` must be {least}")
+        context.findings.report("E0210", term.span, f"option `{name}` must be {least}", help=option.hint)
         return None
     if option.kind == "number" and value < 1:
-        context.findings.report("E0210", term.span, f"option `{name}` must be at least 1")
+        context.findings.report("E0210", term.span, f"option `{name}` must be at least 1", help=option.hint)
         return None
     if option.kind == "whole":
         if value != int(value):
-            context.findings.report("E0210", term.span, f"option `{name}` must be a whole number")
+            context.findings.report("E0210", term.span, f"option `{name}` must be a whole number", help=option.hint)
             return None
         return int(value)
     return value

@@ -83,6 +83,9 @@ class JointBuilder:
             return None
         limit = joint.element.find("limit")
         effort = 0.0 if limit is None else self.reading.number(limit, "effort", "0")
+        if limit is not None and effort is not None and effort < 0.0:
+            told = f"joint `{joint.name}` has an effort of {effort:g}: it is left out"
+            self.reading.warn(limit, told, "an effort is positive; 0 says that none is known")
         drive: dict[str, Any] = {"torque": effort if effort is not None and effort > 0 else math.inf}
         if item is not None and item.physics:
             own_drive = drive_of(stated(self.context, self.scope, item, BEARS[kind], f"a {kind} joint"))

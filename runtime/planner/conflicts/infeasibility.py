@@ -253,6 +253,8 @@ _TOLD = {
     Breach.BEARING: "joint {2} of {1} is bent too hard across its axis",
     Breach.DOCK: "{1} and {2} do not hold together",
     Breach.FOOT: "{1} and {2} do not stay together",
+    Breach.SLIP: "{2} would slip on {1}",
+    Breach.TIP: "{2} would tip over on {1}",
 }
 
 
@@ -269,7 +271,8 @@ def describe(violation: Violation) -> str:
         borne, safety, strength = violation.load
         kept = "" if safety * borne > strength else "what is kept for between instants of "
         more = f"{safety:g} times, is more than {kept}{strength:.3g}{unit}"
-        return f"{text}: {borne:.3g}{unit or ' of its strength'} {violation.when}, {more}"
+        share = " of what its edge bears" if violation.kind == Breach.TIP else " of what friction bears"
+        return f"{text}: {borne:.3g}{unit or share} {violation.when}, {more}"
     return f"{text} by {violation.amount:.3g}{unit}"
 
 

@@ -25,7 +25,8 @@ from ...geometry.splines import spline_weights
 from ...skeleton import Array, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
 from .settings import STATICS
 
-BREACHES = {"torque": Breach.TORQUE, "bearing": Breach.BEARING, "dock": Breach.DOCK, "foot": Breach.FOOT}
+BREACHES = {"torque": Breach.TORQUE, "bearing": Breach.BEARING, "dock": Breach.DOCK, "foot": Breach.FOOT,
+            "slip": Breach.SLIP, "tip": Breach.TIP}
 
 
 def asked(problem: Problem) -> bool:
