@@ -15,7 +15,8 @@ from .kinds import UNKNOWN, Kind
 
 @dataclass(frozen=True, slots=True)
 class Typed:
-    """A lowered term with its kind. `literal` marks plain numbers without a unit that stand in the text."""
+    """A lowered term with its kind. `literal` marks plain numbers that pass for lengths: those that stand in the
+    text without a unit, and inner products, as vectors do not say whether they are places or directions."""
 
     term: ir.Term
     kind: Kind

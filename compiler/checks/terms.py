@@ -158,7 +158,7 @@ def _apply(context: Context, scope: Scope, term: syntax.Call, name_span: Span) -
             lowered += typed.term.items
         else:
             lowered.append(typed.term)
-    return Typed(ir.Function(term.function, tuple(lowered), term.span), kind)
+    return Typed(ir.Function(term.function, tuple(lowered), term.span), kind, literal=term.function == "dot")
 
 
 def _fits(typed: Typed, wanted: str) -> bool:
@@ -198,7 +198,7 @@ def _check_negate(context: Context, scope: Scope, term: syntax.Negate) -> Typed:
     if operand.kind.known and not (operand.kind.is_scalar or operand.kind.name in ("vector", "rows", "wrench")):
         context.findings.report("E0208", term.operand.span, f"{operand.kind} has no negative")
         return BROKEN
-    return Typed(ir.Arith("neg", (operand.term,), term.span), operand.kind)
+    return Typed(ir.Arith("neg", (operand.term,), term.span), operand.kind, operand.literal)
 
 
 def _check_binary(context: Context, scope: Scope, term: syntax.Binary) -> Typed:

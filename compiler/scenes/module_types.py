@@ -275,7 +275,8 @@ def _step(context: Context, scope: Scope, term: syntax.Term) -> ir.Vec3 | None:
         return None if step is None else (step[0], step[1], step[2])
     value = number(context, scope, term, LENGTH, "the length of a link")
     if value is not None and value < 0:
-        context.findings.report("E0508", term.span, f"the length of a link must be positive, not {value:g} m")
+        help = f"a link that goes back is a vector: `(0, 0, {value:g} m)`"
+        context.findings.report("E0508", term.span, f"the length of a link must be positive, not {value:g} m", help=help)
         return None
     return None if value is None else (0.0, 0.0, value)
 
