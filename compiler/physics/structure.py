@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from ...langs.frozen import dataclass
 from ...langs.source import Span
 from ..ir import IDENTITY, Fact, Hold, JointKind, ModuleType, Problem
+from ..motion.bolted import bolted
 from ..motion.collision import keeps_pose
 from ..remembering import remembered
 from .records import CONTACTS, NOTHING, weaker
@@ -54,7 +56,11 @@ class Structure:
 @remembered(512)
 def structure(problem: Problem, mode: frozenset[Fact]) -> Structure:
     """The structure while `mode` holds. What is joined to nothing at rest is left out: it lies where it lies."""
-    links = [*_joints(problem), *_pairs(problem, mode)]
+    still = {(name, -1): WORLD for name in bolted(problem, mode)}
+    links = [
+        replace(edge, parent=still.get(edge.parent, edge.parent), child=still.get(edge.child, edge.child))
+        for edge in (*_joints(problem), *_pairs(problem, mode))
+    ]
     around: dict[Node, list[tuple[Edge, Node]]] = {}
     for edge in links:
         around.setdefault(edge.parent, []).append((edge, edge.child))

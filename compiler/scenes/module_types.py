@@ -276,7 +276,8 @@ def _step(context: Context, scope: Scope, term: syntax.Term) -> ir.Vec3 | None:
     value = number(context, scope, term, LENGTH, "the length of a link")
     if value is not None and value < 0:
         help = f"a link that goes back is a vector: `(0, 0, {value:g} m)`"
-        context.findings.report("E0508", term.span, f"the length of a link must be positive, not {value:g} m", help=help)
+        message = f"the length of a link must be positive, not {value:g} m"
+        context.findings.report("E0508", term.span, message, help=help)
         return None
     return None if value is None else (0.0, 0.0, value)
 

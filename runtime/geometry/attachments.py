@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ...compiler.ir import Fact, ModuleType, Problem
+from ...compiler.motion.bolted import bolted
 from ...compiler.motion.collision import keeps_pose
 from ...compiler.remembering import remembered
 from ..skeleton import Skeleton
@@ -71,12 +72,26 @@ def robots(problem: Problem, mode: frozenset[Fact]) -> Mapping[str, str]:
     return {name: groups[root(name)] for name in problem.world.modules}
 
 
+POSE = frozenset(range(7))
+"""The entries of a module's slot that are the pose of its frame."""
+
+
+@remembered(256)
+def still_entries(problem: Problem, mode: frozenset[Fact]) -> Mapping[str, frozenset[int]]:
+    """By module, the entries of its slot `(7 + n,)` that keep their values while `mode` holds: the pose of what is
+    bolted, and joints that brakes hold."""
+    found = {name: frozenset(7 + i for i in joints) for name, joints in braked(problem, mode).items()}
+    return found | {name: POSE | found.get(name, frozenset()) for name in bolted(problem, mode)}
+
+
 @remembered(256)
 def looped(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     """The modules of robots that are fixed to what rests more than once while `mode` holds: their joints close a loop,
     in which none moves alone."""
     world, carried, robot = problem.world, followers(problem, mode), robots(problem, mode)
     anchors: dict[str, set[str]] = {}
+    for name in bolted(problem, mode):
+        anchors.setdefault(robot[name], set()).add(name)
     for pair in (keeps_pose(problem, literal) for literal in sorted(mode)):
         for own, other in (pair, pair[::-1]) if pair else ():
             if carrier(problem, own) in robot and other in world.bodies and other not in carried:
@@ -87,7 +102,7 @@ def looped(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
 @remembered(256)
 def clamped(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     """The modules that rest while `mode` holds whatever the others do, or may as well: those without joints that can
-    move which are kept to something at rest, and those of which two ends are."""
+    move which are kept to something at rest, and those of which two ends, or an end and the frame, are."""
     world = problem.world
     stiff = {name for name, m in world.modules.items() if _stiff(m.type, braked(problem, mode).get(name))}
     facts = sorted(mode)
@@ -97,7 +112,7 @@ def clamped(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     found: set[str] = set()
     grew = True
     while grew:
-        ends: dict[str, set[str]] = {}
+        ends: dict[str, set[str]] = {name: {name} for name in bolted(problem, mode)}
         for pair in pairs:
             for own, other in (pair, pair[::-1]):
                 if carrier(problem, own) in world.modules and carrier(problem, other) in rest:

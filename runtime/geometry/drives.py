@@ -8,9 +8,10 @@ and what moves one of its joints can move all.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 from ...compiler.ir import Fact, Problem
+from ...compiler.motion.bolted import bolted
 from ...compiler.motion.collision import keeps_pose
 from ...compiler.remembering import remembered
 
@@ -64,7 +65,7 @@ def _graph(problem: Problem, mode: frozenset[Fact]) -> tuple[dict[Joint, Edge], 
     return joints, [*joints.values(), *loose]
 
 
-def _holds(problem: Problem, mode: Iterable[Fact]) -> tuple[dict[Part, Part], list[Edge]]:
+def _holds(problem: Problem, mode: frozenset[Fact]) -> tuple[dict[Part, Part], list[Edge]]:
     """Every part by the one that stands for all that is rigidly held to it, and what else is held together: by rows
     that keep less than a pose, and by equations that hold all the time."""
     world = problem.world
@@ -72,6 +73,7 @@ def _holds(problem: Problem, mode: Iterable[Fact]) -> tuple[dict[Part, Part], li
     for name, module in world.modules.items():
         parts |= {(name, i): (name, i) for i in range(-1, len(module.type.joints))}
     parts |= {(name, -1): (name, -1) if body.movable else WORLD for name, body in world.bodies.items()}
+    parts |= {(name, -1): WORLD for name in bolted(problem, mode)}
 
     def root(part: Part) -> Part:
         while parts[part] != part:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...compiler.ir import IDENTITY, Fact, Module, Problem
+from ...compiler.motion.bolted import bolted
 from ...compiler.motion.collision import keeps_pose
 from ..skeleton import Configuration, PhasePath
 from .splines import ClampedSpline
@@ -52,7 +53,7 @@ def resample(
     joints = {m: ClampedSpline(knots, rows[:, 7:])(times) for m, rows in path.modules.items()}
     own = {b: pose[None, :] for b, pose in start.bodies.items() if b not in path.bodies}
     linker = Linker(problem, joints, start, own, len(times))
-    linker.follow(kept_pairs(problem, mode))
+    linker.follow(mode)
     poses = {m: linker.poses.get(m) for m in path.modules}
     bodies = {b: linker.poses.get(b) for b in path.bodies}
     return Resampled(
@@ -74,8 +75,8 @@ def between(knots: Array, poses: Array, times: Array) -> Array:
 
 
 class Linker:
-    """Finds the `poses` of everything that is linked, through kept poses, to bodies whose `own` poses, `(1, 7)` or
-    `(count, 7)`, are known. `start` is the configuration in which linked things are as they are kept."""
+    """Finds the `poses` of everything that is linked, through kept poses, to what is bolted, or whose `own` poses,
+    `(1, 7)` or `(count, 7)`, are known. `start` is the configuration in which linked things are as they are kept."""
 
     def __init__(
         self, problem: Problem, joints: Mapping[str, Array], start: Configuration, own: Mapping[str, Array], count: int
@@ -86,8 +87,12 @@ class Linker:
         self._count = count
         self.poses: dict[str, Array] = dict(own)
 
-    def follow(self, pairs: Sequence[tuple[str, str]]) -> None:
-        """Take each pair of which one side is known, and find the other side's thing, until nothing is new."""
+    def follow(self, mode: frozenset[Fact]) -> None:
+        """Take each pair that the mode keeps and of which one side is known, and find the other side's thing, until
+        nothing is new."""
+        for name in bolted(self._problem, mode) - self.poses.keys():
+            self.poses[name] = np.tile(self._start.modules[name][:7], (self._count, 1))
+        pairs = kept_pairs(self._problem, mode)
         progress = True
         while progress:
             progress = False

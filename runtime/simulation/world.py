@@ -183,7 +183,7 @@ def carried(
             known[name] = before.bodies[name][None, :]
     count = max([1, *(len(rows) for rows in joints.values()), *(len(rows) for rows in own.values())])
     linker = Linker(problem, joints, before, known, count)
-    linker.follow(pairs)
+    linker.follow(mode)
     poses = linker.poses
     free = {} if path is None else {**{m: rows[:, :7] for m, rows in path.modules.items()}, **path.bodies}
     resting = {**{m: state[:7] for m, state in before.modules.items()}, **before.bodies}

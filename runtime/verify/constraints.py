@@ -16,7 +16,7 @@ from .bounds import Bounds
 from .findings import Findings, place_of
 from .gauge import LOADS, Gauge
 from .geometry import Array, Frames, angles
-from .happenings import kept
+from .kept_poses import kept
 from .kinematics import Motion
 from .limits import unit_of
 from .replay import Story

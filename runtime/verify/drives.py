@@ -14,7 +14,7 @@ import numpy as np
 from ...compiler import ir
 from ..plan import Plan
 from .findings import Findings
-from .happenings import kept
+from .kept_poses import bolted, kept
 from .limits import LIMITS
 from .sampler import Sampler
 
@@ -76,6 +76,9 @@ class _Graph:
             if not body.movable:
                 touching.setdefault((name, -1), set()).add(WORLD)
                 touching.setdefault(WORLD, set()).add((name, -1))
+        for name in bolted(problem, mode):
+            touching.setdefault((name, -1), set()).add(WORLD)
+            touching.setdefault(WORLD, set()).add((name, -1))
         pairs = list(kept(problem, mode))
         for one, other in pairs:
             a, b = self._part(one), self._part(other)

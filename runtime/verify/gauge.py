@@ -9,7 +9,7 @@ import numpy as np
 from ...compiler import ir
 from ...compiler.options import OPTIONS
 from .geometry import Indices
-from .happenings import kept
+from .kept_poses import kept
 from .rows import MeaninglessRow, Posed, Quantity, name_of
 from .statics import Wrenches, node_frames, node_loads, wrenches_of
 from .strengths import joined, judge, meeting_place

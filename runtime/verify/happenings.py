@@ -5,7 +5,7 @@ The evaluation of courses is the checker's own; the planner's is elsewhere.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +15,7 @@ from ...langs.frozen import dataclass
 from ..plan import Plan
 from .findings import Findings, place_of
 from .geometry import Array, Frames, frames
+from .kept_poses import Mode, kept, thing_of
 from .kinematics import Motion
 from .splines import Spline
 
@@ -24,7 +25,6 @@ TOLERANCE = 1e-9
 MOST_CORNERS = 10_000
 """Of the courses of one body in one phase: a body that shakes faster than this is not checked."""
 
-Mode = Iterable[ir.Fact]
 
 
 class TooManyCorners(Exception):
@@ -119,27 +119,6 @@ def happenings_of(problem: ir.Problem, plan: Plan, modes: Iterable[Mode]) -> Hap
         free.append(on_course)
     gone = {b.module: b.time for b in problem.world.breakdowns if b.kind == ir.BreakdownKind.GONE}
     return Happenings(courses, tuple(free), gone)
-
-
-def kept(problem: ir.Problem, mode: Mode) -> Iterator[tuple[str, str]]:
-    """Pairs (carrying, carried) of objects whose relative pose a mode keeps."""
-    for literal in sorted(mode):
-        predicate = problem.motions[literal[0]]
-        bound = dict(zip((v.name for v in predicate.variables), literal[1:], strict=True))
-        for row in predicate.rows:
-            if row.when == "keep" and isinstance(row.left, ir.Function) and row.left.name == "pose":
-                own, base = (_bound(bound, a) for a in row.left.args)
-                yield base, own
-
-
-def _bound(bound: Mapping[str, str], node: ir.Term) -> str:
-    return bound[node.name] if isinstance(node, ir.Var) else node.name if isinstance(node, ir.Object) else ""
-
-
-def thing_of(problem: ir.Problem, name: str) -> str:
-    """The module of an effector, else the thing itself."""
-    end = problem.world.effector(name)
-    return name if end is None else end[0].name
 
 
 def _held(problem: ir.Problem, pairs: list[tuple[str, str]]) -> frozenset[str]:

@@ -13,7 +13,8 @@ import numpy as np
 from ...compiler import ir
 from ...langs.frozen import dataclass
 from .geometry import Array, Frames, frames
-from .happenings import Happenings, kept, thing_of
+from .happenings import Happenings
+from .kept_poses import bolted, kept, thing_of
 from .kinematics import Motion
 
 
@@ -66,26 +67,30 @@ def links_of(
         facts = frozenset(mode)
         if facts not in known:
             known[facts] = tuple(kept(problem, facts))
-        found.append(_Linker(problem, fixed, known[facts], motion, index, happenings.free[index], still).links())
+        rest, free = bolted(problem, facts), happenings.free[index]
+        found.append(_Linker(problem, fixed, rest, known[facts], motion, index, free, still).links())
     return found
 
 
 class _Linker:
     def __init__(
-        self, problem: ir.Problem, fixed: Mapping[str, Hold], pairs: tuple[tuple[str, str], ...], motion: Motion,
-        phase: int, free: frozenset[str], still: float,
+        self, problem: ir.Problem, fixed: Mapping[str, Hold], rest: Iterable[str],
+        pairs: tuple[tuple[str, str], ...], motion: Motion, phase: int, free: frozenset[str], still: float,
     ) -> None:  # fmt: skip
-        """`fixed` are the holds of the bodies that never move."""
+        """`fixed` are the holds of the bodies that never move, `rest` the modules that nothing carries."""
         self._problem, self._motion, self._still = problem, motion, still
         self._first, self._last = motion.ranges[phase]
         self._pairs = pairs
         self._holds = {name: hold for name, hold in fixed.items() if name not in free}
         self._known = {*free, *self._holds}
         self._rests: list[Rest] = []
+        for name in rest:
+            self._rests.append(Rest((name,), name, *self._movement(name), ()))
+            self._hold(name, name, "")
 
     def links(self) -> Links:
-        """Everything in the world, by the first of these that says where it is: a fixed body, a course, a kept pose,
-        a frame that rests."""
+        """Everything in the world, by the first of these that says where it is: a fixed body, a course, what is bolted,
+        a kept pose, a frame that rests."""
         self._follow()
         for thing in (*self._problem.world.modules, *self._problem.world.bodies):
             if thing not in self._known:

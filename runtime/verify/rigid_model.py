@@ -12,7 +12,7 @@ from ...compiler import ir
 from ..native import load_pinocchio
 from .geometry import Array, Frames
 from .inertia import weights
-from .strengths import Joined
+from .strengths import WORLD, Joined
 
 GRAVITY = 9.81
 
@@ -49,8 +49,9 @@ class RigidModel:
         self, name: str, nodes: Mapping[tuple[str, int], Frames],
         wrenches: Mapping[Joined, tuple[Array, Array]], ends: Sequence[Joined],
     ) -> float | None:  # fmt: skip
-        """By how much Pinocchio's joint torques, or what is left at the base, differ at the last instant from those of
-        `wrenches`, where the `ends` of the module bear theirs; None where a joint of the module has no wrench."""
+        """By how much Pinocchio's joint torques, or what is left at a base that the world does not bear, differ at the
+        last instant from those of `wrenches`, where the `ends` of the module bear theirs; None where a joint of the
+        module has no wrench."""
         pin = self._pin
         placed = {joint: _last(frame) for (owner, joint), frame in nodes.items() if owner == name}
         outside = pin.StdVec_Force()
@@ -71,7 +72,9 @@ class RigidModel:
         mine = self._torques(name, placed, wrenches)
         if mine is None:
             return None
-        return float(max(np.abs(torques[:6]).max(), np.abs(np.abs(torques[6:]) - mine).max(initial=0.0)))
+        bolted = any(edge.joint_of == name and edge.near == WORLD for edge in wrenches)
+        left = 0.0 if bolted else float(np.abs(torques[:6]).max())
+        return max(left, float(np.abs(np.abs(torques[6:]) - mine).max(initial=0.0)))
 
     def _value(self, joint: int, placed: Mapping[int, tuple[Array, Array]]) -> float:
         """The value of a joint, from the frames that it joins."""

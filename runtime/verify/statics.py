@@ -18,8 +18,8 @@ from ...compiler.options import OPTIONS
 from ..plan import Plan
 from .findings import Findings, place_of
 from .geometry import Array, Frames, Indices, frames
-from .happenings import kept
 from .inertia import body_mass, moments, weights
+from .kept_poses import kept
 from .rigid_model import RigidModel
 from .rows import Posed
 from .sampler import Sampler, Shown

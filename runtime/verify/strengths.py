@@ -11,6 +11,7 @@ from ...compiler import ir
 from ...langs.frozen import dataclass
 from ...langs.source import Span
 from .geometry import Array, Frames, frames
+from .kept_poses import bolted
 from .shapes import heights
 
 Node = tuple[str, int]
@@ -64,10 +65,11 @@ class Looked:
     edges: tuple[Joined, ...]
 
 
-def joined(problem: ir.Problem, mode: Iterable[ir.Fact], pairs: Iterable[tuple[str, str]]) -> tuple[Joined, ...]:
+def joined(problem: ir.Problem, mode: frozenset[ir.Fact], pairs: Iterable[tuple[str, str]]) -> tuple[Joined, ...]:
     """All joints, and the `pairs` that the mode keeps, but for those that bear nothing."""
+    rest = {(name, -1): WORLD for name in bolted(problem, mode)}
     found = [
-        Joined((name, j.parent), (name, i), name, (name, j.name), span=j.stated)
+        Joined(rest.get((name, j.parent), (name, j.parent)), (name, i), name, (name, j.name), span=j.stated)
         for name, module in problem.world.modules.items()
         for i, j in enumerate(module.type.joints)
     ]
@@ -82,7 +84,7 @@ def joined(problem: ir.Problem, mode: Iterable[ir.Fact], pairs: Iterable[tuple[s
     for base, own in pairs:
         key = frozenset((base, own))
         manner = manners.get(key, "")
-        low, high = _node(problem, base), _node(problem, own)
+        low, high = (rest.get(node, node) for node in (_node(problem, base), _node(problem, own)))
         if key in seen or manner == "nothing" or low == high:
             continue
         seen.add(key)
@@ -282,7 +284,10 @@ def _at_joint(
 
 def moves(edge: Joined, nodes: Mapping[Node, Frames]) -> bool:
     """Whether a joint moves over the instants: then its brake bears nothing."""
-    near, far = nodes[edge.near], nodes[edge.far]
+    far = nodes[edge.far]
+    if edge.near == WORLD:
+        return bool(max(np.ptp(far.rotation, axis=0).max(), np.ptp(far.position, axis=0).max()) > STILL)
+    near = nodes[edge.near]
     turned = np.swapaxes(near.rotation, 1, 2) @ far.rotation
     shift = np.einsum("tji,tj->ti", near.rotation, far.position - near.position)
     return bool(max(np.ptp(turned, axis=0).max(), np.ptp(shift, axis=0).max()) > STILL)

@@ -9,7 +9,7 @@ import numpy as np
 from ...compiler import ir
 from ..plan import Plan
 from .findings import Findings
-from .happenings import kept, thing_of
+from .kept_poses import kept, thing_of
 from .replay import Story
 from .splines import Spline
 

@@ -10,7 +10,7 @@ from tamplang.compiler.physics.structure import structure
 from tamplang.compiler.pipeline import compile_text
 from tamplang.runtime.planner.plan_assembly import module_record
 from tamplang.runtime.verify.geometry import frames
-from tamplang.runtime.verify.happenings import kept
+from tamplang.runtime.verify.kept_poses import kept
 from tamplang.runtime.verify.kinematics import Kinematics
 from tamplang.runtime.verify.statics import node_loads, wrenches_of
 from tamplang.runtime.verify.strengths import Joined, joined, judge

@@ -89,7 +89,7 @@ def overloads(
         frozenset(fact[1:3]): problem.motions[fact[0]].borne for fact in sorted(mode, reverse=True)
         if problem.motions[fact[0]].borne is not None
     }  # fmt: skip
-    edges = list(_edges(problem, keeps, manners))
+    edges = list(_edges(problem, keeps, manners, motion.standing))
     masses = list(weights(problem))
     for edge in edges:
         far = _beyond(edges, edge)
@@ -109,14 +109,17 @@ def overloads(
 
 
 def _edges(
-    problem: ir.Problem, keeps: Sequence[Keep], manners: Mapping[frozenset[str], str | None]
+    problem: ir.Problem, keeps: Sequence[Keep], manners: Mapping[frozenset[str], str | None], standing: set[str]
 ) -> Iterator[Edge]:
+    def base(name: str, joint: int) -> Node:
+        return WORLD if joint < 0 and name in standing else (name, joint)
+
     for name, module in problem.world.modules.items():
         for index, joint in enumerate(module.type.joints):
-            yield (name, joint.parent), (name, index), (name, joint.name), index
+            yield base(name, joint.parent), (name, index), (name, joint.name), index
     seen = set()
     for keep in keeps:
-        near, far = _node(problem, keep.leader), _node(problem, keep.follower)
+        near, far = base(*_node(problem, keep.leader)), base(*_node(problem, keep.follower))
         pair = frozenset((keep.leader, keep.follower))
         if near != far and pair not in seen and manners.get(pair) != "nothing":
             seen.add(pair)

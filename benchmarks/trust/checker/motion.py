@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -42,6 +42,21 @@ class Recording:
         if set(self.joints) != set(self.modules):
             raise ValueError("not every module has a track")
         self.ranges = self._ranges()
+
+    def standing(self, keeps: Iterable[tuple[str, str]]) -> set[str]:
+        """The modules that nothing carries, neither at the start nor by `keeps`, pairs of leader and follower."""
+        first = self.plan["phases"][0]["mode"] if self.plan["phases"] else []
+        pairs = [*keeps, *(p for m in first for p in self._kept((m["predicate"], *m["args"])))]
+        carried = {a if not self.bodies.get(b, {"movable": True})["movable"] else b for a, b in pairs}
+        return {n for n in self.modules if not any(c == n or c.rpartition(".")[0] == n for c in carried)}
+
+    def _kept(self, fact: Fact) -> Iterator[tuple[str, str]]:
+        motion = self.problem.motions[fact[0]]
+        names = dict(zip((v.name for v in motion.variables), fact[1:], strict=True))
+        for row in motion.rows:
+            if row.when == "keep" and isinstance(row.left, ir.Function) and row.left.name == "pose":
+                follower, leader = (names[a.name] for a in row.left.args if isinstance(a, ir.Var))
+                yield leader, follower
 
     def _ranges(self) -> list[tuple[int, int]]:
         """First and last sample of every phase."""
@@ -126,7 +141,7 @@ class Keep:
 @dataclass(slots=True)
 class Moving:
     """One phase at the checker's instants. `frames` are those of modules and bodies, `floating` names modules whose
-    place nothing says but the samples, `unheld` what follows nothing."""
+    place nothing says but the samples, `unheld` what follows nothing, `standing` modules that never did."""
 
     times: Matrix
     samples: NDArray[np.int64]
@@ -137,6 +152,7 @@ class Moving:
     parts: dict[str, list[Matrix]] = field(default_factory=dict)
     unheld: set[str] = field(default_factory=set)
     floating: set[str] = field(default_factory=set)
+    standing: set[str] = field(default_factory=set)
 
     def frame(self, name: str) -> Matrix:
         if name in self.frames:
@@ -194,8 +210,11 @@ def _place(
         if courses and name not in leaving:
             frames[:, :3, 3] = centre_of(body, courses, found.times)
         found.frames[name] = frames
-    for name in gone:
+    standing = recording.standing((k.leader, k.follower) for k in keeps)
+    for name in gone | standing:
         found.frames[name] = np.tile(recording.bases[name][first], still)
+    found.unheld |= standing - gone
+    found.standing = standing
     _spread(found, keeps)
     for name in recording.modules:
         if name in found.frames:

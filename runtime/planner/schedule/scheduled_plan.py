@@ -13,7 +13,7 @@ import numpy as np
 
 from ....compiler.ir import Action, Problem
 from ... import plan as record
-from ...geometry.resampling import Linker, Resampled, kept_pairs
+from ...geometry.resampling import Linker, Resampled
 from ...skeleton import Array, Configuration, Skeleton, start_configuration
 from ..plan_assembly import DIGITS, literal_records, phase_records, plan_of
 from .dependencies import Precedence, Segment
@@ -67,7 +67,7 @@ def _moved(
     carried = {b for _, s in active for b in s.path.bodies if b in s.moved}
     own = {b: pose[None, :] for b, pose in now.bodies.items() if b not in carried}
     linker = Linker(problem, here, now, own, count)
-    linker.follow(kept_pairs(problem, mode))
+    linker.follow(mode)
     drawn: dict[str, Array] = {name: np.tile(row[:7], (count, 1)) for name, row in now.modules.items()}
     drawn |= {b: np.tile(now.bodies[b], (count, 1)) for b in carried}
     for start, segment in active:

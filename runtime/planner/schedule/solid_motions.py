@@ -11,7 +11,7 @@ from ....compiler.module_parts import module_parts
 from ....compiler.physics.frames import rotation
 from ....langs.frozen import dataclass
 from ...geometry.exact_distances import Forms, Indices, Posed
-from ...geometry.resampling import Linker, between, kept_pairs
+from ...geometry.resampling import Linker, between
 from ...geometry.transforms import compose, joint_frames
 from ...skeleton import Array, Configuration, PhasePath, Skeleton
 from .even_splines import between_knots
@@ -99,7 +99,7 @@ class Solids:
         even = np.linspace(0.0, 1.0, path.samples)
         count = looks * (path.samples - 1) + 1
         linker = Linker(self._problem, joints, before, resting, count)
-        linker.follow(kept_pairs(self._problem, skeleton.phases[phase].mode))
+        linker.follow(skeleton.phases[phase].mode)
 
         def poses(name: str, rows: Array) -> Array:
             found = linker.poses.get(name)

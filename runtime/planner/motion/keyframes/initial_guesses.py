@@ -10,7 +10,8 @@ import numpy as np
 
 from .....compiler import poses
 from .....compiler.extents import box_sides
-from .....compiler.ir import Effector, Fact, Module, Pose, Problem, Shape, ShapeKind
+from .....compiler.ir import IDENTITY, Effector, Fact, Module, Pose, Problem, Shape, ShapeKind
+from .....compiler.motion.bolted import bolted
 from .....compiler.motion.collision import bounding_radius, keeps_pose
 from ....geometry.attachments import followers, looped
 from ....geometry.drives import braked
@@ -34,8 +35,8 @@ def effector_pose(module: Module, effector: str, slot: Array) -> Pose:
 
 
 def put_effector(module: Module, effector: str, slot: Array, target: Pose) -> None:
-    """Move the module as a rigid thing, in place, so that its effector comes to `target`."""
-    local = poses.effector_pose(module.type, effector, slot[7:].tolist())
+    """Move the module as a rigid thing, in place, so that its effector, with "" its frame, comes to `target`."""
+    local = poses.effector_pose(module.type, effector, slot[7:].tolist()) if effector else IDENTITY
     slot[:7] = poses.compose(target, poses.inverse(local))
 
 
@@ -121,7 +122,9 @@ class Guess:
     def _stand(self, mode: frozenset[Fact], carried: frozenset[str], before: dict[str, Pose]) -> dict[str, Stance]:
         """Put modules on the feet that carry them, by module."""
         world = self.problem.world
-        stances: dict[str, Stance] = {}
+        stances: dict[str, Stance] = {
+            name: ("", to_tuple(self.current.modules[name][:7])) for name in sorted(bolted(self.problem, mode))
+        }
         for base, follower in self._relations(mode):
             found = world.effector(follower)
             if found and base in world.bodies and base not in carried and found[0].name not in stances:

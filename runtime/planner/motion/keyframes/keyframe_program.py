@@ -8,11 +8,12 @@ from functools import cached_property
 import numpy as np
 
 from .....compiler.ir import Arith, Function, Problem, Row, Term, Var, Vector
+from .....compiler.motion.bolted import bolted
 from .....compiler.motion.collision import Pair, contacts, keeps_pose
 from .....compiler.motion.permanent import permanent
 from ....budget import Budget
-from ....geometry.attachments import carrier, followers, involved, next_mode
-from ....geometry.drives import braked, ringed
+from ....geometry.attachments import POSE, carrier, followers, involved, next_mode, still_entries
+from ....geometry.drives import ringed
 from ....skeleton import Array, Configuration, Skeleton
 from ..collision.clearance_rows import Clearances
 from ..collision.pairs_in_phases import Collisions, Margins, refresh, rows
@@ -53,7 +54,7 @@ class SwitchProgram:
         moving = [self._moving(phase, frozen) for phase in self.phases]
         self.layout = UnknownsLayout(self.problem.world, start, _settled(moving, end) if end else None)
         if free:
-            self.layout.free_start(self._moved_before(first))
+            self.layout.free_start(self._moved_before(first), dict.fromkeys(self._bolted_until(first), POSE))
         for phase, names in zip(self.phases, moving, strict=True):
             self.layout.add_slice(names, self._held(phase, still))
         self._features = Features(self.problem, self.layout)
@@ -70,11 +71,12 @@ class SwitchProgram:
         return modules | followers(self.problem, self.skeleton.phases[phase].mode)
 
     def _held(self, phase: int, still: bool) -> Mapping[str, frozenset[int]]:
+        """The entries of slots that keep their values in a phase."""
         mode = self.skeleton.phases[phase].mode
-        held = braked(self.problem, mode)
+        held = still_entries(self.problem, mode)
         if not still:
             return held
-        rings = ringed(self.problem, mode)
+        rings = {name: frozenset(7 + i for i in joints) for name, joints in ringed(self.problem, mode).items()}
         return {name: held.get(name, frozenset()) | rings.get(name, frozenset()) for name in held.keys() | rings.keys()}
 
     def _moved_before(self, first: int) -> frozenset[str]:
@@ -82,6 +84,11 @@ class SwitchProgram:
         for phase in self.skeleton.phases[:first]:
             moved |= followers(self.problem, phase.mode)
         return frozenset(moved)
+
+    def _bolted_until(self, phase: int) -> frozenset[str]:
+        """The modules that have stayed where the scene puts them."""
+        modes = [p.mode for p in self.skeleton.phases[: phase + 1]]
+        return frozenset(self.problem.world.modules).intersection(*(bolted(self.problem, mode) for mode in modes))
 
     def _standing(self) -> None:
         """At a free start the rows that held when a literal of the mode was added still hold where a kept pose has

@@ -72,10 +72,13 @@ class UnknownsLayout:
         for name in self.names:
             if name in chosen:
                 places = self._spread(name, held.get(name, frozenset()))
+                size = self.sizes[name] if places is None else len(np.unique(places[places >= self.end]))
+                if not size:
+                    continue
                 offsets[name] = self.end
                 if places is not None:
                     self._places[self.end] = places
-                self.end += self.sizes[name] if places is None else len(np.unique(places[places >= self.end]))
+                self.end += size
 
     def _spread(self, name: str, held: frozenset[int]) -> Indices | None:
         """The places of a slot that begins at the end of z; None where they follow each other."""
@@ -83,7 +86,7 @@ class UnknownsLayout:
         if leaders is None and not held:
             return None
         entries = np.arange(self.sizes[name]) if leaders is None else leaders
-        kept = np.isin(entries, [7 + i for i in held])
+        kept = np.isin(entries, list(held))
         own = np.unique(entries[~kept])
         before = self.slot(len(self.slices) - 1, name)
         return np.where(kept, before[entries], self.end + np.searchsorted(own, entries))
@@ -93,13 +96,13 @@ class UnknownsLayout:
         leaders = self._leaders.get(name)
         return np.arange(7, self.sizes[name]) if leaders is None else np.unique(leaders)[7:]
 
-    def free_start(self, free: Iterable[str]) -> None:
-        """Make these slots of slice 0 unknowns too; before any slice is added."""
-        self._allocate(self.slices[0], free)
+    def free_start(self, free: Iterable[str], held: Mapping[str, frozenset[int]]) -> None:
+        """Make these slots of slice 0 unknowns too, but for the entries that are `held`; before any slice is added."""
+        self._allocate(self.slices[0], free, held)
 
     def add_slice(self, free: Iterable[str], held: Mapping[str, frozenset[int]] = MappingProxyType({})) -> int:
-        """Append a slice in which `free` have slots of their own and all else is where it was, as are the joints of
-        modules that are `held`, by their indices. Returns its number."""
+        """Append a slice in which `free` have slots of their own and all else is where it was, as are the entries of
+        slots that are `held`. Returns its number."""
         offsets, chosen = dict(self.slices[-1]), frozenset(free)
         pinned = self._pinned.get(len(self.slices), {})
         offsets |= {name: at for name, at in pinned.items() if name in chosen}

@@ -10,8 +10,7 @@ import numpy as np
 from .....compiler.ir import Fact, Problem
 from .....compiler.motion.collision import Pair, PhaseContacts, contacts, taper
 from ....budget import Budget
-from ....geometry.attachments import followers, involved, next_mode
-from ....geometry.drives import braked
+from ....geometry.attachments import followers, involved, next_mode, still_entries
 from ....skeleton import Array, Bound, BoundResult, Breach, Configuration, PhasePath, Skeleton
 from ..collision.clearance_rows import Clearances
 from ..collision.pairs_in_phases import Collisions, Margins, refresh, rows
@@ -56,7 +55,7 @@ class PathProgram:
         for k, phase in enumerate(self.phases):
             carried = followers(self.problem, skeleton.phases[phase].mode)
             active = involved(skeleton, phase) | self._displaced(switches[k], switches[k + 1]) | carried
-            held = braked(self.problem, skeleton.phases[phase].mode)
+            held = still_entries(self.problem, skeleton.phases[phase].mode)
             self.moving.append(active)
             for _ in range(self.count):
                 self.layout.add_slice(active, held)

@@ -18,6 +18,7 @@ from types import MappingProxyType
 import numpy as np
 
 from .....compiler.ir import Function, JointKind, ModuleType, Problem, Shape, Var, Vec3
+from .....compiler.motion.bolted import bolted
 from .....compiler.motion.collision import keeps_pose, pose_matrix
 from .....langs.frozen import dataclass
 from ....geometry.drives import braked, ringed
@@ -196,6 +197,7 @@ class Scene:
         self.moves = {
             m: bool(np.abs(end.modules[m][7:] - s[7:]).max(initial=0.0) > STILL) for m, s in start.modules.items()
         }
+        self.bolted = bolted(problem, phase.mode)
         self.edges: dict[str, list[tuple[str, str, str]]] = {}
         """Per module or body: own object, other object, other module or body."""
         self._read(phase)
@@ -286,8 +288,9 @@ class Scene:
         """The part of a robot that rests: all of it when no joint moves, or the loops of a closed chain."""
         if not any(self.moves.get(name, False) for name in robot):
             return set(robot)
-        degree = {name: len(self.edges.get(name, [])) for name in robot}
+        degree = {name: len(self.edges.get(name, [])) + (name in self.bolted) for name in robot}
         anchors = sum(other in rest for name in robot for _, _, other in self.edges.get(name, []))
+        anchors += len(self.bolted.intersection(robot))
         modules = tuple(name for name in robot if name in self.frames)
         if not anchors:
             raise UnsupportedPhase(self.index, Reason.FLOATING, modules)
@@ -314,11 +317,21 @@ def phase_tree(problem: Problem, index: int, phase: Phase, start: Configuration,
     scene = Scene(problem, index, phase, start, end)
     brakes = braked(problem, phase.mode)
     tree = PhaseTree(index)
+
+    def held(module: str) -> dict[int, float]:
+        still = brakes.get(module, frozenset()) | scene.kept.get(module, frozenset())
+        return {i: float(start.modules[module][7 + i]) for i in still}
+
     mounts: dict[str, dict[int, Mount]] = {}
     queue: deque[tuple[str, str]] = deque()
     for name in [*scene.world.modules, *scene.world.bodies]:
         if name in scene.rest:
             queue.extend((own, other) for own, other, owner in scene.edges.get(name, []) if owner not in scene.rest)
+    for name in scene.world.modules:
+        if name in scene.bolted and name not in scene.rest:
+            mount_module(tree, name, scene.world.modules[name].type, -1, (-1, scene.frames[name][-1]), held(name))
+            mounts[name] = tree.links[name]
+            queue.extend((own, other) for own, other, to in scene.edges.get(name, []) if to not in scene.rest)
     while queue:
         holder, name = queue.popleft()
         owner, carrier = scene.owner(name), scene.owner(holder)
@@ -332,9 +345,7 @@ def phase_tree(problem: Problem, index: int, phase: Phase, start: Configuration,
             tree.bodies[owner] = mount
             mounts[owner] = {-1: mount}
         else:
-            still = brakes.get(owner, frozenset()) | scene.kept.get(owner, frozenset())
-            held = {i: float(start.modules[owner][7 + i]) for i in still}
-            mount_module(tree, owner, scene.world.modules[owner].type, scene.joint(name), mount, held)
+            mount_module(tree, owner, scene.world.modules[owner].type, scene.joint(name), mount, held(owner))
             mounts[owner] = tree.links[owner]
         queue.extend((own, other) for own, other, to in scene.edges[owner] if to not in scene.rest)
     tree.obstacles = _obstacles(scene)

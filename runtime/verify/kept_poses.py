@@ -1,0 +1,42 @@
+"""Whose relative poses a mode keeps, and what stands where it is because nothing carries it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from ...compiler import ir
+
+Mode = Iterable[ir.Fact]
+
+
+def kept(problem: ir.Problem, mode: Mode) -> Iterator[tuple[str, str]]:
+    """Pairs (carrying, carried) of objects whose relative pose a mode keeps."""
+    for literal in sorted(mode):
+        predicate = problem.motions[literal[0]]
+        bound = dict(zip((v.name for v in predicate.variables), literal[1:], strict=True))
+        for row in predicate.rows:
+            if row.when == "keep" and isinstance(row.left, ir.Function) and row.left.name == "pose":
+                own, base = (_bound(bound, a) for a in row.left.args)
+                yield base, own
+
+
+def bolted(problem: ir.Problem, mode: Mode) -> list[str]:
+    """The modules that nothing carries, neither at the start nor while a mode holds: their frames rest."""
+    carried = _carried(problem, problem.init_motion) | _carried(problem, mode)
+    return [name for name in problem.world.modules if name not in carried]
+
+
+def _carried(problem: ir.Problem, mode: Mode) -> set[str]:
+    """What is kept to a fixed body, or follows something."""
+    fixed = {b.name for b in problem.world.bodies.values() if not b.movable}
+    return {thing_of(problem, base if own in fixed else own) for base, own in kept(problem, mode)}
+
+
+def _bound(bound: Mapping[str, str], node: ir.Term) -> str:
+    return bound[node.name] if isinstance(node, ir.Var) else node.name if isinstance(node, ir.Object) else ""
+
+
+def thing_of(problem: ir.Problem, name: str) -> str:
+    """The module of an effector, else the thing itself."""
+    end = problem.world.effector(name)
+    return name if end is None else end[0].name

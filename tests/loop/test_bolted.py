@@ -1,0 +1,115 @@
+"""Robots that are put at a point stay there, as if they were bolted, until something carries them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import tamplang
+
+GANTRY = """
+import std.logic
+import std.motion
+module gantry(strength: force = 1 kN) {
+    joint x: prismatic(x) in -60 cm .. 60 cm
+    joint y: prismatic(y) in -40 cm .. 40 cm
+    link (0, 0, 60 cm)
+    joint z: prismatic(z) in -55 cm .. 0 cm force strength
+    link (0, 0, -20 cm): capsule(1 cm)
+    effector cup: gripper cylinder(1 cm, 5 mm) at (0, 0, -1.3 cm) normal (0, 0, -1)
+}
+motion [suck A X: object] {
+    at switch bottom(A) = top(X)
+    at switch inside(A, X) >= 0
+}
+rule pick(A: gripper, X Y: object) {
+    pre (free A), (on Y X), (grippable X)
+    post not (on Y X), not [stable Y X], (grasped A X), [stable A X], [suck A X]
+}
+rule put(A: gripper, X Y: object) {
+    pre (grasped A X), (tray Y)
+    post not (grasped A X), not [stable A X], not [suck A X], (on Y X), [stable Y X], [rest X Y]
+}
+task move() {
+    object peg: box(12 cm, 12 cm, 2 cm) at (-20 cm, 0, 1 cm)
+    object bin: box(12 cm, 12 cm, 2 cm) at (20 cm, 0, 1 cm)
+    object disc: cylinder(3 cm, 2 cm) on peg
+    fact (grippable disc)
+    fact (tray bin)
+    gantry g: at (0, 0, 5 cm)
+    goal (on bin disc)
+    OPTIONS
+}
+"""
+
+DRAWER = (
+    GANTRY.split("rule pick")[0].replace("std.motion", "std.mechanisms")
+    + """
+task pull() {
+    base cabinet: box(30 cm, 30 cm, 10 cm) at (35 cm, 0, 10 cm)
+    drawer(travel = 15 cm, deep = 20 cm) d: F on cabinet
+    slider r: at (0, 0, 5 cm)
+    goal (open d.H)
+}
+module slider {
+    joint x: prismatic(x) in -60 cm .. 60 cm
+    link (0, 0, 20 cm)
+    joint y: prismatic(y) in -40 cm .. 40 cm
+    joint z: prismatic(z) in -40 cm .. 40 cm
+    link (4 cm, 0, 0)
+    effector hand: gripper sphere(1 cm) normal (1, 0, 0)
+}
+"""
+)
+LOOSE = """
+import std.crawler
+import std.rules
+type tail < effector
+module stick {
+    effector back: tail sphere(2 cm) normal (0, 0, -1)
+    link 10 cm: capsule(1 cm)
+    effector front: tail sphere(2 cm)
+}
+predicate (has A: gripper, T: tail)
+rule take(A: gripper, T: tail) {
+    pre  (free A), not exists B: gripper { (has B T) }
+    post (has A T), [stable A T], [connectCrawlers A T]
+}
+motion [high T: effector] { at switch bottom(T) >= 40 cm }
+rule lift(A: gripper, T: tail) { pre (has A T) post (up T), [high T] }
+predicate (up T: tail)
+task fetch() {
+    base floor: box(2 m, 2 m, 5 cm) at (0, 0, 0)
+    crawler c: A on floor
+    stick s: at (45 cm, 0, 20 cm)
+    goal (up s.front)
+}
+"""
+
+
+def solved(text: str) -> tamplang.Plan:
+    result = tamplang.loads(text).solve(time=60.0)
+    assert result.plan is not None, result.explanation
+    assert result.plan.verify().verified
+    return result.plan
+
+
+def test_a_gantry_without_a_foot_moves_a_thing_and_stays_where_it_is_put() -> None:
+    plan = solved(GANTRY.replace("OPTIONS", ""))
+    assert len(plan.actions) == 2
+    assert np.ptp(plan.poses("g"), axis=0).max() < 1e-9
+
+
+def test_its_drives_bear_what_it_carries() -> None:
+    statics = GANTRY.replace("OPTIONS", "options { physics = statics }")
+    solved(statics)
+    weak = tamplang.loads(statics.replace("1 kN", "1.2 N")).solve(time=20.0)
+    assert weak.plan is None
+    assert "joint z of g" in weak.explanation[0].message
+
+
+def test_it_opens_a_drawer_that_the_scene_holds_at_the_other_end() -> None:
+    solved(DRAWER)
+
+
+def test_what_lies_loose_is_carried_away() -> None:
+    solved(LOOSE)
