@@ -8,11 +8,12 @@ from ...langs.diagnostics import Diagnostic, SourceError
 from ...langs.formatter import format_made
 from ...langs.frozen import dataclass
 from ...langs.reader import read_bytes
-from ...langs.source import Source
+from ...langs.source import Source, Span
 from .kinds import KINDS, FileKind, kind_of_text
 from .model_texts import program, urdf
 from .models import Models
 from .names import plain_name
+from .sunken_roots import cut_roots
 
 PDDL = frozenset(("domain", "problem"))
 MODELS = frozenset(("mjcf", "sdf", "modules", "rai"))
@@ -86,6 +87,8 @@ def _models(source: Source, key: str) -> Models:
 def _imported(models: Models, stem: str, source: Source) -> Imported:
     if not models.robots and not models.things and not models.declarations:
         raise _refusal("E0020", f"`{source.path}` holds no robot and no body that others may hit")
+    start = Span(source.path, 0, 0, 1, 1, 1, 1)
+    models.told += [Diagnostic("W0019", message, start) for message in cut_roots(models)]
     names = {robot.name: _file_name(stem, robot.name, k) for k, robot in enumerate(models.robots, 1)}
     texts = {names[robot.name]: urdf(robot) for robot in models.robots}
     try:
