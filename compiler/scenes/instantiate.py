@@ -16,6 +16,7 @@ from ..checks.names import Entry, Scope, Typed
 from ..checks.relaxation import Relaxation, RelaxedWorld, followers, movable
 from ..checks.values import bind_arguments
 from ..objectives import check_energy
+from .check_loops import check_loops
 from .check_rows import check_rows
 from .check_start import check_start
 from .check_strength import check_joint_names, check_strength
@@ -52,6 +53,7 @@ def instantiate(
     check_start(context.findings, problem.world, carried)
     check_ways(context.findings, problem.world, carried)
     if context.findings.errors == errors:
+        check_loops(context.findings, problem)
         check_rows(context.findings, problem)
         check_joint_names(context.findings, problem)
         check_strength(context.findings, problem)
