@@ -54,6 +54,10 @@ CODES: dict[str, CodeInfo] = {
     "E0022": CodeInfo("mistake in a file of others", "file",
         "A file that is imported uses what it does not declare, declares something twice, or contradicts itself. "
         "Nothing is written."),
+    "E0023": CodeInfo("no readable plan", "file",
+        "A plan file is read as a whole or not at all: what is cut off, has fields that the format does not know or "
+        "lacks some, says that it has another format than it has, or has splines of both formats is no plan. "
+        "docs/plan-format.md tells what a file holds. What can be read but is not true is refused (S0004)."),
     "E0101": CodeInfo("unknown name", "name",
         "No variable, parameter or object of this name can be seen here."),
     "E0102": CodeInfo("unknown type", "name",

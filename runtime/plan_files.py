@@ -14,7 +14,7 @@ from typing import Any
 
 import msgspec
 
-from ..langs.diagnostics import Error
+from ..langs.diagnostics import Diagnostic, Error
 from ..langs.writer import write_atomically
 from .plan import FORMAT, KNOWN_NEEDS, Plan
 from .plan_upgrade import FORMAT_1, Plan1, upgraded
@@ -28,7 +28,11 @@ NUMBERS = re.compile(rb"(?<=:)\s*\[[\[\]0-9eE+\-.,\s]*\]")
 
 
 class PlanFileError(Error):
-    """The file is not a readable plan; the message says why."""
+    """The file is not a readable plan; the message says why, `diagnostic` the same with a code."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message)
+        self.diagnostic = Diagnostic("E0023", message)
 
 
 class _Head(msgspec.Struct):

@@ -166,21 +166,26 @@ class Task:
         time: float | None = None,
         seed: int = 0,
         engine: str | None = None,
+        minimise: str | None = None,
         progress: Callable[[RunProgress], None] | Any = None,
     ) -> RunResult:
         """Carry the task out in the simulated world, planning on the way; `plan`, a plan or the name of its file, is
         followed as long as the world allows it. `horizon` actions get their motion in one window, whose planning takes
-        `latency` simulated seconds (None: the default); `seed` steers the noise. With `engine` "mujoco" joints go where
-        that lets them, and docks and feet break beyond their strength; only scenes that rest can be carried out so
+        `latency` simulated seconds (None: the default); `seed` steers the noise; `minimise` is as in `solve`. With
+        `engine` "mujoco" joints go where that lets them, and docks and feet break beyond their strength; only scenes
+        that rest can be carried out so
         (`tamplang.runtime.simulation.execution.StillOnly`). `progress` is as in `solve`. Raises
+        `tamplang.langs.diagnostics.UsageError` for an objective that is none, and
         `tamplang.runtime.native.MissingLibrary` when a system library, or the engine, is missing.
         """
         from .bars import run_callback
+        from .compiler.options import check_given
         from .runtime.simulation.execution import execute
 
+        check_given("python", {"minimise": minimise, "time": time})
         record = None if plan is None else record_of(plan)
         told = run_callback(progress)
-        found = execute(self.problem, record, horizon, noise, time, seed, latency, told, engine)
+        found = execute(self.problem, record, horizon, noise, time, seed, latency, told, engine, minimise)
         return RunResult(*found)
 
 

@@ -34,10 +34,10 @@ def _slowed(path: PhasePath, seconds: float, length: float) -> PhasePath:
     total = seconds + length
     count = max(8, math.ceil(total / SIMULATION.brake_knot))
     times = np.linspace(0.0, total, count + 1)
-    return at_times(path, np.minimum(_resting(times, seconds, length), path.duration), total)
+    return at_times(path, np.minimum(resting(times, seconds, length), path.duration), total)
 
 
-def _resting(times: Array, seconds: float, length: float) -> Array:
+def resting(times: Array, seconds: float, length: float) -> Array:
     """How far along a motion one is at `times` that comes to rest over `length` seconds from `seconds` on."""
     share = np.clip((times - seconds) / length, 0.0, 1.0)
     return np.asarray(np.minimum(times, seconds) + length * (share - share**3 + 0.5 * share**4))
@@ -65,7 +65,7 @@ def stopped(world: ir.World, path: PhasePath, seconds: float) -> PhasePath:
     for _ in range(SIMULATION.brake_tries):
         if length >= seconds:
             break
-        slowed = at_times(path, np.minimum(_resting(times, seconds - length, length), path.duration), seconds)
+        slowed = at_times(path, np.minimum(resting(times, seconds - length, length), path.duration), seconds)
         if within_limits(world, slowed):
             return slowed
         length *= SIMULATION.brake_growth

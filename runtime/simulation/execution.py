@@ -19,6 +19,7 @@ from .actuators import Noise
 from .plan_import import window_of
 from .results import RunOptions, RunProgress
 from .run import Run
+from .run_at_once import RunAtOnce, goes_at_once
 from .settings import SIMULATION
 from .tracking import Deviations, deviations, follow
 
@@ -36,10 +37,12 @@ NOTHING_FOLLOWED = Deviations((), 0.0, "", None, ())
 def execute(
     problem: ir.Problem, plan: Plan | None, horizon: int | str | None, noise: Noise | None, seconds: float | None,
     seed: int, latency: float | None, tell: Callable[[RunProgress], None] | None, engine: str | None = None,
+    minimise: str | None = None,
 ) -> tuple[Status, Plan, tuple[Diagnostic, ...], Deviations, Simulated | None]:  # fmt: skip
-    """Status, record, explanation, deviations, and what a physics `engine` found. A plan that tells of the world as it
+    """Status, record, explanation, deviations, and what a physics `engine` found; `minimise` is what plans are to be
+    best at (None: what the task says). A plan that tells of the world as it
     moves, or whose scene rests, is followed as it is; else, and in an engine, it is the first window of a run. Raises
-    MissingLibrary, StillOnly."""
+    MissingLibrary, StillOnly, UsageError."""
     if engine is not None and (problem.world.courses or problem.world.breakdowns):
         raise StillOnly
     noise = noise or Noise()
@@ -57,11 +60,13 @@ def execute(
         short = Diagnostic("S0002", f"the plan does not reach the goal: {', '.join(plan.verdict.unmet)}")
         return Status.STUCK, plan, (short,), follow(plan, problem, noise, seed), None
     bound = Bound.PATH if problem.options.bound == Bound.SEQ else None
-    options = options_of(problem, {"bound": bound, "time": seconds}, SECONDS_OF_RUN)
+    options = options_of(problem, {"bound": bound, "time": seconds, "minimise": minimise}, SECONDS_OF_RUN)
     delay = SIMULATION.latency if latency is None else latency
     chosen = SIMULATION.horizon if horizon is None else None if horizon == "auto" else int(horizon)
     first = None if plan is None else window_of(problem, plan)
-    outcome = Run(problem, RunOptions(options, chosen, noise, seed, delay, engine), tell, first).run()
+    wanted = RunOptions(options, chosen, noise, seed, delay, engine)
+    kind = RunAtOnce if goes_at_once(problem, wanted) else Run
+    outcome = kind(problem, wanted, tell, first).run()
     off = unless_spent(lambda: deviations(outcome.plan, problem, outcome.commanded, outcome.driven))
     followed = off or NOTHING_FOLLOWED
     return outcome.status, outcome.plan, tuple(outcome.explanation), followed, outcome.carried

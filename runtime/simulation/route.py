@@ -68,9 +68,8 @@ class Route:
         self.way = window.actions
         self.lookout.expect(world.time, self.lookout.look(world))
 
-    def done(self, world: SimulatedWorld) -> None:
-        """The first action of the way took place."""
-        self.way = self.way[1:]
+    def arrived(self, world: SimulatedWorld) -> None:
+        """Count how often the run has been in this state."""
         here = world.reached.facts, world.reached.mode, len(self.failures.locked | self.failures.gone)
         self.planner.returns = self._visits.get(here, 0)
         self._visits[here] = self.planner.returns + 1
@@ -186,13 +185,17 @@ class Route:
         return frozenset(body for (_, body), distance in found.items() if distance < SIMULATION.around and body in own)
 
     def threatens(
-        self, world: SimulatedWorld, phase: Phase, path: PhasePath, since: float, bodies: Iterable[str]
-    ) -> bool:
-        """Whether one of `bodies`, as they seem to move now, comes near what is left of a motion after `since` seconds;
-        the motion began in the state that the world is in."""
+        self, world: SimulatedWorld, phase: Phase, path: PhasePath, since: float, bodies: Iterable[str],
+        movers: frozenset[str] | None = None,
+    ) -> bool:  # fmt: skip
+        """Whether one of `bodies`, as they seem to move now, comes near what is left of a motion of `movers` (None:
+        anything) after `since` seconds; the motion began in the state that the world is in."""
         rest, own = self._what_is_left(world, path, since)
         found = nearest(self.problem, world.reached.configuration, phase, rest, own)
-        return any(distance < SIMULATION.threat for (_, body), distance in found.items() if body in bodies)
+        return any(
+            distance < SIMULATION.threat and body in bodies and (movers is None or name in movers)
+            for (name, body), distance in found.items()
+        )
 
     def steering(self, world: SimulatedWorld, phase: Phase, path: PhasePath) -> Steering:
         """What steers a phase that begins now to where what it meets will be."""

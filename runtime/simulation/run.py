@@ -157,20 +157,20 @@ class Run:
 
     def _plan(self, reason: str) -> Window | None:
         """The next window: on the known way, or else on another one; while the run goes back, on the known way only."""
-        began = time.process_time()
-        self._lookout.sensing.known = self.world.time - self.options.latency
+        began, world = time.process_time(), self._foreseen()
+        self._lookout.sensing.known = world.time - self.options.latency
         unmet = self._unmet()
         self._say(f"planning: {reason}")
         window, self._first = self._first, None
         known = bool(self._route.way)
         if window is not None:
-            self._route.take(self.world, window)
+            self._route.take(world, window)
         else:
-            window = self._route.on_the_way(self.world, self._left)
+            window = self._route.on_the_way(world, self._left)
             if known:
                 self._adapt(window is None)
         if window is None and not (self._trail and self._route.planner.failures):
-            window = self._route.another_way(self.world)
+            window = self._route.another_way(world)
         seconds = time.process_time() - began
         actions = [str(a) for a in window.actions] if window is not None else []
         motions = len(window.paths) if window is not None else 0
@@ -179,6 +179,10 @@ class Run:
         )
         self.seconds.append(seconds)
         return window
+
+    def _foreseen(self) -> SimulatedWorld:
+        """The world from which a window is planned."""
+        return self.world
 
     def _adapt(self, hard: bool) -> None:
         """Tell the horizon whether the known way was refused."""
@@ -347,7 +351,7 @@ class Run:
         )
         if completed:
             self._apply(phase.action)
-            self._trail = []
+            self._route.way, self._trail = self._route.way[1:], []
         self.steps.append(RunStep(executed, before, dict(self._places)))
 
     def _apply(self, action: ir.Action) -> None:
@@ -359,7 +363,7 @@ class Run:
         self._places.update(step.places)
         self.world.reached = replace(reached, facts=step.facts, mode=step.motion)
         self.world.begin(step.motion)
-        self._route.done(self.world)
+        self._route.arrived(self.world)
 
     # --- the outcome ---------------------------------------------------------------------------------------------
 
@@ -374,8 +378,9 @@ class Run:
             refusals=[] if refused is None else refused.records(),
         )
         plan = plan_of_run(
-            self.problem, self.steps, reached.mode, self._places, self.windows, statistics, status == Status.SOLVED
-        )
+            self.problem, self.steps, reached.mode, self._places, self.windows, statistics, status == Status.SOLVED,
+            self.options.solve.minimise,
+        )  # fmt: skip
         verdict = unless_spent(lambda: verify(plan, self.budget.whole))
         if verdict is None:
             status = Status.BUDGET if status == Status.SOLVED else status

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import msgspec
+import numpy as np
 
 from ...compiler import ir
+from ...compiler.objectives import ACTIONS, Objective
 from ...langs.frozen import dataclass
 from .. import plan as record
-from ..planner.plan_assembly import Places, literal_records, phase_record, plan_of, splines_of
+from ..planner.plan_assembly import DIGITS, Places, literal_records, phase_record, plan_of
+from ..planner.schedule.objective_value import valued
 from ..planner.search.stepper import Stepper
 from ..skeleton import Phase
 from .world import Executed
@@ -27,13 +30,17 @@ class RunStep:
 def plan_of_run(
     problem: ir.Problem, steps: Sequence[RunStep], final_mode: frozenset[ir.Fact], places: Places,
     windows: Sequence[record.WindowRecord], statistics: record.StatisticsRecord, complete: bool,
+    objective: Objective = ACTIONS,
 ) -> record.Plan:  # fmt: skip
-    """The record of a run of `problem`; `places` tells where the literals of the end are written."""
+    """The record of a run of `problem`, with its value by the `objective`; `places` tells where the literals of the end
+    are written."""
     motions = [step.executed for step in steps]
-    paths = [executed.interval.path for executed in motions]
     mode = literal_records(problem, final_mode, places)
-    splines = splines_of(problem.world, motions, paths)
+    splines = _splines(problem.world, motions)
     plain = plan_of(problem, motions, splines, _phases(problem, steps), mode, statistics)
+    if objective != ACTIONS:
+        value = valued(problem, objective, plain, statistics.cost, 0.0, None)
+        plain = msgspec.structs.replace(plain, statistics=msgspec.structs.replace(statistics, objective=value))
     return msgspec.structs.replace(
         plain,
         courses=[record.CourseRecord(c.body, c.start, [list(p) for p in c.points], c.speed, c.returns)
@@ -42,6 +49,26 @@ def plan_of_run(
         windows=list(windows),
         complete=complete,
     )  # fmt: skip
+
+
+def _splines(world: ir.World, motions: Sequence[Executed]) -> list[record.SplineRecord]:
+    """A spline for every row of intervals in which joints of a module move on, from rest to rest."""
+    found = []
+    for name in world.modules:
+        first = 0
+        for last, motion in enumerate(motions):
+            if name in motion.interval.through and last + 1 < len(motions):
+                continue
+            row = motions[first : last + 1]
+            values = np.vstack([m.interval.path.modules[name][k > 0 :, 7:] for k, m in enumerate(row)])
+            values = np.round(values, DIGITS)
+            if np.any(values != values[0]):
+                times = [np.linspace(m.times[0], m.times[-1], m.interval.path.samples)[k > 0 :]
+                         for k, m in enumerate(row)]  # fmt: skip
+                knots = np.round(np.concatenate(times), DIGITS).tolist()
+                found.append(record.SplineRecord(name, first, last, knots, values.tolist()))
+            first = last + 1
+    return sorted(found, key=lambda spline: spline.first)
 
 
 def _phases(problem: ir.Problem, steps: Sequence[RunStep]) -> list[record.PhaseRecord]:

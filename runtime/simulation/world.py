@@ -33,13 +33,14 @@ STILL = 1e-9
 class Interval:
     """What is carried out until the next switch: an action, the motion literals meanwhile and those that it adds, and
     the motion, of which only the joint values count, and the poses of what nothing holds. One that is not `completed`
-    ends before its switch."""
+    ends before its switch. The modules that go `through` its end move on there."""
 
     action: ir.Action
     mode: frozenset[ir.Fact]
     added: frozenset[ir.Fact]
     path: PhasePath
     completed: bool = True
+    through: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,17 +107,37 @@ class SimulatedWorld:
         path = missing(interval.path, errors, settled=interval.completed)
         commanded, joints = sampled(interval.path, inner), sampled(path, inner)
         driven = {name: values + errors[name] for name, values in commanded.items()}
+        return self._took_place(replace(interval, path=path), times, joints, commanded, driven)
+
+    def carry_on(self, interval: Interval, commanded: Mapping[str, Array], driven: Mapping[str, Array]) -> Executed:
+        """Let an interval take place whose path has a row for every sample, as some motions go on beyond it."""
+        self.begin(interval.mode)
+        times = self.time + np.linspace(0.0, interval.path.duration, interval.path.samples)
+        joints = {name: rows[:, 7:] for name, rows in interval.path.modules.items()}
+        return self._took_place(interval, times, joints, commanded, driven)
+
+    def _took_place(
+        self, interval: Interval, times: Array, joints: Mapping[str, Array], commanded: Mapping[str, Array],
+        driven: Mapping[str, Array],
+    ) -> Executed:  # fmt: skip
         own = {body: self.body_poses(body, times) for body in sorted(self.on_course)}
         before = self.reached
-        poses = carried(self.problem, interval.mode, joints, before.configuration, own, path)
+        poses = carried(self.problem, interval.mode, joints, before.configuration, own, interval.path)
         bodies = {name: rows for name, rows in poses.items() if name in self.problem.world.bodies and len(rows) > 1}
         modules = {name: poses[name] for name in self.problem.world.modules}
-        told = replace(interval, path=path)
-        executed = Executed(told, before, times, modules, joints, bodies, commanded, driven)
+        executed = Executed(
+            interval, before, times, modules, dict(joints), bodies, dict(commanded), dict(driven)
+        )  # fmt: skip
         self.time = float(times[-1])
         self.reached = replace(before, configuration=_last(executed, before.configuration))
         return executed
 
+    def drives_miss(self, error: Array, times: Array) -> Array:
+        """How far joints that move are from where they are told to be, `(T, n)`, `error` `(n,)` at
+        first."""
+        return np.tile(error, (len(times), 1)) if self.noise == EXACT else missed(
+            self.noise, self._random, error, times
+        )  # fmt: skip
 
     def _errors(self, path: PhasePath, times: Array) -> dict[str, Array]:
         """How far joints are from where `path` has them at `times`, `(T, n)`: at first as far as they are now."""

@@ -18,7 +18,8 @@ from .limits import limited, memory_option, total
 from .outputs import checked_apart
 from .parameters import Real, WholeNumber, parameters_option, plain, planner_option
 from .plans import read, standing
-from .solution import Written, report_in_time
+from .progress import SECONDS_BETWEEN_LINES, volume_options
+from .solution import Written, objective_json, objective_line, objective_of, report_in_time
 from .sources import reading_sources, show_diagnostics
 from .status import ExitStatus
 
@@ -34,7 +35,6 @@ STATUS = {
     Status.INFEASIBLE: ExitStatus.INFEASIBLE,
 }
 """The exit status for each status of a run; others mean that the goal was not reached."""
-SECONDS_BETWEEN_LINES = 1.0
 NOISES = ("position", "joint", "drive")
 
 
@@ -61,6 +61,7 @@ def _noise(context: click.Context, option: click.Parameter, texts: tuple[str, ..
               help="Simulated seconds that planning a window takes.  [default: 0.25]")
 @click.option("--engine", type=click.Choice(["mujoco"]),
               help="Let a physics engine carry it out; needs the extra `sim`.  [default: drives with noise]")
+@planner_option("minimise", metavar="OBJECTIVE")
 @planner_option("time", "seconds")
 @memory_option
 @click.option("-o", "--out", type=click.Path(path_type=Path),
@@ -69,6 +70,7 @@ def _noise(context: click.Context, option: click.Parameter, texts: tuple[str, ..
 @click.option("--keep-refused", "refused", type=click.Path(path_type=Path), metavar="FILE",
               help="Where to write a plan that the verifier refuses.  [default: nowhere]")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object on standard output.")
+@volume_options
 def run(
     file: Path,
     task: str | None,
@@ -78,27 +80,34 @@ def run(
     noise: dict[str, float],
     latency: float | None,
     engine: str | None,
+    minimise: str | None,
     seconds: float | None,
     memory: int | None,
     out: Path | None,
     report: Path | None,
     refused: Path | None,
     as_json: bool,
+    volume: int,
 ) -> int:
     """Carry out a task, planning on the way, or a plan, in the simulated world.
 
     The scene may move, and modules may fail. What was carried out is a plan file, which is verified.
     """
+    from ..compiler.objective_terms import spelled
+    from ..compiler.objectives import check_energy
     from ..runtime.budget import SECONDS_OF_RUN
     from ..runtime.simulation.actuators import Noise
     from ..runtime.simulation.execution import StillOnly
 
     most = SECONDS_OF_RUN if seconds is None else seconds
     with limited(most, memory, f"compiling {file}", as_json) as guard, needing_libraries():
-        plan = read(file) if file.suffix == ".json" else None
+        plan = read(file, as_json) if file.suffix == ".json" else None
         if plan is not None and (task is not None or parameters):
             raise click.UsageError("a plan file says itself which task it solves, with which parameters")
-        loaded = _loaded(file, plan, task, parameters, seed, as_json=as_json)
+        loaded = _loaded(file, plan, task, parameters, seed, as_json=as_json, quiet=volume < 0)
+        if minimise is not None:
+            with reading_sources(as_json=as_json):
+                check_energy(spelled(minimise), loaded.problem.options.physics)
         out = out if out is not None else Path(f"{loaded.problem.task}.run.json")
         checked_apart({"--out": out, "--report": report, "--keep-refused": refused}, inputs=(file,))
         load_libraries()
@@ -110,7 +119,7 @@ def run(
             try:
                 result = loaded.run(
                     plan=plan, horizon=horizon, noise=Noise(**noise), latency=latency, time=guard.remaining, seed=seed,
-                    engine=engine, progress=_told(check),
+                    engine=engine, minimise=minimise, progress=_told(check, volume),
                 )
             except StillOnly as error:
                 raise click.UsageError(f"--engine {engine}: {error}; leave it out") from error
@@ -136,8 +145,9 @@ def _load_engine() -> None:
 
 
 def _loaded(
-    file: Path, plan: Plan | None, task: str | None, parameters: dict[str, str], seed: int, *, as_json: bool
-) -> Task:
+    file: Path, plan: Plan | None, task: str | None, parameters: dict[str, str], seed: int, *, as_json: bool,
+    quiet: bool,
+) -> Task:  # fmt: skip
     from ..api import Task, task_of_plan
     from ..compiler.pipeline import compile_problem
 
@@ -145,7 +155,7 @@ def _loaded(
         if plan is not None:
             return task_of_plan(plan)
         loaded = Task(*compile_problem(file, task, parameters, seed))
-    if loaded.warnings:
+    if loaded.warnings and not quiet:
         show_diagnostics(loaded.warnings, loaded.problem.sources)
     return loaded
 
@@ -162,13 +172,14 @@ def _write(result: RunResult, out: Path, report: Path | None, refused: Path | No
     return Written((out,), None if report is None else report_in_time(result.plan.report, report))
 
 
-def _told(check: Callable[[], None]) -> Callable[[RunProgress], None]:
+def _told(check: Callable[[], None], volume: int) -> Callable[[RunProgress], None]:
+    """As `shown_progress`: nothing with `volume` -1, every step with 1."""
     last = float("-inf")
 
     def show(progress: RunProgress) -> None:
         nonlocal last
         check()
-        if progress.elapsed - last >= SECONDS_BETWEEN_LINES:
+        if volume > 0 or (volume == 0 and progress.elapsed - last >= SECONDS_BETWEEN_LINES):
             last = progress.elapsed
             where = f"{progress.time:.1f} s into the run, {progress.done} done, {progress.left} to do"
             print(f"{progress.elapsed:6.1f} s  {where}: {progress.message}", file=sys.stderr, flush=True)
@@ -192,6 +203,7 @@ def _json(loaded: Task, result: RunResult, written: Written) -> dict[str, object
         "actions": [p.action for p in record.phases if p.completed],
         "broken_off": sum(not p.completed for p in record.phases),
         "seconds": record.times[-1],
+        "objective": objective_json(record.statistics),
         "windows": [
             {**msgspec.to_builtins(window), "seconds": seconds}
             for window, seconds in zip(record.windows, result.seconds, strict=True)
@@ -238,6 +250,8 @@ def _lines(loaded: Task, result: RunResult, written: Written) -> list[str]:
     if result.replans:
         lines.append(f"{counted(result.replans, 'replanning')}: {result.latency:.2f} s in the median, "
                      f"{result.worst_latency:.2f} s at most")  # fmt: skip
+    told = objective_of(record.statistics)
+    lines += [] if told is None else [objective_line(told)]
     lines += _deviation_lines(result) if record.phases else []
     lines += [] if result.carried is None else ["in the engine:", *carried_lines(result.carried)]
     if record.verdict is not None:

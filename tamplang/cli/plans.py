@@ -12,7 +12,7 @@ from .interrupt import kept_interrupt
 from .libraries import needing_libraries
 from .limits import limit_options, limited
 from .outputs import checked_output
-from .sources import reading_sources
+from .sources import SourceFailure, reading_sources
 from .status import ExitStatus
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def verify(file: Path, seconds: float, memory: int | None, against: Path | None,
     from ..runtime.verify.provenance import basis
 
     with limited(seconds, memory, f"checking {file}: there is no verdict", as_json) as guard:
-        plan = read(file)
+        plan = read(file, as_json)
         own = None if against is None else _own_task(plan, against, as_json)
         verdict = _verdict(plan, guard.remaining, own)
         told = basis(plan)
@@ -112,14 +112,14 @@ def report(
     click.echo(f"report: {out}", err=True)
 
 
-def read(file: Path) -> Plan:
-    """The plan in `file`. Raises click.ClickException (status 1) when it is no plan file."""
+def read(file: Path, as_json: bool = False) -> Plan:
+    """The plan in `file`. Raises SourceFailure (status 1) when it is no plan file."""
     from ..runtime.plan_files import PlanFileError, read_plan
 
     try:
         return read_plan(file)
     except PlanFileError as error:
-        raise click.ClickException(str(error)) from error
+        raise SourceFailure([error.diagnostic], as_json) from error
 
 
 def verdict_json(verdict: VerdictRecord, complete: bool) -> dict[str, object]:

@@ -41,7 +41,7 @@ class Keeper:
         self._kept: list[tuple[float, Plan]] = []
 
     def __call__(self, plan: Plan) -> None:
-        told = objective_of(plan)
+        told = objective_of(plan.record.statistics)
         worth = 0.0 if told is None else told.value
         place = bisect_right(self._kept, worth, key=lambda kept: kept[0])
         self._kept.insert(place, (worth, plan))
@@ -122,7 +122,7 @@ def result_json(problem: Problem, result: Result, written: Written, compile_seco
         "expanded_nodes": statistics.expanded_nodes,
         "bounds": {b.bound: {"solved": b.solved, "refused": b.refused} for b in statistics.bounds},
         "cost": result.cost,
-        "objective": _objective_json(plan),
+        "objective": objective_json(plan.record.statistics if plan is not None else None),
         "seconds": _seconds(result.timing, compile_seconds),
         **standing(verdict, plan is not None and plan.record.complete),
         "worst": verdict.worst if verdict is not None else {},
@@ -134,16 +134,17 @@ def result_json(problem: Problem, result: Result, written: Written, compile_seco
     }
 
 
-def objective_of(plan: Plan | None) -> ObjectiveRecord | None:
+def objective_of(statistics: StatisticsRecord | None) -> ObjectiveRecord | None:
     """What a plan was to be best at, where it was another thing than the cost of its actions."""
     from ..runtime.plan import ObjectiveRecord
 
-    told = None if plan is None else plan.record.statistics.objective
+    told = None if statistics is None else statistics.objective
     return told if isinstance(told, ObjectiveRecord) else None
 
 
-def _objective_json(plan: Plan | None) -> dict[str, object] | None:
-    told = objective_of(plan)
+def objective_json(statistics: StatisticsRecord | None) -> dict[str, object] | None:
+    """The value of the objective, its measures and bounds, or None without one."""
+    told = objective_of(statistics)
     if told is None:
         return None
     gap = {name: told.value - bound for name, bound in told.bounds.items()}
@@ -151,12 +152,12 @@ def _objective_json(plan: Plan | None) -> dict[str, object] | None:
             "bounds": told.bounds, "gap": gap}  # fmt: skip
 
 
-def _objective_line(told: ObjectiveRecord) -> str:
+def objective_line(told: ObjectiveRecord) -> str:
     """The value, and how far it may be above the least one."""
     unit = f" {told.unit}" if told.unit else ""
-    bounds = [f"at least {bound:.4g}{unit} for {name}" + (f", gap {told.value - bound:.3g}{unit}" if bound else "")
-              for name, bound in told.bounds.items()]  # fmt: skip
-    return f"{told.minimise}: {told.value:.4g}{unit} ({'; '.join(bounds)})"
+    bounds = [f"at least {bound:.4g}{unit} for {name}, gap {told.value - bound:.3g}{unit}"
+              for name, bound in told.bounds.items() if bound]  # fmt: skip
+    return f"{told.minimise}: {told.value:.4g}{unit}" + (f" ({'; '.join(bounds)})" if bounds else "")
 
 
 def _seconds(timing: TimingRecord, compile_seconds: float) -> dict[str, float]:
@@ -187,10 +188,10 @@ def result_lines(problem: Problem, result: Result, written: Written) -> list[str
         lines.append("  the goal holds at the start: nothing is to be done")
     if result.actions:
         lines.append(f"{counted(len(result.actions), 'action')}, cost {result.cost:g}{_quality(result.statistics)}")
-    told = objective_of(result.plan or result.refused)
-    lines += [] if told is None else [_objective_line(told)]
-    lines.append(_effort(result.statistics, result.timing))
     plan = result.plan or result.refused
+    told = objective_of(None if plan is None else plan.record.statistics)
+    lines += [] if told is None else [objective_line(told)]
+    lines.append(_effort(result.statistics, result.timing))
     if plan is not None and plan.record.verdict is not None:
         lines += verdict_lines(plan.record.verdict)
     if result.explanation:

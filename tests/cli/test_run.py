@@ -99,3 +99,16 @@ def test_ctrl_c_in_mid_run_writes_what_was_carried_out(tmp_path: Path, arguments
     assert plan.phases and not plan.complete and plan.verdict is not None and plan.verdict.verified
     assert (tmp_path / "p.html").stat().st_size > 100_000
     assert command(["verify", str(tmp_path / "p.json")]) == 6
+
+
+def test_a_quiet_run_tells_its_objective_and_nothing_on_the_way(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["run", str(EXAMPLES / "climb.tamp"), "-p", "n=1", "-p", "crawlers=1", "--quiet", "--json"]
+    assert command([*arguments, "--minimise", "travel + makespan", "--out", str(tmp_path / "r.json")]) == 0
+    told, on_the_way = capfd.readouterr()
+    objective = json.loads(told)["objective"]
+    assert on_the_way == "" and objective["minimise"] == "makespan + travel"
+    assert objective["value"] == pytest.approx(sum(objective["measures"].values()))
+    assert command([*arguments, "--minimise", "energy", "--out", str(tmp_path / "e.json")]) == 2
+    assert "E0524" in capfd.readouterr().err and not (tmp_path / "e.json").exists()

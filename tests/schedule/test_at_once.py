@@ -125,8 +125,9 @@ def test_phases_and_splines_of_two_formats_do_not_mix(mounted: PlanRecord, tmp_p
         del data["splines"][0]["until"]
     file = tmp_path / "mixed.plan.json"
     file.write_text(json.dumps(data), encoding="utf-8")
-    with pytest.raises(PlanFileError, match="splines of another one"):
+    with pytest.raises(PlanFileError, match="splines of another one") as caught:
         read_plan(str(file))
+    assert caught.value.diagnostic.code == "E0023"
 
 
 def test_two_robots_that_meet_between_samples_are_refused(pressed: PlanRecord) -> None:

@@ -41,15 +41,23 @@ def tails(order: Precedence) -> list[int]:
     return found
 
 
-def scheduled(order: Precedence, clearances: SegmentClearances | None, priority: Sequence[float]) -> Timetable | None:
+def scheduled(
+    order: Precedence, clearances: SegmentClearances | None, priority: Sequence[float], begun: Sequence[int] = (),
+    earliest: int = 0,
+) -> Timetable | None:  # fmt: skip
     """A schedule in which of all segments that may begin that of the highest priority is put first. Without
-    `clearances` nothing is in the way. None where things block each other for ever."""
-    return _Placing(order, clearances, priority).run()
+    `clearances` nothing is in the way. The first ones have `begun` at these ticks, the others begin, and all switches
+    come, behind the tick `earliest`. None where things block each other for ever."""
+    return _Placing(order, clearances, priority, begun, earliest).run()
 
 
 class _Placing:
-    def __init__(self, order: Precedence, clearances: SegmentClearances | None, priority: Sequence[float]) -> None:
+    def __init__(
+        self, order: Precedence, clearances: SegmentClearances | None, priority: Sequence[float], begun: Sequence[int],
+        earliest: int,
+    ) -> None:  # fmt: skip
         self._order, self._clearances, self._priority = order, clearances, priority
+        self._begun, self._least = begun, earliest
         self._starts: dict[int, int] = {}
         self._switches: dict[int, int] = {}
         self._taken: set[int] = set()
@@ -57,7 +65,9 @@ class _Placing:
 
     def run(self) -> Timetable | None:
         count = len(self._order)
-        waiting = [k for k in range(count) if self._order.segments[k] is not None]
+        for phase, start in enumerate(self._begun):
+            self._put(phase, start)
+        waiting = [k for k in range(len(self._begun), count) if self._order.segments[k] is not None]
         self._switch()
         while waiting:
             ready = [k for k in waiting if self._may_begin(k)]
@@ -99,7 +109,7 @@ class _Placing:
                 after = [self._end(j) for j in self._order.closes[k]]
                 after += [self._switches[j] + 1 for j in self._order.ordered[k]]
                 tick = max(after, default=1)
-                while tick in self._taken or tick < 1:
+                while tick in self._taken or tick <= self._least:
                     tick += 1
                 self._switches[k] = tick
                 self._taken.add(tick)
@@ -111,6 +121,7 @@ class _Placing:
         """The first tick at which a segment may begin."""
         after = [self._switches[j] for j in self._order.begins_after[phase]]
         ready = max([*after, *(self._end(j) for j in self._order.follows[phase])], default=0)
+        ready = max(ready, self._least)
         if self._clearances is None or self._is_free(phase, ready):
             return ready
         last = max((lane[-1][1] for lane in self._lanes.values()), default=0)

@@ -72,6 +72,19 @@ class Scheduler:
         plan = scheduled_plan(self._problem, actions, skeleton, order, sequence, tick, statistics)
         yield Timed(plan, sequence.end * tick, bound, False, seconds, tuple(range(len(actions))))
 
+    def placed(
+        self, skeleton: Skeleton, actions: Sequence[Action], paths: Sequence[PhasePath], begun: Sequence[int],
+        earliest: int,
+    ) -> tuple[Timetable, Precedence] | None:  # fmt: skip
+        """A schedule of motions of which the first ones have `begun` at these ticks, with knots at ticks, while the
+        others begin behind the tick `earliest`; None where none was found. Raises OutOfTime."""
+        tick, count = SCHEDULE.tick, len(begun)
+        faster = [*paths[:count], *self._profiles(skeleton, paths, tick)[count:]]
+        order = precedence(skeleton, faster, tick)
+        if any(order.segments[k] is None for k in range(count)):
+            return None
+        return self._best(skeleton, actions, order, faster, begun, earliest)
+
     def _tick(self, paths: Sequence[PhasePath]) -> float:
         total = sum(path.duration for path in paths)
         return SCHEDULE.tick * max(1, math.ceil(total / (SCHEDULE.tick * SCHEDULE.most_ticks)))
@@ -89,32 +102,33 @@ class Scheduler:
                 for f, s in zip(faster, slower, strict=True)]  # fmt: skip
 
     def _best(
-        self, skeleton: Skeleton, actions: Sequence[Action], order: Precedence, paths: Sequence[PhasePath]
-    ) -> tuple[Timetable, Precedence] | None:
+        self, skeleton: Skeleton, actions: Sequence[Action], order: Precedence, paths: Sequence[PhasePath],
+        begun: Sequence[int] = (), earliest: int = 0,
+    ) -> tuple[Timetable, Precedence] | None:  # fmt: skip
         """The shortest of some schedules, whose actions can be done in its order, with what comes before what."""
         self._told.clear()
-        configurations = _configurations(skeleton, paths)
-        clearances = SegmentClearances(skeleton, order, configurations, self._margin)
+        clearances = SegmentClearances(skeleton, order, configurations(skeleton, paths), self._margin)
         random = self._seed.child("schedule").random()
         tail = np.array(tails(order), dtype=float)
         best: tuple[Timetable, Precedence] | None = None
         for attempt in range(SCHEDULE.orders):
             self._budget.check()
             noise = 1.0 if not attempt else random.uniform(0.6, 1.4, len(tail))
-            found = self._applicable(actions, order, clearances, (tail * noise).tolist())
+            found = self._applicable(actions, order, clearances, (tail * noise).tolist(), begun, earliest)
             if found is not None and (best is None or found[0].end < best[0].end):
                 best = found
-            if best is not None and best[0].end <= _bound(best[1]):
+            if best is not None and best[0].end <= _bound(best[1], begun, earliest):
                 break
         return best
 
     def _applicable(
-        self, actions: Sequence[Action], order: Precedence, clearances: SegmentClearances, priority: Sequence[float]
-    ) -> tuple[Timetable, Precedence] | None:
-        """A schedule whose actions can be done in the order of its switches and reach the goal: where they cannot, the
-        actions that were exchanged keep their order."""
+        self, actions: Sequence[Action], order: Precedence, clearances: SegmentClearances, priority: Sequence[float],
+        begun: Sequence[int], earliest: int,
+    ) -> tuple[Timetable, Precedence] | None:  # fmt: skip
+        """A schedule whose actions can be done in the order of its switches and reach the goal, or come to the same
+        facts: where they do not, the actions that were exchanged keep their order."""
         while True:
-            found = scheduled(order, clearances, priority)
+            found = scheduled(order, clearances, priority, begun, earliest)
             if found is None:
                 return None
             told = self._wrong(actions, plan_order(found))
@@ -140,12 +154,15 @@ class Scheduler:
         except Inapplicable:
             failed = line[done]
             return {pair for pair in exchanged if failed in pair} or exchanged
-        return set() if Stepper(self._problem).holds(facts, self._problem.goal) else exchanged
+        if Stepper(self._problem).holds(facts, self._problem.goal):
+            return set()
+        *_, end = replayed(self._problem, actions)
+        return set() if facts == end.facts else exchanged
 
 
-def _bound(order: Precedence) -> int:
+def _bound(order: Precedence, begun: Sequence[int] = (), earliest: int = 0) -> int:
     """Ticks below which no schedule of these motions ends: that of its longest chain, with nothing in the way."""
-    free = scheduled(order, None, tails(order))
+    free = scheduled(order, None, tails(order), begun, earliest)
     assert free is not None
     return free.end
 
@@ -161,7 +178,7 @@ def _in_sequence(order: Precedence) -> Timetable:
     return Timetable(tuple(starts), tuple(switches))
 
 
-def _configurations(skeleton: Skeleton, paths: Sequence[PhasePath]) -> list[Configuration]:
+def configurations(skeleton: Skeleton, paths: Sequence[PhasePath]) -> list[Configuration]:
     """Where everything is at the switches of a plan in sequence, the start first."""
     found = [start_configuration(skeleton.problem)]
     for path in paths:
