@@ -169,6 +169,12 @@ class Renaming:
         """What each module and end of the state is called in `canonical(state)`."""
         return self._named(state, self._values(state), self._linked(state))
 
+    def renamed(self, state: int) -> tuple[int, dict[str, str]]:
+        """Both at once."""
+        values, links = self._values(state), self._linked(state)
+        names = self._named(state, values, links)
+        return self._called(state, names, values, links), names
+
     def _values(self, state: int) -> dict[str, tuple[int, ...]]:
         return {o: tuple([state >> shift & mask for _, shift, mask in self.places[o]]) for o in self.objects}
 
@@ -196,8 +202,11 @@ class Renaming:
         return self._order({o: (shape[o], colours[o]) for o in self.objects})
 
     def _canonical(self, state: int) -> int:
-        values, links = self._values(state), self._linked(state)
-        names = self._named(state, values, links)
+        return self.renamed(state)[0]
+
+    def _called(
+        self, state: int, names: Mapping[str, str], values: Mapping[str, tuple[int, ...]], links: Linked
+    ) -> int:
         renamed = state & self.kept
         for old, new in names.items():
             for value, (_, shift, _) in zip(values[old], self.places[new], strict=True):

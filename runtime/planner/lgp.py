@@ -272,7 +272,7 @@ class _SolveRun:
 
     def _valued(self, skeleton: Skeleton, candidate: Candidate, paths: Sequence[PhasePath], plan: Plan) -> Plan:
         """The plan as the objective wants it, with its value: where seconds count, one that is as short as its motions
-        allow."""
+        allow. The very first one is handed on before that, too."""
         objective = self.options.minimise
         if objective == ACTIONS:
             return plan
@@ -280,11 +280,18 @@ class _SolveRun:
         sequence = plan
         taken: Sequence[float] = [path.duration for path in paths]
         if objective.timed:
+            if self.found is not None and len(self.plans) == 1:
+                self.found(self._worthy(plan, candidate, None))
             with self.bounds.clock("schedule"):
                 known = None if self.search is None else self.search.successors
                 plan, critical, taken = self.at_once.shorter(skeleton, candidate.actions, paths, plan, known)
         self.improvement.learn(candidate, sequence, taken)
-        value = valued(self.problem, objective, plan, candidate.cost, self.first_bound or 0.0, critical)
+        return self._worthy(plan, candidate, critical)
+
+    def _worthy(self, plan: Plan, candidate: Candidate, critical: float | None) -> Plan:
+        """The plan with its value."""
+        objective, least = self.options.minimise, self.first_bound or 0.0
+        value = valued(self.problem, objective, plan, candidate.cost, least, critical)
         statistics = msgspec.structs.replace(plan.statistics, objective=value)
         return msgspec.structs.replace(plan, statistics=statistics)
 

@@ -30,7 +30,7 @@ from .results import RunOptions, RunProgress
 from .run import Run
 from .run_record import RunStep
 from .settings import SIMULATION
-from .underway import TICK, Motion, Underway
+from .underway import TICK, MotionUnderway, Underway
 from .world import SimulatedWorld
 
 LOOK = round(SIMULATION.sensing_period / TICK)
@@ -52,7 +52,7 @@ class RunAtOnce(Run):
     ) -> None:  # fmt: skip
         super().__init__(problem, options, tell, first)
         self._underway = Underway(self.world)
-        self._coming: list[Motion] = []
+        self._coming: list[MotionUnderway] = []
         self._beyond: tuple[ir.Action, ...] = ()
         self._why: str | None = None
         self._settings = motion_settings(problem, options.solve)
@@ -152,12 +152,12 @@ class RunAtOnce(Run):
                 return broken
         return "next window"
 
-    def _lead_on(self, again: Sequence[Motion] = ()) -> None:
+    def _lead_on(self, again: Sequence[MotionUnderway] = ()) -> None:
         """The way on: what is to be done `again` or to begin, in the order of its switches, and what lies beyond."""
         motions = sorted((*again, *self._coming), key=lambda m: m.switch or 0)
         self._route.way = (*(m.phase.action for m in motions), *self._beyond)
 
-    def _placed(self, window: Window) -> list[Motion] | None:
+    def _placed(self, window: Window) -> list[MotionUnderway] | None:
         """The motions of a window on the time line, those first that begin first; what is underway gets new switches.
         None where no schedule was found."""
         count, line = len(window.paths), self._underway
@@ -175,8 +175,8 @@ class RunAtOnce(Run):
         return self._motions(skeleton, active, *made)
 
     def _motions(
-        self, skeleton: Skeleton, active: Sequence[Motion], table: Timetable, order: Precedence
-    ) -> list[Motion] | None:
+        self, skeleton: Skeleton, active: Sequence[MotionUnderway], table: Timetable, order: Precedence
+    ) -> list[MotionUnderway] | None:
         line = plan_order(table)
         done = _phases(skeleton.problem, [skeleton.phases[k].action for k in line])[0]
         found = list(active)
@@ -185,7 +185,7 @@ class RunAtOnce(Run):
             if segment is None or start is None:
                 return None
             phase = done[line.index(k)]
-            found.append(Motion(phase, segment, start, None, _named(skeleton.problem, phase, segment.held)))
+            found.append(MotionUnderway(phase, segment, start, None, _named(skeleton.problem, phase, segment.held)))
         for k, motion in enumerate(found):
             motion.switch = table.switches[k]
             motion.behind = [found[j] for j in order.ordered[k] | order.begins_after[k] | order.closes[k] if j != k]
@@ -269,7 +269,7 @@ class RunAtOnce(Run):
         self._asked = line.time(line.now)
         return next(iter(reasons.values()), None) or dropped[0]
 
-    def _strayed(self, motion: Motion) -> str | None:
+    def _strayed(self, motion: MotionUnderway) -> str | None:
         """What a motion touches and is not where it was expected."""
         strayed = self._lookout.strayed(motion.named, self._underway.time(self._underway.now))
         if not strayed:
@@ -277,7 +277,7 @@ class RunAtOnce(Run):
         body = max(strayed, key=lambda name: strayed[name])
         return f"{body} is {1000 * strayed[body]:.1f} mm from where it was expected"
 
-    def _wrong(self, motion: Motion) -> str | None:
+    def _wrong(self, motion: MotionUnderway) -> str | None:
         """Why a motion that is underway has to be broken off."""
         touched = self._strayed(motion)
         if touched is not None or not self.world.on_course:
@@ -295,7 +295,7 @@ class RunAtOnce(Run):
         body = max(passed, key=lambda name: passed[name])
         return f"{body} is {1000 * passed[body]:.1f} mm from where it was expected"
 
-    def _stopped(self, wrong: Sequence[Motion]) -> list[Motion]:
+    def _stopped(self, wrong: Sequence[MotionUnderway]) -> list[MotionUnderway]:
         """Those that are broken off, and all that wait for them, or whose actions cannot be done without theirs."""
         stopped = list(wrong)
         grew = True
@@ -318,7 +318,7 @@ class RunAtOnce(Run):
                 facts, mode = step.facts, step.motion
         return stopped
 
-    def _crossed(self, stopped: Sequence[Motion]) -> list[Motion]:
+    def _crossed(self, stopped: Sequence[MotionUnderway]) -> list[MotionUnderway]:
         """Those that go on and would come too near one that is brought to rest."""
         line = self._underway
         _, skeleton, paths = self._begun()
@@ -343,7 +343,7 @@ class RunAtOnce(Run):
                     break
         return found
 
-    def _stop(self, motion: Motion) -> None:
+    def _stop(self, motion: MotionUnderway) -> None:
         """Bring a motion to rest without its switch; one that cannot rest sooner does so at its end."""
         line = self._underway
         motion.switch = None

@@ -23,12 +23,9 @@ from .settings import SIMULATION
 from .world import Interval, SimulatedWorld, carried
 
 TICK = SCHEDULE.tick
-FEWEST = 5
-"""Rows of a spline whose accelerations can be made zero at both ends."""
-
 
 @dataclass(slots=True, eq=False)
-class Motion:
+class MotionUnderway:
     """The motion of one phase, which begins at the tick `start`; its `switch` comes at another one, or not at all
     (None), once the motion was broken off. It waits for those `behind` it to come first. Joints are told to be at
     `told` `(T, n)`, the plan file has them at `kept`, and drives are at `driven`."""
@@ -38,7 +35,7 @@ class Motion:
     start: int
     switch: int | None
     named: frozenset[str]
-    behind: list[Motion] = field(default_factory=list)
+    behind: list[MotionUnderway] = field(default_factory=list)
     told: dict[str, Array] = field(default_factory=dict)
     kept: dict[str, Array] = field(default_factory=dict)
     driven: dict[str, Array] = field(default_factory=dict)
@@ -74,7 +71,7 @@ class Motion:
             self.kept[name] = coupled(joints, _rested(told + fading * error)) if error.any() else told
             self.driven[name] = coupled(joints, told + world.drives_miss(error, times))
 
-    def broken_off(self, world: SimulatedWorld, tick: int, exact: bool = False) -> Motion | None:
+    def broken_off(self, world: SimulatedWorld, tick: int, exact: bool = False) -> MotionUnderway | None:
         """The same until a tick, and then to rest along its path, at once; None where it is too late for that. With
         `exact` drives miss nothing."""
         gone = tick - self.start
@@ -83,7 +80,7 @@ class Motion:
             return None
         ticks = slowed.samples - 1
         segment = Segment(self.segment.phase, self.segment.moved, self.segment.held, slowed, ticks)
-        found = Motion(self.phase, segment, self.start, None, self.named, self.behind)
+        found = MotionUnderway(self.phase, segment, self.start, None, self.named, self.behind)
         if exact:
             return found
         share = np.linspace(0.0, 1.0, ticks - gone + 1)[:, None]
@@ -112,7 +109,7 @@ def slowed_on_ticks(world: ir.World, path: PhasePath, gone: int) -> PhasePath | 
     seconds, left = gone * TICK, path.duration - gone * TICK
     length = braking_time(world, path, seconds)
     for _ in range(SIMULATION.brake_tries):
-        ticks = gone + max(FEWEST, math.ceil(length / TICK))
+        ticks = gone + math.ceil(length / TICK)
         length = ticks * TICK - seconds
         if length >= 2.0 * left:
             break
@@ -133,7 +130,7 @@ def _seconds(first: int, last: int) -> Array:
 
 def _rested(rows: Array) -> Array:
     """Rows whose spline has no acceleration at its ends."""
-    return at_rest(rows) if len(rows) >= FEWEST and rows.shape[1] else rows
+    return at_rest(rows) if len(rows) > 4 and rows.shape[1] else rows
 
 
 class Underway:
@@ -142,11 +139,11 @@ class Underway:
 
     def __init__(self, world: SimulatedWorld) -> None:
         self._world = world
-        self.motions: list[Motion] = []
+        self.motions: list[MotionUnderway] = []
         self.origin, self.done, self.now = world.time, 0, 0
 
     @property
-    def active(self) -> list[Motion]:
+    def active(self) -> list[MotionUnderway]:
         """Those whose switch is to come, in the order of their switches."""
         found = [(m.switch, k, m) for k, m in enumerate(self.motions) if m.switch is not None]
         return [m for _, _, m in sorted(found, key=lambda f: f[:2])]

@@ -12,7 +12,7 @@ import heapq
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
-from ....compiler.ir import Fact, Problem
+from ....compiler.ir import Effect, Fact, Problem
 from ....compiler.symbolic.estimate import Estimate
 from ....langs.frozen import dataclass
 from ...geometry.attachments import carrier
@@ -91,6 +91,8 @@ class ClockedSearch:
         self._work = Estimate(self._successors, {r: pace.seconds.get(r, 0.0) for r in rules}) if pace.makespan else None
         self._adds = Estimate(self._successors, added) if any(added.values()) else None
         self._rest: dict[int, tuple[float, float]] = {}
+        self._renamed: dict[int, tuple[int, dict[str, str]]] = {}
+        self._plain: dict[int, tuple[Sequence[Fact], Mode]] = {}
 
     def best(
         self, below: float = math.inf, most: int = SCHEDULE.clocked_nodes, clocks: Clocks | None = None
@@ -162,9 +164,11 @@ class ClockedSearch:
 
     def _after(self, clocks: Clocks, step: _Step, number: int) -> Clocks:
         *modules, last, added = _behind(clocks, step.waits, step.binds, step.seconds)
+        return *modules, last, added + self._added(number)
+
+    def _added(self, number: int) -> float:
         rule = self._successors.action(number).rule
-        more = self._pace.more.get(rule, 0.0) + self._pace.cost * self._successors.cost(number)
-        return *modules, last, added + more
+        return self._pace.more.get(rule, 0.0) + self._pace.cost * self._successors.cost(number)
 
     def _step(self, state: int, mode: Mode, number: int) -> _Step:
         key = state, mode, number
@@ -175,13 +179,24 @@ class ClockedSearch:
 
     def _made(self, state: int, mode: Mode, number: int) -> _Step:
         problem, action = self._problem, self._successors.action(number)
-        deleted, told = motion_changes(problem, self._successors, state, action)
-        added = frozenset(told)
+        deleted, added = self._changes(state, number)
         after = left(problem.motions, mode, deleted) | added
         binds = {self._number[n] for n in bound_between(problem, mode, added, after) if n in self._number}
         waits = _waiting(problem, self._number, added)
         return _Step(self._pace.seconds.get(action.rule, 0.0), tuple(sorted(waits)), tuple(sorted(binds | waits)),
                      after)  # fmt: skip
+
+    def _changes(self, state: int, number: int) -> tuple[Sequence[Fact], Mode]:
+        """Patterns of the motion literals that an action deletes, and those that it adds; both are the same in all
+        states where no effect of its rule has a condition or a quantifier."""
+        known = self._plain.get(number)
+        if known is None:
+            action = self._successors.action(number)
+            deleted, added = motion_changes(self._problem, self._successors, state, action)
+            known = deleted, frozenset(added)
+            if all(isinstance(item, Effect) for item in self._problem.rules[action.rule].effects):
+                self._plain[number] = known
+        return known
 
     # --- what was met ------------------------------------------------------------------------------------------------
 
@@ -192,12 +207,15 @@ class ClockedSearch:
             return (state, mode, past), clocks
         if renaming is None:
             return (state, mode), clocks
-        names = renaming.names(state)
+        known = self._renamed.get(state)
+        if known is None:
+            known = self._renamed[state] = renaming.renamed(state)
+        canonical, names = known
         renamed = frozenset((f[0], *(names.get(o, o) for o in f[1:])) for f in mode)
         ordered = list(clocks)
         for old, k in self._number.items():
             ordered[self._number[names.get(old, old)]] = clocks[k]
-        return (renaming.canonical(state), renamed), tuple(ordered)
+        return (canonical, renamed), tuple(ordered)
 
     def _past(self, node: _ClockedNode, number: int) -> Past | None:
         """What no-goods remember after one more action; None when one forbids it."""

@@ -49,26 +49,47 @@ class Precedence:
         return len(self.segments)
 
 
-@remembered(256)
-def hanging_together(problem: Problem, mode: frozenset[Fact]) -> list[Things]:
-    """The things that literals of a mode keep to each other, or bind as long as they hold, in groups; a thing that
-    none does is alone."""
-    world = problem.world
-    movable = [name for name, body in world.bodies.items() if body.movable]
-    groups = {name: frozenset((name,)) for name in (*world.modules, *movable)}
-    for literal in sorted(mode):
-        if not any(row.when in ("keep", "during") for row in problem.motions[literal[0]].rows):
-            continue
-        named = {carrier(problem, a) for a in literal[1:]} & groups.keys()
-        joined = frozenset().union(*(groups[name] for name in named))
-        for name in joined:
-            groups[name] = joined
-    return list(dict.fromkeys(groups.values()))
+class _Bonds:
+    """The things of a problem, and those that its literals name and join: read off once, as often asked for."""
+
+    def __init__(self, problem: Problem) -> None:
+        world = problem.world
+        self._problem = problem
+        self.things = frozenset((*world.modules, *(name for name, body in world.bodies.items() if body.movable)))
+        self._joining = {
+            name: any(row.when in ("keep", "during") for row in motion.rows) for name, motion in problem.motions.items()
+        }
+        self._named: dict[Fact, Things] = {}
+
+    def named(self, literal: Fact) -> Things:
+        """The things that a literal names."""
+        found = self._named.get(literal)
+        if found is None:
+            found = self._named[literal] = frozenset(carrier(self._problem, a) for a in literal[1:]) & self.things
+        return found
+
+    def joined(self, literal: Fact) -> Things:
+        """Those that it keeps to each other, or binds as long as it holds."""
+        return self.named(literal) if self._joining[literal[0]] else frozenset()
+
+    def around(self, mode: Iterable[Fact], names: Things) -> Things:
+        """Some things, and all that hang together with them."""
+        groups = [things for literal in mode if len(things := self.joined(literal)) > 1]
+        found, grew = names, True
+        while grew:
+            grew, apart = False, []
+            for things in groups:
+                if found.isdisjoint(things):
+                    apart.append(things)
+                else:
+                    found, grew = found | things, True
+            groups = apart
+        return found
 
 
-def _closed(groups: Iterable[Things], named: Iterable[str]) -> Things:
-    names = set(named)
-    return frozenset(names).union(*(g for g in groups if g & names))
+@remembered(8)
+def _bonds(problem: Problem) -> _Bonds:
+    return _Bonds(problem)
 
 
 def bound_by(skeleton: Skeleton, phase: int) -> Things:
@@ -79,11 +100,9 @@ def bound_by(skeleton: Skeleton, phase: int) -> Things:
 
 def bound_between(problem: Problem, mode: frozenset[Fact], added: frozenset[Fact], after: frozenset[Fact]) -> Things:
     """The things that a switch from one mode to another binds, which adds some literals."""
-    literals = (mode ^ after) | added
-    named = {carrier(problem, a) for literal in literals for a in literal[1:]}
-    known = problem.world.modules.keys() | {n for n, b in problem.world.bodies.items() if b.movable}
-    before = _closed(hanging_together(problem, mode), named & known)
-    return before | _closed(hanging_together(problem, after), named & known)
+    bonds = _bonds(problem)
+    named = frozenset[str]().union(*(bonds.named(literal) for literal in (mode ^ after) | added))
+    return bonds.around(mode, named) | bonds.around(after, named)
 
 
 def moved_by(path: PhasePath) -> Things:
@@ -101,7 +120,7 @@ def precedence(
     segments: list[Segment | None] = []
     for k, path in enumerate(paths):
         moved = moved_by(path)
-        held = _closed(hanging_together(problem, skeleton.phases[k].mode), moved)
+        held = _bonds(problem).around(skeleton.phases[k].mode, moved)
         segments.append(Segment(k, moved, held, path, round(path.duration / tick)) if moved else None)
     begins, follows, closes, ordered = [], [], [], []
     extra = {k: {a for a, b in also if b == k} for k in range(count)}

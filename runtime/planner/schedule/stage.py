@@ -117,7 +117,7 @@ class Scheduler:
             found = self._applicable(actions, order, clearances, (tail * noise).tolist(), begun, earliest)
             if found is not None and (best is None or found[0].end < best[0].end):
                 best = found
-            if best is not None and best[0].end <= _bound(best[1], begun, earliest):
+            if best is not None and best[0].end <= (1.0 + SCHEDULE.tight) * _bound(best[1], begun, earliest):
                 break
         return best
 

@@ -199,17 +199,21 @@ def left(
     table: Mapping[str, ir.Predicate] | Mapping[str, ir.MotionPredicate], facts: Facts, patterns: Sequence[ir.Fact]
 ) -> Facts:
     """The facts that agree with none of some patterns, in which ANY stands for every object."""
-    swept = {p[0]: [q for q in patterns if q[0] == p[0]] for p in patterns}
+    exact: set[ir.Fact] = set()
+    swept: dict[str, list[ir.Fact]] = {}
+    for pattern in patterns:
+        known = table.get(pattern[0])
+        both = known is not None and known.symmetric
+        orders = (pattern, (pattern[0], *pattern[:0:-1])) if both else (pattern,)
+        if WILDCARD in pattern:
+            swept.setdefault(pattern[0], []).extend(orders)
+        else:
+            exact.update(orders)
 
     def gone(fact: ir.Fact) -> bool:
-        known = table.get(fact[0])
-        orders = (fact[1:], fact[:0:-1]) if known is not None and known.symmetric else (fact[1:],)
-        return any(
-            all(a in (WILDCARD, b) for a, b in zip(pattern[1:], order, strict=True))
-            for pattern in swept[fact[0]] for order in orders
-        )  # fmt: skip
+        return any(all(a in (WILDCARD, b) for a, b in zip(order, fact, strict=True)) for order in swept[fact[0]])
 
-    return frozenset(f for f in facts if f[0] not in swept or not gone(f))
+    return frozenset([f for f in facts if f not in exact and (f[0] not in swept or not gone(f))])
 
 
 def replayed(problem: ir.Problem, actions: Iterable[ir.Action]) -> Iterator[Transition]:
