@@ -17,13 +17,14 @@ class Steps:
     """What a run lets one do: `propose` the next candidate by the cost of actions, `take` one through the bounds
     (whether it is accepted), ask whether it `repeats` a plan that stands, but for a detour, and what the best plan is
     `worth`; and search for the candidate that is most `promising`, below a value (None: enough below those met), with
-    at most so many nodes."""
+    at most so many nodes, or for one whose postures are `nearer` to each other."""
 
     propose: Callable[[], Candidate | None]
     take: Callable[[Candidate], bool]
     repeats: Callable[[Candidate], bool]
     worth: Callable[[], float]
     promising: Callable[[float | None, int], Clocked]
+    nearer: Callable[[int], Clocked]
 
 
 def cheaper(steps: Steps, gap: float | None, least: float) -> None:
@@ -44,16 +45,22 @@ def better(steps: Steps, gap: float | None, budget: Budget) -> None:
     if gap is not None:
         _closer(steps, gap, budget)
         return
-    for _ in range(SCHEDULE.better):
-        best = steps.worth()
-        candidate = steps.promising(None, SCHEDULE.clocked_nodes).candidate
+    left = _followed(steps, lambda: steps.promising(None, SCHEDULE.clocked_nodes), SCHEDULE.better)
+    taken = SCHEDULE.better - left
+    if _followed(steps, lambda: steps.nearer(SCHEDULE.nearer_nodes), left + 1) <= left or taken:
+        steps.promising(None, SCHEDULE.clocked_nodes)
+
+
+def _followed(steps: Steps, search: Callable[[], Clocked], most: int) -> int:
+    """Take what a search gives, until nothing is better, at most so many candidates; how many are left of them."""
+    while most:
+        best, candidate = steps.worth(), search().candidate
         if candidate is None:
-            return
-        if not steps.take(candidate):
-            return
-        if steps.worth() >= best:
             break
-    steps.promising(None, SCHEDULE.clocked_nodes)
+        most -= 1
+        if not steps.take(candidate) or steps.worth() >= best:
+            break
+    return most
 
 
 def _closer(steps: Steps, gap: float, budget: Budget) -> None:

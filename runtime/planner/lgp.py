@@ -176,7 +176,7 @@ class _SolveRun:
         if not self.accepted:
             return
         steps = Steps(partial(self._propose, loop), partial(self._take, loop), self._repeats, self._best_worth,
-                      partial(self._promising, loop))  # fmt: skip
+                      partial(self._promising, loop), partial(self._nearer, loop))  # fmt: skip
         try:
             with suppress(OutOfTime):
                 if self.options.minimise == ACTIONS:
@@ -193,6 +193,10 @@ class _SolveRun:
             clocked = self.improvement.better(loop.search, below, nodes)
         self.least = clocked.bound
         return clocked
+
+    def _nearer(self, loop: CandidateLoop, nodes: int) -> Clocked:
+        with self.bounds.clock("search"):
+            return self.improvement.nearer(loop.search, nodes)
 
     def _repeats(self, candidate: Candidate) -> bool:
         return self.distinct is not None and self.distinct.repeats(candidate, self.accepted)

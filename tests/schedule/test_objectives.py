@@ -123,10 +123,10 @@ def test_windows_have_no_gap(capsys: pytest.CaptureFixture[str]) -> None:
 def test_the_least_time_of_a_way_from_rest_to_rest(way: float, seconds: float) -> None:
     """At 2 rad/s and 5 rad/s²: 0.8 rad are reached without ever being at full speed."""
     from tamplang.compiler.ir import IDENTITY, Joint, JointKind
-    from tamplang.runtime.planner.schedule.objective_value import _least_time
+    from tamplang.runtime.planner.schedule.least_times import least_time
 
     joint = Joint("j", JointKind.REVOLUTE, -1, IDENTITY, (0, 0, 1), -3.0, 3.0, 0.0, 2.0, 5.0)
-    assert _least_time(joint, way) == pytest.approx(seconds)
+    assert least_time(joint, way) == pytest.approx(seconds)
 
 
 def test_a_straight_way_takes_the_least_time_by_the_fastest_law() -> None:

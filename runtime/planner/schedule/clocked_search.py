@@ -11,17 +11,21 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import field
+
+import numpy as np
 
 from ....compiler.ir import Effect, Fact, Problem
 from ....compiler.symbolic.estimate import Estimate
 from ....langs.frozen import dataclass
 from ...geometry.attachments import carrier
-from ...skeleton import PhasePath, Skeleton
+from ...skeleton import Array, PhasePath, Skeleton
 from ..conflicts.forbidden_sequences import EMPTY
 from ..search.best_first import EQUAL, NOTHING, Candidate, Past, SkeletonSearch
 from ..search.skeleton_replay import motion_changes
 from ..search.stepper import left
 from .dependencies import bound_between, bound_by
+from .least_times import least_time
 from .settings import SCHEDULE
 
 Clocks = tuple[float, ...]
@@ -32,12 +36,38 @@ Mode = frozenset[Fact]
 @dataclass(frozen=True, slots=True)
 class Pace:
     """What an action of a rule is worth at least: its `seconds` of motion, which makespan counts `makespan` times, and
-    `more`, what the objective adds up over actions, beside `cost` times the action's own cost."""
+    `more`, what the objective adds up over actions, beside `cost` times the action's own cost. With `ways`, actions
+    whose postures are known take as long as the way between them, others the `usual` seconds of their rule: no bound
+    any more, but what to expect."""
 
     seconds: Mapping[str, float]
     more: Mapping[str, float]
     makespan: float
     cost: float
+    ways: Ways | None = None
+    usual: Mapping[str, float] = field(default_factory=dict)
+
+
+class Ways:
+    """Seconds from posture to posture. `ends` are the joints of all modules behind actions, by number; behind -1 those
+    at the start."""
+
+    def __init__(self, problem: Problem, ends: Mapping[int, Mapping[str, Array]]) -> None:
+        self._problem, self._ends = problem, ends
+        self._known: dict[tuple[str, int, int], float | None] = {}
+
+    def seconds(self, module: str, before: int, action: int) -> float | None:
+        """Those of a module from its posture behind one action to that behind another; None where one is not known."""
+        key = module, before, action
+        if key not in self._known:
+            here, there = self._ends.get(before), self._ends.get(action)
+            self._known[key] = None if here is None or there is None else self._least(module, here, there)
+        return self._known[key]
+
+    def _least(self, module: str, here: Mapping[str, Array], there: Mapping[str, Array]) -> float:
+        joints = self._problem.world.modules[module].type.joints
+        away = np.abs(there[module] - here[module])
+        return max((least_time(j, float(a)) for j, a in zip(joints, away, strict=True)), default=0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +103,8 @@ class _ClockedNode:
     met: tuple[object, Clocks]
     before: _ClockedNode | None
     number: int
+    last: tuple[int, ...] = ()
+    """By module, the action that gave it its posture, where ways count."""
 
 
 class ClockedSearch:
@@ -103,7 +135,8 @@ class ClockedSearch:
         start = clocks or (0.0,) * (len(self._modules) + 2)
         begun = EMPTY, search.no_goods.root, None
         initial, mode = self._successors.initial, self._problem.init_motion
-        root = _ClockedNode(initial, mode, start, begun, self._met(initial, mode, start, begun), None, -1)
+        last = () if self._pace.ways is None else (-1,) * len(self._modules)
+        root = _ClockedNode(initial, mode, start, begun, self._met(initial, mode, start, begun, last), None, -1, last)
         queue: list[tuple[float, float, int, _ClockedNode]] = []
         known: dict[object, list[Clocks]] = {}
         refused = below
@@ -126,7 +159,7 @@ class ClockedSearch:
             search.budget.grown += len(children)
             for following, number in children:
                 step = self._step(node.state, node.mode, number)
-                clocks = self._after(node.clocks, step, number)
+                clocks, last = self._after(node.clocks, step, number, node.last)
                 child_value = max(value, self._value(following, clocks))
                 if child_value == math.inf or child_value >= below - EQUAL:
                     continue
@@ -134,10 +167,10 @@ class ClockedSearch:
                 if past is None:
                     refused = min(refused, child_value)
                     continue
-                met = self._met(following, step.mode, clocks, past)
+                met = self._met(following, step.mode, clocks, past, last)
                 if not _is_new(known, *met):
                     continue
-                child = _ClockedNode(following, step.mode, clocks, past, met, node, number)
+                child = _ClockedNode(following, step.mode, clocks, past, met, node, number, last)
                 age += 1
                 heapq.heappush(queue, (child_value, sum(self._left(following)), age, child))
         return Clocked(None, math.inf, refused)
@@ -162,9 +195,20 @@ class ClockedSearch:
             self._rest[state] = known
         return known
 
-    def _after(self, clocks: Clocks, step: _Step, number: int) -> Clocks:
-        *modules, last, added = _behind(clocks, step.waits, step.binds, step.seconds)
-        return *modules, last, added + self._added(number)
+    def _after(
+        self, clocks: Clocks, step: _Step, number: int, last: tuple[int, ...]
+    ) -> tuple[Clocks, tuple[int, ...]]:
+        """The clocks behind an action, and the actions that gave modules their postures."""
+        seconds = step.seconds if self._pace.ways is None else self._on_the_way(self._pace.ways, step, number, last)
+        *modules, latest, added = _behind(clocks, step.waits, step.binds, seconds)
+        then = tuple(number if k in step.waits else before for k, before in enumerate(last))
+        return (*modules, latest, added + self._added(number)), then
+
+    def _on_the_way(self, ways: Ways, step: _Step, number: int, last: tuple[int, ...]) -> float:
+        found = [ways.seconds(self._modules[k], last[k], number) for k in step.waits]
+        known = [seconds for seconds in found if seconds is not None]
+        usual = self._pace.usual.get(self._successors.action(number).rule, step.seconds)
+        return max(known, default=0.0) if len(known) == len(found) else usual
 
     def _added(self, number: int) -> float:
         rule = self._successors.action(number).rule
@@ -200,11 +244,13 @@ class ClockedSearch:
 
     # --- what was met ------------------------------------------------------------------------------------------------
 
-    def _met(self, state: int, mode: Mode, clocks: Clocks, past: Past) -> tuple[object, Clocks]:
+    def _met(
+        self, state: int, mode: Mode, clocks: Clocks, past: Past, last: tuple[int, ...]
+    ) -> tuple[object, Clocks]:
         """The state, up to names of modules that stand for each other, and the clocks in the order of these names."""
         renaming = self._search.renaming
-        if past != NOTHING:
-            return (state, mode, past), clocks
+        if past != NOTHING or last:
+            return (state, mode, past, last), clocks
         if renaming is None:
             return (state, mode), clocks
         known = self._renamed.get(state)
@@ -240,9 +286,10 @@ class ClockedSearch:
         """What the objective comes to at least for these actions."""
         state, mode = self._successors.initial, self._problem.init_motion
         clocks: Clocks = (0.0,) * (len(self._modules) + 2)
+        last = () if self._pace.ways is None else (-1,) * len(self._modules)
         for number in numbers:
             step = self._step(state, mode, number)
-            clocks = self._after(clocks, step, number)
+            clocks, last = self._after(clocks, step, number, last)
             state, mode = self._successors.after(state, number), step.mode
         return self._pace.makespan * clocks[-2] + clocks[-1]
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+
+import numpy as np
 
 from ....compiler.ir import Problem
 from ....compiler.objectives import Objective
 from ...plan import Plan
+from ...skeleton import Array
 from ..search.best_first import Candidate, SkeletonSearch
-from .clocked_search import Clocked, ClockedSearch, Pace
-from .objective_value import shares
+from .clocked_search import Clocked, ClockedSearch, Pace, Ways
+from .objective_value import shares, spans
 from .settings import SCHEDULE
 
 
@@ -20,6 +23,10 @@ class Improvement:
         self._problem, self._objective = problem, objective
         self._seconds: dict[str, float] = {}
         self._more: dict[str, float] = {}
+        self._all: dict[str, list[float]] = {}
+        self._ends: dict[int, Mapping[str, Array]] = {
+            -1: {name: np.asarray(m.joints, dtype=float) for name, m in problem.world.modules.items()}
+        }
         self._met: list[Candidate] = []
 
     def learn(self, candidate: Candidate, sequence: Plan, seconds: Sequence[float]) -> None:
@@ -28,6 +35,25 @@ class Improvement:
         for rule, own, more in shares(self._problem, self._objective, sequence, seconds):
             self._seconds[rule] = min(own, self._seconds.get(rule, own))
             self._more[rule] = min(more, self._more.get(rule, more))
+            self._all.setdefault(rule, []).append(own)
+        lasts = [span.stop - 1 for _, span in spans(sequence)]
+        for number, last in zip(candidate.numbers, lasts, strict=True):
+            self._ends[number] = {t.name: np.asarray(t.joints[last], dtype=float) for t in sequence.tracks}
+
+    def nearer(self, search: SkeletonSearch, nodes: int) -> Clocked:
+        """The best candidate that promises to be enough better where actions take as long as the ways between the
+        postures that they had, and others as long as usual. Raises OutOfTime."""
+        weights, rules = dict(self._objective.weights), self._problem.rules
+        usual = {rule: sum(found) / len(found) for rule, found in self._all.items()}
+        longest = max(usual.values(), default=0.0)
+        pace = Pace(
+            {r: self._seconds.get(r, 0.0) for r in rules}, {r: self._more.get(r, 0.0) for r in rules},
+            weights.get("makespan", 0.0), weights.get("actions", 0.0), Ways(self._problem, self._ends),
+            {r: usual.get(r, longest) for r in rules},
+        )  # fmt: skip
+        clocked = ClockedSearch(search, pace)
+        below = (1.0 - SCHEDULE.worthwhile) * min(clocked.valued(c.numbers) for c in self._met)
+        return clocked.best(below, nodes)
 
     def better(self, search: SkeletonSearch, below: float | None, nodes: int) -> Clocked:
         """The best candidate that promises to come `below` a value (None: below those met by enough to be tried), and

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 
 import msgspec
 import numpy as np
 
-from ....compiler.ir import Joint, Problem
+from ....compiler.ir import Problem
 from ....compiler.objectives import Objective
 from ....compiler.physics.frames import poses
 from ....compiler.physics.statics import drives
@@ -16,6 +15,7 @@ from ...geometry.attachments import robots
 from ...plan import ObjectiveRecord, PhaseRecord, Plan
 from ...skeleton import Array
 from ...tracks import body_rows
+from .least_times import least_time
 from .profiles import STILL
 
 THESE, ANY, ALIKE = "these actions", "any actions", "any actions, none below those here"
@@ -58,7 +58,7 @@ def shares(
     actions beside their cost."""
     weights = dict(objective.weights)
     found = []
-    for (phase, span), own in zip(_spans(plan), seconds, strict=True):
+    for (phase, span), own in zip(spans(plan), seconds, strict=True):
         more = weights.get("duration", 0.0) * own
         if "travel" in weights:
             rows = (np.asarray(t.joints[span], dtype=float) for t in plan.tracks)
@@ -80,13 +80,13 @@ def _measured(problem: Problem, plan: Plan, name: str, cost: float) -> float:
             rows = (np.asarray(t.joints, dtype=float) for t in plan.tracks)
             return sum(float(np.linalg.norm(np.diff(r, axis=0), axis=1).sum()) for r in rows if r.size)
         case "duration":
-            return sum(_busy(problem, plan, phase, span) for phase, span in _spans(plan))
+            return sum(_busy(problem, plan, phase, span) for phase, span in spans(plan))
         case "energy":
-            return sum(_work(problem, plan, phase, span) for phase, span in _spans(plan))
+            return sum(_work(problem, plan, phase, span) for phase, span in spans(plan))
     raise AssertionError(name)
 
 
-def _spans(plan: Plan) -> Iterator[tuple[PhaseRecord, slice]]:
+def spans(plan: Plan) -> Iterator[tuple[PhaseRecord, slice]]:
     """Every phase with its samples."""
     times = np.asarray(plan.times)
     cuts = [0, *(np.flatnonzero(np.diff(times) <= 0.0) + 1).tolist(), len(times)]
@@ -145,18 +145,7 @@ def _shortest(problem: Problem, plan: Plan) -> Mapping[str, float]:
         away = np.abs(np.asarray(spline.values[-1]) - np.asarray(spline.values[0]))
         joints = problem.world.modules[spline.module].type.joints
         travel += float(np.linalg.norm(away))
-        least = max((_least_time(j, float(d)) for j, d in zip(joints, away, strict=True)), default=0.0)
+        least = max((least_time(j, float(d)) for j, d in zip(joints, away, strict=True)), default=0.0)
         span = spline.first, spline.until
         duration[span] = max(duration.get(span, 0.0), least)
     return {"travel": travel, "duration": sum(duration.values())}
-
-
-def _least_time(joint: Joint, way: float) -> float:
-    """Seconds from rest to rest."""
-    speed, acceleration = joint.speed, joint.acceleration
-    if way <= 0.0 or math.isinf(speed):
-        return 0.0 if way <= 0.0 or math.isinf(acceleration) else 2.0 * math.sqrt(way / acceleration)
-    if math.isinf(acceleration):
-        return way / speed
-    long = way > speed * speed / acceleration
-    return way / speed + speed / acceleration if long else 2.0 * math.sqrt(way / acceleration)

@@ -13,6 +13,7 @@ from .multi_start import SpanSolver, solve_span
 from .placement_samples import places
 from .settings import KEYFRAMES
 from .sliding_windows import led_around, solve_windows
+from .unwinding import unwound
 
 
 def solve_sequence(
@@ -46,6 +47,8 @@ def solve_sequence(
     if result.feasible and len(skeleton) > KEYFRAMES.longest_whole and warm is None and not places(skeleton):
         whole = span.search(result.configurations[1:], 1)
         result = whole if whole.feasible else result
+    if result.feasible:
+        result.configurations = unwound(skeleton.problem, result.configurations)
     result.iterations += span.iterations
     result.seconds = time.monotonic() - began
     return result
