@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ...langs.frozen import dataclass
 from ..ir import JointKind, Problem
 from .frames import Array, Poses, crossed, foot_radius, meeting
 from .records import CONTACTS
@@ -19,23 +20,23 @@ SIDES = 4
 of a regular polygon inside the circle, at most 8 % too strict."""
 
 
+LIFTED = 100.0
+"""What a row that does not grow costs, beside the ratio, where it gives way."""
+
+
 def shared(
     problem: Problem, found: Structure, at: Poses, known: list[tuple[Array, Array]], safety: float
 ) -> list[tuple[Array, Array]]:
     """The wrenches of all edges, those of the trees corrected by what the loops take: sample by sample the share with
     the least worst ratio."""
     count, unknowns = len(at.turns[WORLD]), 6 * len(found.loops)
-    ways = subtrees(found)
-    signs = np.zeros((len(found.edges), len(found.loops)))
-    for column, loop in enumerate(found.loops):
-        for edge in ways[loop.child] ^ ways[loop.parent]:
-            signs[edge, column] = -1.0 if edge in ways[loop.child] else 1.0
+    signs = _signs(found)
     total = [(f.copy(), m.copy()) for f, m in known]
     total += [(np.zeros((count, 3)), np.zeros((count, 3))) for _ in found.loops]
     rows, constants, scale = _rows(problem, found, at, known, signs, safety)
     solver = _Least(rows.shape[1], unknowns, scale) if len(scale) else None
     taken = np.zeros((count, unknowns)) if solver is None else np.stack(
-        [solver(rows[t], constants[t]) for t in range(count)]
+        [solver(rows[t], constants[t]).taken for t in range(count)]
     )
     for column in range(len(found.loops)):
         force, moment = taken[:, 6 * column : 6 * column + 3], taken[:, 6 * column + 3 : 6 * column + 6]
@@ -44,6 +45,48 @@ def shared(
             sign = signs[number, column]
             total[number] = total[number][0] + sign * force, total[number][1] + sign * moment
     return total
+
+
+def _signs(found: Structure) -> Array:
+    """How the wrench of each loop counts in that of each edge of a tree `(edges, loops)`: 1, -1 or 0."""
+    ways = subtrees(found)
+    signs = np.zeros((len(found.edges), len(found.loops)))
+    for column, loop in enumerate(found.loops):
+        for edge in ways[loop.child] ^ ways[loop.parent]:
+            signs[edge, column] = -1.0 if edge in ways[loop.child] else 1.0
+    return signs
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """How loops share their loads: the wrenches that close them, the worst ratio of load to strength, and what each row
+    weighs in that."""
+
+    taken: Array
+    ratio: float
+    weights: Array
+
+
+def shares(
+    problem: Problem, found: Structure, at: Poses, known: list[tuple[Array, Array]], safety: float
+) -> list[Share]:
+    """The best share of every sample. Where something must lift off to bear itself, that counts a hundredfold."""
+    rows, constants, scale = _rows(problem, found, at, known, _signs(found), safety)
+    if not len(scale):
+        return [Share(np.zeros(rows.shape[2]), 0.0, scale)] * len(rows)
+    solver = _Least(rows.shape[1], rows.shape[2], scale)
+    return [solver(rows[t], constants[t]) for t in range(len(rows))]
+
+
+def ratios_of(
+    problem: Problem, found: Structure, at: Poses, known: list[tuple[Array, Array]], safety: float,
+    shared_so: Sequence[Share],
+) -> Array:
+    """What the worst ratio `(T,)` of samples is to first order beside those whose shares are given, one for each: the
+    weighted rows under the same wrenches."""
+    rows, constants, _ = _rows(problem, found, at, known, _signs(found), safety)
+    taken, weights = np.stack([s.taken for s in shared_so]), np.stack([s.weights for s in shared_so])
+    return np.asarray(((np.einsum("tru,tu->tr", rows, taken) + constants) * weights).sum(axis=1))
 
 
 def _rows(
@@ -169,10 +212,11 @@ class _Least:
         program = _program(count, rows)
         self._buffer, self._solve = program.buffer()
         self._matrix, self._upper, self._found = np.zeros((count, rows)), np.zeros(rows), np.zeros(count)
+        self._weights = np.zeros(rows)
         self._matrix[unknowns], self._matrix[unknowns + 1] = -scale, -(1.0 - scale)
         given = {
             "h": np.concatenate([np.full(unknowns, 1e-7), [1e-9, 1e-9]]),
-            "g": np.concatenate([np.zeros(unknowns), [1.0, 100.0]]), "a": self._matrix,
+            "g": np.concatenate([np.zeros(unknowns), [1.0, LIFTED]]), "a": self._matrix,
             "lba": np.full(rows, -np.inf), "uba": self._upper,
             "lbx": np.concatenate([np.full(unknowns, -np.inf), [0.0, 0.0]]), "ubx": np.full(count, np.inf),
         }  # fmt: skip
@@ -180,9 +224,11 @@ class _Least:
         for name, values in given.items():
             self._buffer.set_arg(program.index_in(name), values.reshape(-1).data)
         self._buffer.set_res(program.index_out("x"), self._found.data)
+        self._buffer.set_res(program.index_out("lam_a"), self._weights.data)
 
-    def __call__(self, rows: Array, constant: Array) -> Array:
+    def __call__(self, rows: Array, constant: Array) -> Share:
         self._matrix[: self._unknowns] = rows.T
         self._upper[:] = -constant
         self._solve()
-        return self._found[: self._unknowns].copy()
+        taken, (grown, lifted) = self._found[: self._unknowns].copy(), self._found[self._unknowns :]
+        return Share(taken, float(grown + LIFTED * lifted), self._weights.copy())

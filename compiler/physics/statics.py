@@ -99,6 +99,12 @@ def met(problem: Problem, edge: Edge, at: Poses, force: Array, moment: Array) ->
 
 def wrenches(problem: Problem, found: Structure, at: Poses, safety: float) -> list[tuple[Array, Array]]:
     """Force and moment about the origin `(T, 3)` that the far side of every edge puts on the near one."""
+    borne = hanging(problem, found, at)
+    return shared(problem, found, at, borne, safety) if found.loops else borne
+
+
+def hanging(problem: Problem, found: Structure, at: Poses) -> list[tuple[Array, Array]]:
+    """The same of the edges of the trees, where loops take nothing."""
     nodes = [e.child for e in found.edges if e.child in at.turns]
     count = len(at.turns[WORLD])
     sums: dict[Node, tuple[Array, Array]] = {n: (np.zeros((count, 3)), np.zeros((count, 3))) for n in (WORLD, *nodes)}
@@ -110,7 +116,7 @@ def wrenches(problem: Problem, found: Structure, at: Poses, safety: float) -> li
         borne[number] = sums[edge.child]
         force, moment = sums[edge.parent]
         sums[edge.parent] = force + sums[edge.child][0], moment + sums[edge.child][1]
-    return shared(problem, found, at, borne, safety) if found.loops else borne
+    return borne
 
 
 def loads_of(problem: Problem, edge: Edge, at: Poses, force: Array, moment: Array, safety: float) -> list[Load]:

@@ -8,7 +8,11 @@ from tamplang.compiler.physics.frames import poses
 from tamplang.compiler.physics.statics import loads
 from tamplang.compiler.physics.structure import structure
 from tamplang.compiler.pipeline import compile_text
+from tamplang.runtime.planner.motion.keyframes.bearing_rows import bearing_groups
+from tamplang.runtime.planner.motion.nlp.unknowns import UnknownsLayout
 from tamplang.runtime.planner.plan_assembly import module_record
+from tamplang.runtime.planner.statics.settings import STATICS
+from tamplang.runtime.skeleton import start_configuration
 from tamplang.runtime.verify.geometry import frames
 from tamplang.runtime.verify.kept_poses import kept
 from tamplang.runtime.verify.kinematics import Kinematics
@@ -83,3 +87,28 @@ def test_two_feet_bear_what_one_could_not() -> None:
     one, two = (max(float(x.ratio[0]) for x in loads(problem, mode, at)) for mode in (alone, MODE))
     assert one > 2.0 and two < 0.7 * one
     assert two == pytest.approx(max(float(x.ratio[0]) for x in loads(problem, MODE, at)), rel=1e-6)
+
+
+def test_rows_of_closed_loops_change_as_the_best_share_does() -> None:
+    problem, _ = compile_text(TEXT.format(pull="100 N", moment="30 N m"))
+    start = start_configuration(problem)
+    layout = UnknownsLayout(problem.world, start)
+    for _ in range(2):
+        layout.add_slice(["c"])
+    (group,) = bearing_groups(problem, layout, [(t, t - 1, MODE) for t in (1, 2)])
+    assert group.shape == (2, 1)
+    random = np.random.default_rng(1)
+    x = layout.pack(dict.fromkeys(range(3), start))
+    x += np.tile([*[0.0] * 7, 1.0, 1.0, 1.0], 2) * random.normal(0, 0.5, 20)
+    z = np.concatenate([layout.constants, x])
+    slopes, places = group.jacobians(z, slice(None))
+    for column in range(7, 10):
+        step = np.zeros(len(z))
+        step[places[:, column]] = 1e-5
+        found = (group.residuals(z + step) - group.residuals(z - step)) / 2e-5
+        assert found == pytest.approx(slopes[:, :, column], rel=1e-3, abs=1e-4)
+    at = poses(problem, {"c": np.stack([layout.unpack(x, t).modules["c"] for t in (1, 2)])},
+               {n: np.repeat(np.array([b.pose]), 2, 0) for n, b in problem.world.bodies.items()})  # fmt: skip
+    worst = np.max([load.ratio for load in loads(problem, MODE, at, 1.5 / STATICS.room)], axis=0)
+    assert np.all(worst <= group.residuals(z)[:, 0] + 1.0 + 1e-6)
+    assert np.all(group.residuals(z)[:, 0] + 1.0 <= 1.09 * worst)

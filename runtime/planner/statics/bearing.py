@@ -34,14 +34,21 @@ def asked(problem: Problem) -> bool:
     return problem.options.physics in ("statics", "dynamics")
 
 
-def _violations(problem: Problem, found: Sequence[Load], phase: int, moments: Sequence[str]) -> list[Violation]:
-    """`moments` tells when each sample is."""
+def kept_at_rest(problem: Problem) -> float:
+    """What is used of a strength at rest."""
+    return STATICS.kept_moving if problem.options.physics == "dynamics" else STATICS.kept
+
+
+def _violations(
+    problem: Problem, found: Sequence[Load], phase: int, moments: Sequence[str], kept: float
+) -> list[Violation]:
+    """What is loaded by more than is `kept` of its strength; `moments` tells when each sample is."""
     told = []
     for load in found:
         worst = int(np.argmax(load.ratio))
-        if load.ratio[worst] > STATICS.kept:
+        if load.ratio[worst] > kept:
             safety = safety_of(problem.options)
-            excess = float(safety * load.amount[worst] - STATICS.kept * load.strength)
+            excess = float(safety * load.amount[worst] - kept * load.strength)
             names, span = load.edge.names, stated_at(problem, load.edge)
             borne = float(load.amount[worst]), safety, load.strength
             told.append(
@@ -59,7 +66,8 @@ def exceeded(
     which joints move besides those that do so in these samples: their brakes bear nothing."""
     at = poses(problem, modules, bodies)
     at = replace(at, moved=at.moved | moved)
-    return _violations(problem, loads(problem, mode, at, safety_of(problem.options)), phase, moments)
+    found = loads(problem, mode, at, safety_of(problem.options))
+    return _violations(problem, found, phase, moments, kept_at_rest(problem))
 
 
 def exceeded_at(
@@ -204,7 +212,7 @@ def slowed(
         if stretch is None:
             mode, times = skeleton.phases[phase].mode, np.linspace(0.0, path.duration * STATICS.slowest, count + 1)
             found = loads(problem, mode, poses(problem, modules, bodies, times), safety_of(problem.options))
-            return list(paths), _violations(problem, found, phase, _moments(times / STATICS.slowest))
+            return list(paths), _violations(problem, found, phase, _moments(times / STATICS.slowest), STATICS.kept)
         made.append(replace(path, duration=math.ceil(path.duration * stretch * 100.0) / 100.0))
         now = Configuration({n: rows[-1] for n, rows in modules.items()}, {n: rows[-1] for n, rows in bodies.items()})
     return made, []

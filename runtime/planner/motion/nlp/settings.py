@@ -18,6 +18,9 @@ class SolverSettings:
         " from up to 17 mm: an arm of four joints at the ends of their ranges, 12 of 12 seeds in half the time instead"
         " of 11. Never seen from more.",
     )
+    load_difference: float = setting(
+        1e-6, "m or rad", "By how much poses and joints are varied to see how fast loads in closed loops change."
+    )
     ipopt_iterations: int = setting(300, "iterations", "The most that IPOPT takes.")
     limit_wish: float = setting(
         3.0, "1", "The scale of the wish to keep away from joint limits.",

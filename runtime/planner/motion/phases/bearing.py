@@ -12,6 +12,7 @@ from .....compiler.physics.frames import Poses, poses
 from .....compiler.physics.safety import safety_of
 from .....compiler.physics.statics import loads
 from ....skeleton import Array, Configuration
+from ...statics import kept_at_rest
 from ...statics.settings import STATICS
 from .batch_kinematics import Indices
 from .joint_forest import PhaseTree
@@ -26,9 +27,10 @@ class PhaseLoads:
         self._problem, self._mode, self._tree, self._before = problem, mode, tree, before
         self._safety = safety_of(problem.options)
 
-    def worst(self, values: Array) -> float:
-        """The greatest ratio at any time."""
-        return float(self._ratios(values, self._poses(values)).max(initial=0.0))
+    def borne(self, values: Array) -> bool:
+        """Whether all strengths are kept at all times."""
+        worst = float(self._ratios(values, self._poses(values)).max(initial=0.0))
+        return worst <= kept_at_rest(self._problem)
 
     def missed(self, values: Array) -> tuple[Indices, Array, Array]:
         """Of every row that is beyond its share of a strength: the time, the excess as metres, and how fast joints

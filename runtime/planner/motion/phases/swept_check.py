@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....skeleton import Array
-from ...statics.settings import STATICS
 from .phase_batch import Batch
 from .settings import PHASES
 from .swept_clearance import swept_clearance
@@ -43,5 +42,5 @@ def sweep(batch: Batch, paths: Array, chunk: int = 16) -> Sweep:
     ])
     borne = np.ones(len(batch), bool)
     for k, loads in enumerate(batch.loads):
-        borne[k] = loads.worst(values[k, :: PHASES.load_stride]) <= STATICS.kept
+        borne[k] = loads.borne(values[k, :: PHASES.load_stride])
     return Sweep(clearance, beyond.max(axis=(1, 2), initial=-np.inf), step.max(axis=(1, 2), initial=-np.inf), borne)
