@@ -84,7 +84,8 @@ def _near(path: str) -> str | None:
 
 
 def _too_large(path: str, size: int) -> SourceError:
-    return _refusal("E0015", f"`{path}` is too large: {size / 1e6:.1f} MB, at most 1 MB", "use loops for large scenes")
+    help = "use loops for large scenes" if path.endswith(".tamp") else "take it apart into smaller files"
+    return _refusal("E0015", f"`{path}` is too large: {size / 1e6:.1f} MB, at most 1 MB", help)
 
 
 def _refusal(code: str, message: str, help: str | None = None) -> SourceError:
