@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, MutableMapping
 from dataclasses import field, replace
 from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compiler.ir import Action, Fact, Problem
+from ..compiler.ir import Action, Fact, Problem, World
+from ..compiler.remembering import remembered
 from ..langs.frozen import dataclass
 from ..langs.source import Span
 
@@ -50,29 +52,97 @@ def beginning(skeleton: Skeleton, length: int) -> Skeleton:
     return replace(skeleton, phases=skeleton.phases[:length], final_mode=skeleton.phases[length].mode)
 
 
+class BodyPoses(MutableMapping[str, Array]):
+    """Poses `(7,)` of bodies: `own` ones, and those of what never moves, which all configurations of a scene `share`,
+    as there are many of both."""
+
+    __slots__ = ("own", "shared")
+
+    def __init__(self, own: dict[str, Array], shared: Mapping[str, Array]) -> None:
+        self.own, self.shared = own, shared
+
+    def __getitem__(self, name: str) -> Array:
+        found = self.own.get(name)
+        return self.shared[name] if found is None else found
+
+    def __setitem__(self, name: str, pose: Array) -> None:
+        self.own[name] = pose
+
+    def __delitem__(self, name: str) -> None:
+        del self.own[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.own or name in self.shared
+
+    def __iter__(self) -> Iterator[str]:
+        yield from (name for name in self.shared if name not in self.own)
+        yield from self.own
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+
 @dataclass(slots=True)
 class Configuration:
     """Where everything is at one instant.
 
     `modules` maps a module to `(7 + n,)`: pose of its module frame (x, y, z, qx, qy, qz, qw; world, metres), then its
-    n joint values. `bodies` maps every body, at rest or not, to its pose `(7,)`.
+    n joint values. `bodies` maps every body, at rest or not, to its pose `(7,)`; those of `BodyPoses` that are shared
+    are not to be written to.
     """
 
     modules: dict[str, Array]
-    bodies: dict[str, Array]
+    bodies: MutableMapping[str, Array]
 
     def copy(self) -> Configuration:
-        return Configuration(
-            {k: v.copy() for k, v in self.modules.items()}, {k: v.copy() for k, v in self.bodies.items()}
-        )
+        bodies = {k: v.copy() for k, v in own_poses(self.bodies).items()}
+        return Configuration({k: v.copy() for k, v in self.modules.items()}, _with(self.bodies, bodies))
+
+    def then(self, modules: dict[str, Array], bodies: Mapping[str, Array]) -> Configuration:
+        """Where everything is once all modules, and some bodies, are elsewhere."""
+        return Configuration(modules, _with(self.bodies, {**own_poses(self.bodies), **bodies}))
+
+
+def own_poses(bodies: Mapping[str, Array]) -> Mapping[str, Array]:
+    """The poses of a configuration that it does not share with others of its scene."""
+    return bodies.own if isinstance(bodies, BodyPoses) else bodies
+
+
+def _with(bodies: Mapping[str, Array], own: dict[str, Array]) -> MutableMapping[str, Array]:
+    return BodyPoses(own, bodies.shared) if isinstance(bodies, BodyPoses) else own
+
+
+def may_differ(one: Configuration, other: Configuration) -> Iterator[str]:
+    """The bodies whose poses two configurations do not share."""
+    first, second = one.bodies, other.bodies
+    if isinstance(first, BodyPoses) and isinstance(second, BodyPoses) and first.shared is second.shared:
+        yield from first.own
+        yield from (name for name in second.own if name not in first.own)
+    else:
+        yield from first
+
+
+@remembered(8)
+def fixed_poses(world: World) -> Mapping[str, Array]:
+    """The poses at time 0 of the bodies that never move, not to be written to."""
+    found = {b.name: np.array(b.pose) for b in world.bodies.values() if not b.movable}
+    for pose in found.values():
+        pose.flags.writeable = False
+    return found
+
+
+@remembered(8)
+def movable(world: World) -> tuple[str, ...]:
+    """The bodies that may move."""
+    return tuple(b.name for b in world.bodies.values() if b.movable)
 
 
 def start_configuration(problem: Problem) -> Configuration:
     """The scene at time 0."""
-    return Configuration(
-        {m.name: np.array([*m.pose, *m.joints]) for m in problem.world.modules.values()},
-        {b.name: np.array(b.pose) for b in problem.world.bodies.values()},
-    )
+    world = problem.world
+    bodies = {name: np.array(world.bodies[name].pose) for name in movable(world)}
+    modules = {m.name: np.array([*m.pose, *m.joints]) for m in world.modules.values()}
+    return Configuration(modules, BodyPoses(bodies, fixed_poses(world)))
 
 
 @dataclass(slots=True)

@@ -39,7 +39,7 @@ class Resampled:
     def end(self, start: Configuration) -> Configuration:
         """Where everything is at the end."""
         modules = {m: np.concatenate([self.poses[m][-1], self.joints[m][-1]]) for m in self.poses}
-        return Configuration(modules, {**start.bodies, **{b: p[-1] for b, p in self.bodies.items()}})
+        return start.then(modules, {b: p[-1] for b, p in self.bodies.items()})
 
 
 def resample(
@@ -51,8 +51,8 @@ def resample(
     knots = np.linspace(0.0, path.duration, count + 1)
     times = np.linspace(0.0, path.duration, factor * count + 1)
     joints = {m: ClampedSpline(knots, rows[:, 7:])(times) for m, rows in path.modules.items()}
-    own = {b: pose[None, :] for b, pose in start.bodies.items() if b not in path.bodies}
-    linker = Linker(problem, joints, start, own, len(times))
+    named = [b for pair in kept_pairs(problem, mode) for b in pair if b in start.bodies and b not in path.bodies]
+    linker = Linker(problem, joints, start, {b: start.bodies[b][None, :] for b in named}, len(times))
     linker.follow(mode)
     poses = {m: linker.poses.get(m) for m in path.modules}
     bodies = {b: linker.poses.get(b) for b in path.bodies}

@@ -176,7 +176,7 @@ def sampled(path: PhasePath, times: Array) -> dict[str, Array]:
 
 def _last(executed: Executed, configuration: Configuration) -> Configuration:
     modules = {m: np.concatenate([executed.poses[m][-1], executed.joints[m][-1]]) for m in executed.poses}
-    return Configuration(modules, {**configuration.bodies, **{b: rows[-1] for b, rows in executed.bodies.items()}})
+    return configuration.then(modules, {b: rows[-1] for b, rows in executed.bodies.items()})
 
 
 def spline_values(knots: Array, duration: float, times: Array, derivative: int = 0) -> Array:

@@ -207,13 +207,13 @@ class LengthUnit:
         """A little slower than in its own unit, so that times are round."""
         seconds = math.ceil(path.duration * self.seconds * 100.0 - 1e-6) / 100.0
         ends = self._configuration(Configuration(path.modules, path.bodies), self.metres)
-        return PhasePath(ends.modules, ends.bodies, max(ACCEPTANCE.shortest_phase, seconds))
+        return PhasePath(ends.modules, dict(ends.bodies), max(ACCEPTANCE.shortest_phase, seconds))
 
     def _configuration(self, configuration: Configuration, factor: float) -> Configuration:
         """Poses `(…, 7)` and slots `(…, 7 + n)` with their lengths multiplied."""
         modules = {name: slot * self._lengths(name, factor) for name, slot in configuration.modules.items()}
         of_body = np.array([factor] * 3 + [1.0] * 4)
-        return Configuration(modules, {name: pose * of_body for name, pose in configuration.bodies.items()})
+        return configuration.then(modules, {name: pose * of_body for name, pose in configuration.bodies.items()})
 
     def _lengths(self, module: str, factor: float) -> Array:
         joints = self.problem.world.modules[module].type.joints

@@ -10,7 +10,7 @@ from typing import Generic, TypeVar
 
 from ...budget import Budget
 from ...seeds import Seed
-from ...skeleton import BoundResult, Configuration, Skeleton, beginning
+from ...skeleton import BoundResult, Configuration, Skeleton, beginning, own_poses
 from ..motion.keyframes.sequence import solve_sequence, window_feasible
 from ..motion.path.whole_path import solve_path
 from ..motion.phases import UnsupportedPhase, solve_sequence_path
@@ -71,7 +71,8 @@ class AttemptRequest(Question[tuple[BoundResult, BoundResult | None]]):
 
     @property
     def key(self) -> Hashable:
-        rows = [row.tobytes() for c in self.warm for part in (c.modules, c.bodies) for row in part.values()]
+        parts = (part for c in self.warm for part in (c.modules, own_poses(c.bodies)))
+        rows = [row.tobytes() for part in parts for row in part.values()]
         return AttemptRequest, self.settings, self.draw, self.tries, self.motions, tuple(rows)
 
     def solved(self, skeleton: Skeleton, budget: Budget) -> tuple[BoundResult, BoundResult | None]:

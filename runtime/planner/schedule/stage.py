@@ -183,5 +183,5 @@ def configurations(skeleton: Skeleton, paths: Sequence[PhasePath]) -> list[Confi
     found = [start_configuration(skeleton.problem)]
     for path in paths:
         modules = {**found[-1].modules, **{m: rows[-1] for m, rows in path.modules.items()}}
-        found.append(Configuration(modules, {**found[-1].bodies, **{b: rows[-1] for b, rows in path.bodies.items()}}))
+        found.append(found[-1].then(modules, {b: rows[-1] for b, rows in path.bodies.items()}))
     return found

@@ -12,7 +12,7 @@ from .....compiler.motion.collision import keeps_pose
 from ....budget import Budget
 from ....geometry.attachments import followers
 from ....seeds import Seed
-from ....skeleton import Array, Bound, BoundResult, Configuration, Skeleton, start_configuration
+from ....skeleton import Array, Bound, BoundResult, Configuration, Skeleton, may_differ, start_configuration
 from ..settings import MotionSettings
 from .initial_guesses import guess, shake
 from .keyframe_program import SwitchProgram
@@ -45,7 +45,7 @@ def _repeat(
     copy = shake(skeleton.problem, earlier, random, 0.03)
     for slot in copy.modules.values():
         slot[:3] += here - there
-    for name in copy.bodies:
+    for name in may_differ(copy, guessed):
         copy.bodies[name] = guessed.bodies[name].copy()
     return copy
 

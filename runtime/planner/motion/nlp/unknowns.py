@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .....compiler.ir import ModuleType, World
 from ....geometry.transforms import coupled
-from ....skeleton import Array, Configuration
+from ....skeleton import Array, BodyPoses, Configuration, fixed_poses, movable
 
 Indices = NDArray[np.int64]
 ORIGIN = -1
@@ -40,7 +40,7 @@ class UnknownsLayout:
 
     def __init__(self, world: World, start: Configuration, pinned: Mapping[int, Configuration] | None = None) -> None:
         modules = [(m.name, start.modules[m.name]) for m in world.modules.values()]
-        bodies = [(b.name, start.bodies[b.name]) for b in world.bodies.values() if b.movable]
+        bodies = [(name, start.bodies[name]) for name in movable(world)]
         parts = modules + bodies
         self.names = [name for name, _ in parts]
         self.sizes = {name: len(value) for name, value in parts}
@@ -49,17 +49,18 @@ class UnknownsLayout:
         self._places: dict[int, Indices] = {}
         self.modules = [name for name, _ in modules]
         self.bodies = [name for name, _ in bodies]
-        self.resting = {b.name: start.bodies[b.name] for b in world.bodies.values() if not b.movable}
+        self.resting = _resting(world, start)
         self._pinned: dict[int, dict[str, int]] = {}
         values: list[Array] = []
         at = 0
         for slice_, configuration in [(0, start), *sorted((pinned or {}).items())]:
-            given = configuration.modules | configuration.bodies
             self._pinned[slice_] = {}
-            for name in (n for n in self.names if n in given):
-                self._pinned[slice_][name] = at
-                values.append(given[name])
-                at += self.sizes[name]
+            for name in self.names:
+                value = configuration.modules.get(name, configuration.bodies.get(name))
+                if value is not None:
+                    self._pinned[slice_][name] = at
+                    values.append(value)
+                    at += self.sizes[name]
         self.constants: Array = np.concatenate([np.zeros(0), *values])
         self.first_unknown = at
         self.end = at
@@ -132,10 +133,10 @@ class UnknownsLayout:
         the value of the first slice in which it stands."""
         z = np.zeros(self.end)
         for slice_ in sorted(configurations, reverse=True):
-            values = configurations[slice_].modules | configurations[slice_].bodies
+            modules, bodies = configurations[slice_].modules, configurations[slice_].bodies
             for name in self.names:
-                leaders = self._leaders.get(name)
-                z[self.slot(slice_, name)] = values[name] if leaders is None else values[name][leaders]
+                leaders, value = self._leaders.get(name), modules[name] if name in modules else bodies[name]
+                z[self.slot(slice_, name)] = value if leaders is None else value[leaders]
         return z[self.first_unknown :]
 
     def unpack(self, unknowns: Array, slice_: int) -> Configuration:
@@ -146,6 +147,13 @@ class UnknownsLayout:
             value[3:7] /= np.linalg.norm(value[3:7])
             if name in self._leaders:
                 value[7:] = coupled(self._types[name].joints, value[7:])
-        bodies = {name: pose.copy() for name, pose in self.resting.items()}
-        bodies |= {name: values[name] for name in self.bodies}
+        bodies = BodyPoses({name: values[name] for name in self.bodies}, self.resting)
         return Configuration({name: values[name] for name in self.modules}, bodies)
+
+
+def _resting(world: World, start: Configuration) -> Mapping[str, Array]:
+    """Where what never moves is: what all configurations of the scene share, if those are the poses."""
+    fixed = fixed_poses(world)
+    if isinstance(start.bodies, BodyPoses) and not start.bodies.own.keys() & fixed.keys():
+        return start.bodies.shared
+    return {name: start.bodies[name] for name in fixed}

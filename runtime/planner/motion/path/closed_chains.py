@@ -15,7 +15,7 @@ import numpy as np
 from .....compiler.motion.collision import contacts
 from ....budget import Budget
 from ....geometry.splines import spline_weights
-from ....skeleton import Array, Breach, Configuration, PhasePath, Skeleton, Violation
+from ....skeleton import Array, Breach, Configuration, PhasePath, Skeleton, Violation, may_differ
 from ..acceptance import clashes, dense, slip, steps
 from ..nlp.augmented_lagrangian import PATH, project
 from ..settings import MotionSettings
@@ -74,14 +74,14 @@ def _between(
     for t in range(slices + 1):
         share = t / slices
         weight = share * share * (3.0 - 2.0 * share)
-        modules, bodies = {}, {}
+        modules = {}
         for name, slot in before.modules.items():
             modules[name] = _mixed(slot, after.modules[name], weight)
             if name in bump and np.abs(slot - after.modules[name]).max() > 0.0:
                 modules[name][7:] += np.sin(np.pi * share) * bump[name]
-        for name, pose in before.bodies.items():
-            bodies[name] = _mixed(pose, after.bodies[name], weight)
-        result.append(Configuration(modules, bodies))
+        moved = may_differ(before, after)
+        bodies = {name: _mixed(before.bodies[name], after.bodies[name], weight) for name in moved}
+        result.append(before.then(modules, bodies))
     return result
 
 
@@ -132,8 +132,7 @@ def _denser(
     slices = [before]
     for t in range(1, fine.slices):
         modules = {name: tracks[name][t] for name in path.modules}
-        bodies = {name: tracks[name][t] if name in path.bodies else pose for name, pose in before.bodies.items()}
-        slices.append(Configuration(modules, bodies))
+        slices.append(before.then(modules, {name: tracks[name][t] for name in path.bodies}))
     slices.append(after)
     x = project(program.program(), program.pack(slices), CLOSURE, budget)
     return program.paths(program.unpack(x))[0]

@@ -25,7 +25,8 @@ from .....compiler.motion.collision import (
 )
 from .....langs.frozen import dataclass
 from ....skeleton import Array
-from .joint_forest import Mount, Obstacle, PhaseTree
+from .joint_forest import Mount, PhaseTree
+from .resting_shapes import Obstacle
 from .settings import PHASES
 
 Indices = NDArray[np.intp]

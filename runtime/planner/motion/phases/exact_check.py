@@ -18,7 +18,8 @@ from ....skeleton import Array
 from .batch_kinematics import BatchKinematics, Indices
 from .collision_spheres import Lineage, seen_whole
 from .contact_margins import NEVER, REQUIRED, Kinds, cross_kinds
-from .joint_forest import Obstacle, PhaseTree
+from .joint_forest import PhaseTree
+from .resting_shapes import Obstacle
 from .settings import PHASES
 
 NOTHING = Shape(ShapeKind.SPHERE, (0.0,))

@@ -17,13 +17,14 @@ from types import MappingProxyType
 
 import numpy as np
 
-from .....compiler.ir import Function, JointKind, ModuleType, Problem, Shape, Var, Vec3
+from .....compiler.ir import Function, JointKind, ModuleType, Problem, Var, Vec3
 from .....compiler.motion.bolted import bolted
 from .....compiler.motion.collision import keeps_pose, pose_matrix
 from .....langs.frozen import dataclass
 from ....geometry.drives import braked, ringed
 from ....geometry.transforms import quaternions
-from ....skeleton import Array, Configuration, Phase
+from ....skeleton import Array, Configuration, Phase, fixed_poses, movable
+from .resting_shapes import Obstacle, obstacles
 
 STILL = 1e-6
 """A robot whose joint values differ by less between two switches stays still."""
@@ -47,16 +48,6 @@ class UnsupportedPhase(Exception):
         self.phase = phase
         self.reason = reason
         self.names = names
-
-
-@dataclass(frozen=True, slots=True)
-class Obstacle:
-    """A shape that rests during the phase; `owner` is its body or module, `tag` the object that contacts name."""
-
-    shape: Shape
-    pose: Array
-    owner: str
-    tag: str | None
 
 
 @dataclass(slots=True)
@@ -193,7 +184,8 @@ class Scene:
         self.problem, self.index = problem, index
         self.world = problem.world
         self.frames = {m: link_frames(self.world.modules[m].type, s) for m, s in start.modules.items()}
-        self.poses = {b: pose_matrix(p) for b, p in start.bodies.items()}
+        self.start = start
+        self._poses: dict[str, Array] = {}
         self.moves = {
             m: bool(np.abs(end.modules[m][7:] - s[7:]).max(initial=0.0) > STILL) for m, s in start.modules.items()
         }
@@ -245,11 +237,17 @@ class Scene:
     def frame(self, name: str) -> Array:
         """World pose at the start of the phase of the frame that carries an object."""
         owner = self.owner(name)
-        return self.poses[owner] if owner in self.poses else self.frames[owner][self.joint(name)]
+        return self.pose(owner) if owner in self.world.bodies else self.frames[owner][self.joint(name)]
+
+    def pose(self, body: str) -> Array:
+        """World pose of a body at the start of the phase."""
+        if body not in self._poses:
+            self._poses[body] = pose_matrix(self.start.bodies[body])
+        return self._poses[body]
 
     def _find_rest(self) -> set[str]:
         """Everything that rests: bodies fixed to the scene, robots whose joints keep their values."""
-        rest = {b.name for b in self.world.bodies.values() if not b.movable or b.name not in self.edges}
+        rest = {*fixed_poses(self.world), *(name for name in movable(self.world) if name not in self.edges)}
         self._spread(rest)
         self._spread(rest)
         while any(still := [self._still_part(robot, rest) for robot in self._robots(rest)]):
@@ -259,10 +257,10 @@ class Scene:
 
     def _spread(self, rest: set[str]) -> None:
         """Bodies that hold to bodies at rest are at rest."""
-        queue = deque(sorted(rest & set(self.poses)))
+        queue = deque(sorted(name for name in self.edges if name in rest and name in self.world.bodies))
         while queue:
             for _, _, other in self.edges.get(queue.popleft(), []):
-                if other in self.poses and other not in rest:
+                if other in self.world.bodies and other not in rest:
                     rest.add(other)
                     queue.append(other)
 
@@ -270,7 +268,7 @@ class Scene:
         """The connected parts of what does not rest, in declaration order."""
         parts: list[list[str]] = []
         seen = set(rest)
-        for name in [*self.world.modules, *self.world.bodies]:
+        for name in [*self.world.modules, *movable(self.world)]:
             if name in seen:
                 continue
             part, queue = [], deque([name])
@@ -325,8 +323,8 @@ def phase_tree(problem: Problem, index: int, phase: Phase, start: Configuration,
     mounts: dict[str, dict[int, Mount]] = {}
     queue: deque[tuple[str, str]] = deque()
     for name in [*scene.world.modules, *scene.world.bodies]:
-        if name in scene.rest:
-            queue.extend((own, other) for own, other, owner in scene.edges.get(name, []) if owner not in scene.rest)
+        if name in scene.edges and name in scene.rest:
+            queue.extend((own, other) for own, other, owner in scene.edges[name] if owner not in scene.rest)
     for name in scene.world.modules:
         if name in scene.bolted and name not in scene.rest:
             mount_module(tree, name, scene.world.modules[name].type, -1, (-1, scene.frames[name][-1]), held(name))
@@ -341,34 +339,15 @@ def phase_tree(problem: Problem, index: int, phase: Phase, start: Configuration,
         if carrier not in scene.rest:
             node, local = mounts[carrier][scene.joint(holder)]
             mount = (node, local @ inverse(scene.frame(holder)) @ scene.frame(name))
-        if owner in scene.poses:
+        if owner in scene.world.bodies:
             tree.bodies[owner] = mount
             mounts[owner] = {-1: mount}
         else:
             mount_module(tree, owner, scene.world.modules[owner].type, scene.joint(name), mount, held(owner))
             mounts[owner] = tree.links[owner]
         queue.extend((own, other) for own, other, to in scene.edges[owner] if to not in scene.rest)
-    tree.obstacles = _obstacles(scene)
+    tree.obstacles = obstacles(scene.world, scene.rest, start, scene.frames)
     return tree
-
-
-def _obstacles(scene: Scene) -> list[Obstacle]:
-    bodies = [b for b in scene.world.solids if b.name in scene.rest]
-    found = [
-        Obstacle(part.shape, scene.poses[b.name] @ pose_matrix(part.placement), b.name, b.name)
-        for b in bodies for part in b.shape.solids
-    ]  # fmt: skip
-    for module in scene.world.modules.values():
-        if module.name not in scene.rest:
-            continue
-        frames = scene.frames[module.name]
-        for e in module.type.effectors:
-            if e.shape is not None:
-                pose = frames[e.joint] @ pose_matrix(e.placement)
-                found.append(Obstacle(e.shape, pose, module.name, f"{module.name}.{e.name}"))
-        for link in module.type.links:
-            found.append(Obstacle(link.shape, frames[link.joint] @ pose_matrix(link.placement), module.name, None))
-    return found
 
 
 def arrive(tree: PhaseTree, start: Configuration, end: Configuration) -> Configuration:

@@ -14,7 +14,8 @@ from .batch_kinematics import BatchKinematics, Indices, Points
 from .collision_spheres import Ball, Lineage, Meetings, balls_around, moving_balls, obstacles_near
 from .contact_margins import NEVER, Kinds, cross_kinds
 from .exact_check import PhaseParts, phase_parts
-from .joint_forest import Obstacle, PhaseTree
+from .joint_forest import PhaseTree
+from .resting_shapes import Obstacle
 
 
 @dataclass(slots=True)

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from .....compiler.ir import World
-from ....skeleton import Array, BoundResult, Configuration, PhasePath
+from ....skeleton import Array, BoundResult, Configuration, PhasePath, may_differ
 from .joint_forest import PhaseTree
 from .settings import PHASES
 from .smoothing import cost_matrix
@@ -38,7 +38,7 @@ def _ends_at(path: PhasePath, end: Configuration) -> bool:
 def _alike(one: Configuration, other: Configuration) -> bool:
     """Whether all joints have the same values, and all bodies the same poses but for what poses drift."""
     joints = all(np.array_equal(slot[7:], other.modules[name][7:]) for name, slot in one.modules.items())
-    apart = (np.abs(pose - other.bodies[name]).max() for name, pose in one.bodies.items())
+    apart = (np.abs(one.bodies[name] - other.bodies[name]).max() for name in may_differ(one, other))
     return joints and all(distance < PHASES.same_pose for distance in apart)
 
 
