@@ -305,9 +305,9 @@ CODES: dict[str, CodeInfo] = {
         "What is imported holds this too, for which there is no counterpart, or takes it over as something else. The "
         "program is written without it."),
     "W0020": CodeInfo("end inside a link", "warning",
-        "All of the shape of an effector lies inside a link that moves with it, as a ball thinner than the rounded end "
-        "of a capsule does. The link would have to go into whatever the effector is to touch, so that no plan has it "
-        "touch anything."),
+        "All of the shape of an effector, or its face along its normal, lies inside a link that moves with it, as a "
+        "ball thinner than the rounded end of a capsule does. The link would have to go into whatever the effector is "
+        "to touch, so that no plan has it touch anything there."),
     "W0021": CodeInfo("taken to have no drives", "warning",
         "No joint of the module states a drive, such as its `speed`, and none is `passive`. Since some rule wants its "
         "parts to be somewhere to each other, and none has it do anything to another thing, it is taken for something "

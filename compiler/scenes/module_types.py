@@ -140,9 +140,11 @@ def _check_first_end(context: Context, module: syntax.ModuleDecl) -> None:
 def _check_sunken_ends(context: Context, module: syntax.ModuleDecl, built: ir.ModuleType) -> None:
     """Warn of ends that can touch nothing but through a link."""
     items = {i.name: i for i in module.flat() if isinstance(i, syntax.EffectorItem)}
-    for end, depth in sunken(built):
+    for end, depth, whole in sunken(built):
         item = items[end.name]
-        message = f"`{end.name}` lies {1000 * depth:.3g} mm inside the link that it sits on: it can touch nothing"
+        part, reach = ("", "") if whole else ("the face of ", " along its normal")
+        inside = f"{1000 * depth:.3g} mm inside the link that it sits on"
+        message = f"{part}`{end.name}` lies {inside}: it can touch nothing{reach}"
         help = "make it larger than the link is thick, or move it out with `at`"
         context.findings.report("W0020", context.findings.word(item.span, item.name), message, help=help)
 

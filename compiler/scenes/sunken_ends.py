@@ -17,8 +17,9 @@ DEEP = 1e-3
 """Metres: what the verifier forgives as an overlap is no obstacle to touch either (`penetration_m`)."""
 
 
-def sunken(module: ir.ModuleType) -> Iterator[tuple[ir.Effector, float]]:
-    """The effectors all of whose shape lies more than `DEEP` below the surface of a link, and how deep at least."""
+def sunken(module: ir.ModuleType) -> Iterator[tuple[ir.Effector, float, bool]]:
+    """The effectors all of whose shape, or the point of it that is farthest along its normal, lies more than `DEEP`
+    below the surface of a link, how deep at least, and whether it is all of it."""
     for effector in module.effectors:
         if effector.shape is None:
             continue
@@ -26,9 +27,12 @@ def sunken(module: ir.ModuleType) -> Iterator[tuple[ir.Effector, float]]:
         frame: int | None = effector.joint
         place = effector.placement
         while frame is not None:
-            depths = [_depth(link, place, balls) for link in module.links if link.joint == frame]
-            if max(depths, default=0.0) > DEEP:
-                yield effector, max(depths)
+            links = [link for link in module.links if link.joint == frame]
+            depth = max((_depth(link, place, balls) for link in links), default=0.0)
+            foremost = [_foremost(effector.shape)]
+            ahead = max((_depth(link, place, foremost) for link in links if frame == effector.joint), default=0.0)
+            if max(depth, ahead) > DEEP:
+                yield effector, max(depth, ahead), depth > DEEP
                 break
             frame, place = _outwards(module, effector.shape, frame, place)
 
@@ -45,6 +49,12 @@ def _outwards(
     if joint.kind != ir.JointKind.REVOLUTE or aside > STILL:
         return None, place
     return joint.parent, compose(joint.placement, place)
+
+
+def _foremost(shape: ir.Shape) -> Ball:
+    """The point of a shape that is farthest along z, its outward normal."""
+    (_, _, height), radius = max(balls_of(shape), key=lambda ball: ball[0][2] + ball[1])
+    return (0.0, 0.0, height + radius), 0.0
 
 
 def balls_of(shape: ir.Shape) -> list[Ball]:

@@ -24,9 +24,12 @@ SUNKEN = [
     ("40 cm: capsule(4 cm)", "", "box(2 cm, 2 cm, 2 cm)"),
     ("40 cm: box(9 cm, 9 cm)", "", "sphere(2 cm) at (0, 0, -5 cm)"),
     ("40 cm: cylinder(4 cm)", "", "capsule(1 cm, 2 cm) at (0, 0, -6 cm)"),
+    ("40 cm: capsule(4 cm)", "", "cylinder(4 cm, 2 cm)"),
+    ("40 cm: capsule(4 cm)", "", "box(20 cm, 20 cm, 2 cm)"),
 ]
 FREE = [
     ("40 cm: capsule(4 cm)", "", "sphere(4 cm)"),
+    ("40 cm: capsule(4 cm)", "", "cylinder(4 cm, 2 cm) at (0, 0, 3 cm)"),
     ("40 cm: capsule(4 cm)", "", "sphere(2 cm) at (0, 0, 3 cm)"),
     ("40 cm: box(9 cm, 9 cm)", "", "sphere(2 cm)"),
     ("40 cm: capsule(4 cm)", "joint j2: prismatic(z) in 0 cm .. 9 cm", "sphere(2 cm)"),

@@ -281,7 +281,8 @@ def told(cause: Cause | None) -> str:
     if cause is None:
         return ""
     if cause.why == Why.REACH:
-        return ": out of reach, even with nothing in the way"
+        missed = "out of reach" if cause.missed.unit == "m" else "no posture comes nearer"
+        return f": {missed}, even with nothing in the way"
     if cause.why == Why.HELD:
         return f": [{' '.join(cause.names)}] keeps what would have to move where it is"
     if cause.why == Why.RING:
