@@ -113,3 +113,10 @@ def test_it_opens_a_drawer_that_the_scene_holds_at_the_other_end() -> None:
 
 def test_what_lies_loose_is_carried_away() -> None:
     solved(LOOSE)
+
+
+def test_a_direction_that_it_never_has_is_not_called_out_of_reach() -> None:
+    up = GANTRY.replace("at switch inside(A, X) >= 0", "at switch axis(A, z) = (0, 0, 1)").replace("OPTIONS", "")
+    result = tamplang.loads(up).solve(time=60.0)
+    assert result.plan is None
+    assert "[suck g.cup disc] is missed by 2: no posture comes nearer" in result.explanation[0].message
