@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -46,6 +48,14 @@ def frames(poses: ArrayLike) -> Frames:
     """Poses `(T, 7)` or `(7,)` (x, y, z, qx, qy, qz, qw) as frames; quaternions are normalised."""
     rows = np.atleast_2d(np.asarray(poses, dtype=float))
     return Frames(rows[:, :3], rotation_matrices(rows[:, 3:]))
+
+
+def frames_each(poses: Mapping[str, Sequence[float] | Array]) -> dict[str, Frames]:
+    """The frames of poses `(7,)` by name, one instant each."""
+    if not poses:
+        return {}
+    every = frames(np.array([np.asarray(pose) for pose in poses.values()]))
+    return {name: every[k : k + 1] for k, name in enumerate(poses)}
 
 
 def rotation_matrices(quaternions: Array) -> Array:

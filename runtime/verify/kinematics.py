@@ -12,7 +12,7 @@ from ...langs.frozen import dataclass
 from ..native import load_pinocchio
 from ..plan import JointRecord, ModuleRecord, Plan
 from .findings import Findings
-from .geometry import Array, Frames, Indices, frames
+from .geometry import Array, Frames, Indices, frames, frames_each
 from .structure import Samples, phase_ranges, samples_of
 
 REPEATED = 25
@@ -171,6 +171,9 @@ def place(
     found: dict[str, Frames] = {}
     inner: dict[str, dict[int, Frames]] = {}
     changes: dict[str, Indices] = {}
+    resting = {name: rows[0] for name, rows in poses.items() if name not in kinematics and name not in moving}
+    for name, one in frames_each(resting).items():
+        found[name] = one.spread(len(times))
     for name, rows in poses.items():
         if name in kinematics:
             module = kinematics[name]
@@ -183,12 +186,6 @@ def place(
             changes[name] = np.concatenate([[0], np.cumsum(changed)])
             distinct = frames(rows[np.concatenate([[True], changed])])
             found[name] = distinct[changes[name]]
-        else:
-            one = frames(rows[:1])
-            found[name] = Frames(
-                np.broadcast_to(one.position, (len(times), 3)),
-                np.broadcast_to(one.rotation, (len(times), 3, 3)),
-            )
     return Motion(times, tuple(ranges), poses, joints, found, inner, moving, changes)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...compiler import ir
 from ...langs.frozen import dataclass
-from .geometry import Array, Frames, frames
+from .geometry import Array, Frames, frames_each
 from .happenings import Happenings
 from .kept_poses import bolted, kept, thing_of
 from .kinematics import Motion
@@ -61,7 +61,8 @@ def links_of(
     """The links of every phase, whose relative poses are those of its first sample. A frame counts as resting on the
     samples that moves by less than `still` metres and radians."""
     known: dict[frozenset[ir.Fact], tuple[tuple[str, str], ...]] = {}
-    fixed = {b.name: Hold(b.name, b.name, "", frames(b.pose)) for b in problem.world.bodies.values() if not b.movable}
+    poses = {b.name: b.pose for b in problem.world.bodies.values() if not b.movable}
+    fixed = {name: Hold(name, name, "", one) for name, one in frames_each(poses).items()}
     found = []
     for index, mode in enumerate(list(modes)[: len(motion.ranges)]):
         facts = frozenset(mode)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from bisect import bisect_right
 from collections.abc import Callable, Sequence, Set
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -73,14 +74,20 @@ def solids(plan: Plan) -> list[Solid]:
 
 def _solid(name: str, thing: str, joint: int | None, at: Sequence[float], shape: ShapeRecord) -> Solid:
     size = tuple(shape.size)
-    points, ball = _hull(shape.kind, size)
-    placement = frames(at)
-    carried = points @ placement.rotation[0].T + placement.position
-    reach = float(np.linalg.norm(carried, axis=1).max()) + ball
+    placement, points, ball, reach = _measured(shape.kind, size, tuple(at))
     return Solid(
         name, thing, joint, placement, shape.kind, size,
         bounding_radius(shape.kind, size), points, ball, reach, geometry(shape.kind, size),
     )  # fmt: skip
+
+
+@lru_cache(maxsize=1024)
+def _measured(kind: str, size: tuple[float, ...], at: tuple[float, ...]) -> tuple[Frames, Array, float, float]:
+    """Where a shape is in what carries it, the corners of its hull with the ball around them, and its reach."""
+    points, ball = _hull(kind, size)
+    placement = frames(at)
+    carried = points @ placement.rotation[0].T + placement.position
+    return placement, points, ball, float(np.linalg.norm(carried, axis=1).max()) + ball
 
 
 def _hull(kind: str, size: tuple[float, ...]) -> tuple[Array, float]:

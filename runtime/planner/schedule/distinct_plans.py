@@ -136,6 +136,8 @@ class DistinctPlans:
         return True
 
     def detours(self, candidate: Candidate, others: Sequence[Candidate]) -> bool:
+        if not others:
+            return False
         form = self._forms.of(candidate.numbers)
         return any(is_detour(form, self._forms.of(other.numbers)) for other in others)
 

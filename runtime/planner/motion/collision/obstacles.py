@@ -12,7 +12,7 @@ from .....compiler.motion.collision import pose_matrix
 from .....compiler.remembering import remembered
 from .....langs.frozen import dataclass
 from ....geometry.exact_distances import Forms, Posed
-from ....skeleton import Array
+from ....skeleton import Array, fixed_poses
 from .broad_phase import Edges
 
 
@@ -29,6 +29,8 @@ class Fixed:
 
 def fixed_obstacles(world: World, resting: Mapping[str, Array]) -> Fixed:
     """The solid ones among the bodies that never move, where they are `resting` `(7,)`."""
+    if resting is fixed_poses(world):
+        return _fixed(world)
     names = _names(world)
     poses = np.array([resting[name] for name in names]).reshape(-1, 7)
     known = _fixed(world)

@@ -7,18 +7,19 @@ from dataclasses import field
 
 import numpy as np
 
-from .....compiler.ir import Problem
+from .....compiler.ir import Problem, World
 from .....compiler.joint_lines import are_close
 from .....compiler.module_parts import own_pairs
 from .....compiler.motion.collision import Pair
 from .....compiler.part_names import part_names
+from .....compiler.remembering import remembered
 from .....langs.frozen import dataclass
-from ....skeleton import Array, Breach
+from ....skeleton import Array, Breach, movable
 from ..nlp.row_groups import RowGroup, RowLabel
 from ..nlp.unknowns import Indices, UnknownsLayout
 from .broad_phase import Blocks, OwnerMargins, Runs
 from .clearance_rows import ClearanceGroup, Clearances, Ruler, WishGroup
-from .obstacles import Obstacles, fixed_obstacles
+from .obstacles import Fixed, Obstacles, fixed_obstacles
 from .part_frames import Cloud
 
 
@@ -58,6 +59,13 @@ class Labels:
             self.parts += part_names(thing, objects) if numbered else objects
         return self.first[thing]
 
+    def copy(self) -> Labels:
+        """The same, to which more can be added."""
+        result = Labels()
+        result.names, result.parts, result.first = self.names.copy(), self.parts.copy(), self.first.copy()
+        result.of = self.of.copy()
+        return result
+
     def label(self, tag: Indices) -> RowLabel:
         """A pair within one module is a self-collision."""
         phase, a, b = (int(t) for t in tag)
@@ -65,6 +73,23 @@ class Labels:
         same = first.partition(".")[0] == second.partition(".")[0]
         kind, parts = Breach.SELF_COLLISION if same else Breach.COLLISION, (self.parts[a], self.parts[b])
         return RowLabel(phase, kind, (first, second), ("m",), parts=parts)
+
+
+@remembered(4)
+def _of_fixed(fixed: Fixed) -> tuple[Labels, Runs]:
+    """The labels of bodies that never move, and their parts one by one with them."""
+    labels = Labels()
+    for name, count in fixed.parts.items():
+        labels.take_in(name, [name] * count, False)
+    numbers = np.arange(len(labels.names))
+    return labels, np.stack([numbers, np.ones_like(numbers), numbers], axis=1)
+
+
+@remembered(4)
+def _solid(world: World) -> tuple[frozenset[str], tuple[str, ...]]:
+    """The modules and bodies that can be collided with, and those of the bodies that may move."""
+    solid = frozenset([*world.modules, *(b.name for b in world.solids)])
+    return solid, tuple(name for name in movable(world) if name in solid)
 
 
 class Collisions:
@@ -75,14 +100,9 @@ class Collisions:
         self.layout = layout
         self.cloud = Cloud(problem, layout)
         self.obstacles = Obstacles(fixed_obstacles(problem.world, layout.resting))
-        self._labels = Labels()
-        self._fixed: list[tuple[int, int, int]] = []
-        for name, count in self.obstacles.fixed.parts.items():
-            label = self._labels.take_in(name, [name] * count, False)
-            first = len(self._fixed)
-            self._fixed += [(first + k, 1, label + k) for k in range(count)]
-        self._solid = problem.world.modules.keys() | {b.name for b in problem.world.solids}
-        self._loose = [b for b in problem.world.bodies if b in self._solid and b not in layout.resting]
+        labels, self._fixed = _of_fixed(self.obstacles.fixed)
+        self._labels = labels.copy()
+        self._solid, self._loose = _solid(problem.world)
         self._against_rest = Blocks()
         self._among_parts = Blocks()
         self._scenes: dict[tuple[tuple[str, int], ...], Runs] = {}
@@ -125,12 +145,13 @@ class Collisions:
     def _scene(self, bodies: tuple[tuple[str, int], ...]) -> Runs:
         """The bodies that never move, and those that rest at known places, by their names and places in z."""
         if bodies not in self._scenes:
-            found = list(self._fixed)
+            found: list[tuple[int, int, int]] = []
             for name, place in bodies:
                 pose = self.layout.constants[place : place + 7]
                 numbers, label = self.obstacles.add(self.problem.world.bodies[name], place, pose), self._label(name)
                 found += [(number, 1, label + k) for k, number in enumerate(numbers)]
-            self._scenes[bodies] = np.array(found, dtype=np.int64).reshape(-1, 3)
+            others = np.array(found, dtype=np.int64).reshape(-1, 3)
+            self._scenes[bodies] = np.concatenate([self._fixed, others])
         return self._scenes[bodies]
 
     def _wanted(self, margins: Margins) -> OwnerMargins:
