@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tamplang.runtime.budget import Budget, OutOfTime
 from tamplang.runtime.planner.motion.keyframes.sequence import solve_sequence
-from tamplang.runtime.planner.motion.phases import solve_sequence_path
+from tamplang.runtime.planner.motion.phases import proximity, solve_sequence_path
 from tamplang.runtime.planner.motion.phases.contact_margins import NEVER
 from tamplang.runtime.planner.motion.phases.phase_geometry import Geometry
 from tamplang.runtime.planner.motion.phases.proximity import close
 from tamplang.runtime.planner.motion.phases.rrt_connect import sampled_starts
+from tamplang.runtime.planner.motion.phases.settings import PHASES
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Configuration, Skeleton
 
@@ -20,7 +23,7 @@ from .test_phases_repair import SETTINGS, cart_scene, group_of
 
 
 @pytest.mark.parametrize("margin", [0.01, 0.2])
-def test_nothing_near_is_passed_over(margin: float) -> None:
+def test_nothing_near_is_passed_over(margin: float, monkeypatch: pytest.MonkeyPatch) -> None:
     skeleton = pick_and_place(2)
     sequence = solve_sequence(skeleton, SETTINGS, Seed(0), Budget(20.0))
     batch = group_of(skeleton, sequence.configurations, [1, 3]).batch
@@ -33,6 +36,11 @@ def test_nothing_near_is_passed_over(margin: float) -> None:
     assert found.any() and np.array_equal(found, expected < margin)
     assert obstacles.clearance == pytest.approx(expected[found][np.argsort(np.argsort(flat(obstacles, found.shape)))])
     assert (pairs.kind != NEVER).all() and (pairs.clearance < margin).all()
+    monkeypatch.setattr(proximity, "PHASES", replace(PHASES, many_pairs=0))
+    _, by_nodes = close(geometry, values, margin)
+    assert len(pairs.row) > 20 or margin < 0.1
+    for side in ("row", "phase", "time", "clearance", "kind"):
+        assert np.array_equal(getattr(pairs, side), getattr(by_nodes, side))
 
 
 def flat(found: object, shape: tuple[int, ...]) -> np.ndarray:

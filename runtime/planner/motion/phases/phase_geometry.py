@@ -69,6 +69,12 @@ class Geometry:
         self.moved_by = above[[b.node + 1 for b in balls]]
         self.pairs = parts[0].pairs
         self.touching = (self.radius[self.pairs[:, 0]] + self.radius[self.pairs[:, 1]]) if balls else self.radius
+        number = np.zeros(len(balls), np.intp)
+        for group, (_, mine, _) in enumerate(self.points.groups):
+            number[mine] = group
+        self.joined, self.join = np.unique(number[self.pairs], axis=0, return_inverse=True)
+        """The pairs `(joins, 2)` of nodes, by their place in the groups of the points, between whose spheres pairs are,
+        and of each pair that of its nodes."""
         count = max(len(p.obstacles) for p in parts)
         self.shapes = Shapes([
             [(o.shape, o.pose) for o in p.obstacles] + [None] * (count - len(p.obstacles)) for p in parts
@@ -101,6 +107,7 @@ class Geometry:
         result.kinematics, result.points = self.kinematics.take(index), self.points.take(index)
         result.radius, result.moved_by, result.pairs = self.radius, self.moved_by, self.pairs
         result.touching, result.shapes = self.touching, self.shapes.take(index)
+        result.joined, result.join = self.joined, self.join
         result.obstacle_kinds = self.obstacle_kinds[:, :, index]
         result.pair_kinds = self.pair_kinds[:, index]
         return result

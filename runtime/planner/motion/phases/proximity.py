@@ -12,6 +12,7 @@ from ....skeleton import Array
 from .batch_kinematics import Indices
 from .contact_margins import NEVER, Kinds
 from .phase_geometry import Geometry
+from .settings import PHASES
 
 
 @dataclass(slots=True)
@@ -61,10 +62,28 @@ def near_obstacles(geometry: Geometry, points: Array, margin: float) -> tuple[In
 def near_pairs(geometry: Geometry, points: Array, margin: float) -> tuple[Indices, Indices, Indices, Array]:
     """Pairs of spheres that may meet, phases and times `(m,)` at which they are nearer than the margin, and the ways
     `(m, 3)` from their second centres to their first ones."""
+    if len(geometry.pairs) > PHASES.many_pairs:
+        return _near_by_nodes(geometry, points, margin)
     apart = points[geometry.pairs[:, 0]] - points[geometry.pairs[:, 1]]
     near = np.einsum("picd,picd->pcd", apart, apart) < (geometry.touching + margin) ** 2
     p, k, t = np.nonzero(near & (geometry.pair_kinds != NEVER)[..., None])
     return p, k, t, apart[p, :, k, t]
+
+
+def _near_by_nodes(
+    geometry: Geometry, points: Array, margin: float
+) -> tuple[Indices, Indices, Indices, Array]:  # fmt: skip
+    """The same, by boxes around the spheres of each node first."""
+    groups = geometry.points.groups
+    order, first = np.concatenate([mine for _, mine, _ in groups]), np.cumsum([0, *(len(m) for _, m, _ in groups[:-1])])
+    ordered, radius = points[order], geometry.radius[order, :, :, None] + margin / 2
+    low, high = np.minimum.reduceat(ordered - radius, first), np.maximum.reduceat(ordered + radius, first)
+    one, other = geometry.joined.T
+    meet = ((low[one] <= high[other]) & (low[other] <= high[one])).all(axis=1)
+    p, k, t = np.nonzero(meet[geometry.join.ravel()] & (geometry.pair_kinds != NEVER)[..., None])
+    apart = points[geometry.pairs[p, 0], :, k, t] - points[geometry.pairs[p, 1], :, k, t]
+    near = np.einsum("mi,mi->m", apart, apart) < (geometry.touching[p, 0, 0] + margin) ** 2
+    return p[near], k[near], t[near], apart[near]
 
 
 def close(geometry: Geometry, values: Array, margin: float) -> Iterator[Close]:

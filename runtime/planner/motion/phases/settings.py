@@ -55,6 +55,11 @@ class PhaseSettings:
         0.03, "m",
         "A phase is given up when spheres overlap by more then: things have passed each other.",
     )
+    many_pairs: int = setting(
+        2_000, "pairs",
+        "Of more pairs of spheres of moving things, boxes around the spheres of each joint are looked at first.",
+        "a crawler has some hundred, a chain of eight more than ten thousand",
+    )
     made: float = setting(1e-4, "rad or m", "How near to its end a path comes that was made, radians or metres.")
     many_spheres: int = setting(
         16, "spheres", "From how many spheres of its cover on the optimiser sees a box or a cylinder as it is.",
