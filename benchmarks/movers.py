@@ -20,7 +20,7 @@ from tamplang.api import Plan, load
 FOLDER = Path(__file__).resolve().parent / "together"
 TASKS = (
     ("unordered", "unordered"), ("unordered", "square"), ("unordered", "circle"), ("unassigned", "tsp"),
-    ("piano", "piano"), ("piano", "anyone"), ("hallway", "hallway"), ("handover", "handover"),
+    ("piano", "piano"), ("piano", "anyone"), ("hallway", "hallway"), ("random", "random"), ("handover", "handover"),
 )  # fmt: skip
 
 

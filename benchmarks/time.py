@@ -46,7 +46,7 @@ TASKS: Sequence[tuple[str, Sequence[str], float]] = (
 
 def solved(python: str, example: str, parameters: Sequence[str], seed: int, plan: Path, *more: str) -> dict[str, Any]:
     """What came of one process: seconds of motion, CPU seconds, verified or not, and what was told."""
-    command = [python, "-m", "tamplang", "solve", str(ROOT / "examples" / f"{example}.tamp"), "--json", "--quiet"]
+    command = [python, "-m", "tamplang", "solve", str(ROOT / "examples" / f"{example}.tamp"), "--json"]
     command += ["--seed", str(seed), "--time", "600", "--out", str(plan), *more]
     command += [part for p in parameters for part in ("-p", p)]
     plan.unlink(missing_ok=True)

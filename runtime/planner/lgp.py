@@ -371,7 +371,7 @@ class _SolveRun:
 
 
 def motion_settings(problem: Problem, options: SolveOptions) -> MotionSettings:
-    settings = MotionSettings(solver=options.solver)
+    settings = MotionSettings(solver=options.solver, brief=options.minimise != ACTIONS)
     slices = options.slices or problem.options.slices
     if slices is not None:
         settings = replace(settings, slices=slices)

@@ -56,6 +56,15 @@ def test_one_robot_moves_on_while_another_one_is_replanned(disturbed: Plan) -> N
     assert disturbed.times[-1] < 0.75 * (other.end + again.end - broken.end)
 
 
+def test_robots_rest_at_switches_that_do_not_concern_them() -> None:
+    """P_seq finds postures here with both robots moving in both phases."""
+    result = loads(TWO.replace("HAPPENS", "")).solve(minimise="makespan")
+    assert result.plan is not None
+    record = result.plan.record
+    ends = {spline.module: record.phases[spline.until].action for spline in record.splines}
+    assert len(record.splines) == 2 and all(f"({module}.B" in action for module, action in ends.items())
+
+
 def test_the_value_of_a_run_is_told(disturbed: Plan) -> None:
     told = disturbed.statistics.objective
     assert told.minimise == "makespan" and told.value == disturbed.times[-1]

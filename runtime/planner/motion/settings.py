@@ -13,7 +13,8 @@ class MotionSettings:
     """`slices` per phase on a path; `margin` wished for between surfaces along a path and `switch_margin` at switches,
     metres, and nothing is refused for less;
     `limit_margin` pulls joint limits in at switches, radians; `tolerance` is the largest violation of a single row
-    that still counts as feasible (metres or radians). With `polish`, motions become cheaper once they are feasible."""
+    that still counts as feasible (metres or radians). With `polish`, motions become cheaper once they are feasible,
+    with `brief` robots that a switch does not concern rest again where it was found with all of them moving."""
 
     slices: int = 20
     margin: float = 0.02
@@ -23,6 +24,7 @@ class MotionSettings:
     solver: str = "algn"
     collisions: bool = True
     polish: bool = True
+    brief: bool = False
 
     def wider(self, by: float) -> MotionSettings:
         """The same with `by` metres more between surfaces, along paths and at switches."""

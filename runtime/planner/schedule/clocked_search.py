@@ -129,8 +129,8 @@ class ClockedSearch:
     def best(
         self, below: float = math.inf, most: int = SCHEDULE.clocked_nodes, clocks: Clocks | None = None
     ) -> Clocked:
-        """The best candidate of a value `below`, after at most so many nodes, from these `clocks` on. Raises
-        OutOfTime."""
+        """The best candidate of a value `below`, after at most so many nodes (those of more children than usual count
+        for more), from these `clocks` on. Raises OutOfTime."""
         search = self._search
         start = clocks or (0.0,) * (len(self._modules) + 2)
         begun = EMPTY, search.no_goods.root, None
@@ -140,7 +140,7 @@ class ClockedSearch:
         queue: list[tuple[float, float, int, _ClockedNode]] = []
         known: dict[object, list[Clocks]] = {}
         refused = below
-        age = expanded = 0
+        age = spent = 0
         heapq.heappush(queue, (self._value(root.state, start), 0.0, age, root))
         while queue:
             value, _, _, node = heapq.heappop(queue)
@@ -151,11 +151,11 @@ class ClockedSearch:
                 return Clocked(None, math.inf, min(refused, below))
             if self._successors.is_goal(node.state):
                 return Clocked(self._candidate(node, value), value, min(value, refused))
-            if expanded >= most or search.budget.full:
+            if spent >= SCHEDULE.usual_children * most or search.budget.full:
                 return Clocked(None, math.inf, min(value, refused), cut=not search.budget.full)
-            expanded += 1
             search.budget.check()
             children = self._successors.expand(node.state)
+            spent += max(len(children), SCHEDULE.usual_children)
             search.budget.grown += len(children)
             for following, number in children:
                 step = self._step(node.state, node.mode, number)

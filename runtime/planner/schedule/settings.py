@@ -44,8 +44,12 @@ class ScheduleSettings:
         "Two arms and four things take 60; with four arms 500 took 3 s of CPU, three quarters of the plan itself, when "
         "a node took twice as long.",
     )
+    usual_children: int = setting(
+        8, "nodes", "Nodes of more children count for more where nodes are counted: what takes time are children.",
+        "Two arms and four things have 7, four arms 18.",
+    )
     nearer_nodes: int = setting(
-        300, "nodes", "The same of the search behind it, which goes by the ways between postures that are known."
+        150, "nodes", "The same of the search behind it, which goes by the ways between postures that are known."
     )
     better: int = setting(
         4, "candidates", "How many candidates that may be better are taken to motion behind the first plan at most, "

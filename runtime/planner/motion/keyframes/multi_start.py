@@ -156,6 +156,9 @@ class SpanSolver:
             full.append(_worst(result))
             if best is None or full[-1] < _worst(best):
                 best = result
+            if result.feasible and self.settings.brief and number % 2 == 1:
+                rested = self._solve(self._program(True), result.configurations)
+                best = rested if rested.feasible else result
             if result.feasible or _alike(full, KEYFRAMES.alike) >= 3:
                 return best
         found = best or nearest
