@@ -67,6 +67,10 @@ class Successors:
                 expander = self._expanders[word] = self._expander(word)
         return expander(state)
 
+    def is_fresh(self, state: int) -> bool:
+        """Whether no state of these flags was expanded yet: the first time takes long."""
+        return state & self.layout.flag_mask not in self._calls
+
     def after(self, state: int, number: int) -> int:
         """The state after an action that can be done."""
         found = self.following(state, number)

@@ -140,7 +140,7 @@ class ClockedSearch:
         queue: list[tuple[float, float, int, _ClockedNode]] = []
         known: dict[object, list[Clocks]] = {}
         refused = below
-        age = spent = 0
+        age = spent = fresh = 0
         heapq.heappush(queue, (self._value(root.state, start), 0.0, age, root))
         while queue:
             value, _, _, node = heapq.heappop(queue)
@@ -151,7 +151,8 @@ class ClockedSearch:
                 return Clocked(None, math.inf, min(refused, below))
             if self._successors.is_goal(node.state):
                 return Clocked(self._candidate(node, value), value, min(value, refused))
-            if spent >= SCHEDULE.usual_children * most or search.budget.full:
+            fresh += self._pace.ways is not None and self._successors.is_fresh(node.state)
+            if fresh > SCHEDULE.fresh_states or spent >= SCHEDULE.usual_children * most or search.budget.full:
                 return Clocked(None, math.inf, min(value, refused), cut=not search.budget.full)
             search.budget.check()
             children = self._successors.expand(node.state)
