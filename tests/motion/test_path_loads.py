@@ -6,6 +6,7 @@ from tamplang.compiler import ir
 from tamplang.compiler.pipeline import compile_text
 from tamplang.runtime.plan import Plan
 from tamplang.runtime.planner.lgp import SolveOptions, solve
+from tamplang.runtime.skeleton import Bound
 from tamplang.runtime.verify.check import check as judge
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -39,3 +40,13 @@ def test_what_several_hands_cannot_bear_together_is_refused_without_a_posture() 
     assert outcome.status in ("exhausted", "infeasible")
     told = next(d for d in outcome.explanation if "item" in d.message and d.labels)
     assert told.span is not None and "holds grip" in text.splitlines()[told.span.line - 1]
+
+
+def test_strength_decides_whether_one_climbs_or_two_dock() -> None:
+    text = (EXAMPLES / "real_choice.tamp").read_text()
+    chosen = {}
+    for drive, clasp in (("100 N m", "2.8 N m"), ("100 N m", "60 N m")):
+        problem, _ = compile_text(text, "real_choice.tamp", None, {"drive": drive, "clasp": clasp})
+        outcome = solve(problem, SolveOptions(time=60.0, bound=Bound.SEQ))
+        chosen[clasp] = {action.partition("(")[0] for action in outcome.actions}
+    assert chosen == {"2.8 N m": {"step", "grasp"}, "60 N m": {"join", "stride_together", "grasp"}}
