@@ -56,8 +56,9 @@ def trajectory(plan: Plan, name: str, at: Array | None = None) -> Trajectory:
     for spline in (s for s in plan.splines if s.module == name):
         knots, values = np.array(spline.knots), np.array(spline.values).reshape(len(spline.knots), shape[1])
         inside = (t >= knots[0]) & (t <= knots[-1])
-        curve = CubicSpline(knots, values, bc_type="clamped")
-        q[inside], dq[inside], ddq[inside] = (curve(t[inside], nu) for nu in range(3))
+        if inside.any():
+            curve = CubicSpline(knots, values, bc_type="clamped")
+            q[inside], dq[inside], ddq[inside] = (curve(t[inside], nu) for nu in range(3))
         q[t > knots[-1]], dq[t > knots[-1]], ddq[t > knots[-1]] = values[-1], 0.0, 0.0
     return Trajectory(tuple(j.name for j in module.joints), t, q, dq, ddq)
 
@@ -134,9 +135,8 @@ def _interpolated(stamps: Array, given: Array, t: Array) -> Array:
     """Positions on straight lines, rotations by the shorter way, between samples."""
     kept = _first_of_each(stamps)
     stamps, given = stamps[kept], given[kept].copy()
-    for k in range(1, len(given)):
-        if given[k, 3:] @ given[k - 1, 3:] < 0:
-            given[k, 3:] *= -1
+    apart = np.sum(given[1:, 3:] * given[:-1, 3:], axis=1) < 0
+    given[1:, 3:] *= np.cumprod(np.where(apart, -1.0, 1.0))[:, None]
     made = np.column_stack([np.interp(t, stamps, column) for column in given.T])
     made[:, 3:] /= np.linalg.norm(made[:, 3:], axis=1, keepdims=True)
     return made

@@ -102,27 +102,33 @@ def bag(plan: Plan, rate: float | None) -> bytes:
 
 def joint_messages(plan: Plan, rate: float | None) -> Iterator[JointMessage]:
     """One for each module and phase in which a spline moves it."""
-    for index, at in _instants(plan, rate):
-        phase = plan.phases[index]
-        for module in plan.modules:
-            splines = [s for s in plan.splines if s.module == module.name and s.first <= index <= s.until]
-            if not splines or not module.joints:
+    instants = list(_instants(plan, rate))
+    every = np.concatenate([np.zeros(0), *(at for _, at in instants)])
+    motions = {m.name: trajectory(plan, m.name, every) for m in plan.modules if m.joints}
+    begin = 0
+    for index, at in instants:
+        start, part = plan.phases[index].start, slice(begin, begin + len(at))
+        begin = part.stop
+        for name, motion in motions.items():
+            splines = [s for s in plan.splines if s.module == name and s.first <= index <= s.until]
+            if not splines:
                 continue
-            motion = trajectory(plan, module.name, at)
             if splines[-1].until == index:
-                motion.dq[-1] = 0.0
-            names = tuple(f"{module.name}.{j}" for j in motion.joints)
-            yield JointMessage(
-                index, module.name, phase.start, names, at - phase.start, motion.q, motion.dq, motion.ddq
-            )
+                motion.dq[part.stop - 1] = 0.0
+            names = tuple(f"{name}.{j}" for j in motion.joints)
+            yield JointMessage(index, name, start, names, at - start, motion.q[part], motion.dq[part], motion.ddq[part])
 
 
 def pose_messages(plan: Plan, rate: float | None) -> Iterator[PoseMessage]:
     """One for each phase."""
     names = (*(m.name for m in plan.modules), *moved(plan))
-    for index, at in _instants(plan, rate) if names else ():
-        start = plan.phases[index].start
-        yield PoseMessage(index, start, names, at - start, np.stack([poses(plan, n, at) for n in names]))
+    instants = list(_instants(plan, rate)) if names else []
+    every = np.concatenate([np.zeros(0), *(at for _, at in instants)])
+    tracks, begin = [poses(plan, name, every) for name in names], 0
+    for index, at in instants:
+        start, part = plan.phases[index].start, slice(begin, begin + len(at))
+        begin = part.stop
+        yield PoseMessage(index, start, names, at - start, np.stack([track[part] for track in tracks]))
 
 
 def _instants(plan: Plan, rate: float | None) -> Iterator[tuple[int, Array]]:
