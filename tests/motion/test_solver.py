@@ -109,6 +109,33 @@ def test_contradiction_stalls() -> None:
     assert worst[0].amount == pytest.approx(0.5, abs=0.1)
 
 
+def test_what_no_step_improves_stalls_soon_and_what_costs_hold_off_does_not() -> None:
+    """A unit quaternion that would have to be longer: a run ends where its violation is at its least. A cost that weighs
+    as much as rows at first keeps them from being met, but is no reason to give up."""
+    norm = NormGroup(np.arange(4).reshape(1, 4))
+    far = linear("equality", [[1.0], [1.0]], [3.0, 0.0], [[0], [1]])
+    outcome = solve(Program(np.zeros(0), 4, [norm, far]), np.full(4, 0.5), SolverOptions(), Budget(None))
+    assert outcome.status == "stalled"
+    assert outcome.iterations < 20
+    costly = linear("cost", [[10.0]] * 4, [10.0 * x for x in (0.9, 1.2, 0.0, 0.0)], [[0], [1], [2], [3]])
+    held = solve(Program(np.zeros(0), 4, [norm, costly]), np.full(4, 0.5), SolverOptions(), Budget(None))
+    assert held.status == "feasible"
+    assert held.x == pytest.approx([0.6, 0.8, 0.0, 0.0], abs=1e-3)
+
+
+def test_what_is_nearly_feasible_is_projected() -> None:
+    norm = NormGroup(np.arange(4).reshape(1, 4))
+    pull = linear("cost", [[1.0]] * 4, [1.0, 1.0, 1.0, 1.0], [[0], [1], [2], [3]])
+    program, start = Program(np.zeros(0), 4, [norm, pull]), np.full(4, 0.49)
+    outcomes = [
+        solve(program, start, SolverOptions(projected=projected, tolerance=1e-9), Budget(None))
+        for projected in (0.0, 0.1)
+    ]
+    assert [outcome.status for outcome in outcomes] == ["feasible", "feasible"]
+    assert outcomes[1].iterations < outcomes[0].iterations
+    assert program.largest(outcomes[1].x) < 1e-9
+
+
 def test_repeated_places_count_twice() -> None:
     """A row that names one unknown twice: (x + x − 2)² has its least value at x = 1."""
     program = Program(np.zeros(0), 1, [linear("equality", [[1.0, 1.0]], [2.0], [[0, 0]])])

@@ -7,7 +7,7 @@ without collisions, something is in the way; where nothing is without joint limi
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from enum import StrEnum
 from itertools import chain
 
@@ -94,11 +94,12 @@ def cause(
         program = kind(skeleton, first, last, start, settings, free)
         random = seed.child("cause").random()
         span = SpanSolver(skeleton, first, last, settings, random, budget, start, free)
+        options = replace(span.options, projected=0.0, promise=0.0)  # costs may weigh as much as what is missed
         best: _Nearest | None = None
         guesses = (span.guess(wide=number > 1, steady=number == 0) for number in range(KEYFRAMES.causes_tried))
         known = [switches] if len(switches) == last - first + 2 else []
         for guess in chain(known, guesses):
-            x = run(program.loose, program.pack(guess), span.options, settings, budget).x
+            x = run(program.loose, program.pack(guess), options, settings, budget).x
             missed = program.loose.violations(x, 0.0)
             if missed and (best is None or missed[0].amount < best.missed.amount):
                 best = _Nearest(program, x, missed[0])

@@ -14,14 +14,17 @@ from ....geometry.drives import ringed
 from ....skeleton import LOADS, Array, Bound, BoundResult, Configuration, Skeleton, Violation
 from ...statics import exceeded_switches
 from ..nlp.augmented_lagrangian import SolverOptions
+from ..nlp.settings import SOLVER
 from ..settings import MotionSettings
 from .initial_guesses import guess
 from .keyframe_program import SwitchProgram, run
 from .settings import KEYFRAMES
 
-SEQUENCE, SINGLE = SolverOptions(inner_tolerance=3e-2), SolverOptions()
+SEQUENCE = SolverOptions(inner_tolerance=3e-2, projected=SOLVER.nearly)
+SINGLE = SolverOptions(projected=SOLVER.nearly)
 """For several phases and for one. Multipliers that are taken up soon save a fifth of the steps of several; one phase
-has them lead astray more often: grasps from unknown postures are then refused in 10 % of draws instead of none."""
+has them lead astray more often: grasps from unknown postures are then refused in 10 % of draws instead of none. What is
+nearly feasible is projected, as switches are in the end: multipliers at large weights took up to 100 steps for it."""
 ACCURATE = 1e-9
 """Metres and radians by which a row may be missed: poses are chained from phase to phase, and 1e-6 added up past the
 tolerance over some 250 of them, so that whole draws were thrown away. What is aimed at …"""

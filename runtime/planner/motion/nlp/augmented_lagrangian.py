@@ -18,7 +18,9 @@ from .settings import SOLVER
 @dataclass(frozen=True, slots=True)
 class SolverOptions:
     """`mu` is the first penalty weight; the run stops once the scaled violation is below `tolerance` and the step
-    below `step_tolerance`, or after `stall` iterations without progress. Damping is Levenberg-Marquardt."""
+    below `step_tolerance`, or after `stall` iterations without progress. What violates by less than `projected` is
+    projected onto the rows, where that is possible. It counts as stalled, too, once a step at heavy rows should take
+    less than a share `promise` of the merit. Damping is Levenberg-Marquardt."""
 
     mu: float = 1e2
     largest_mu: float = 1e7
@@ -31,6 +33,8 @@ class SolverOptions:
     inner_tolerance: float = 1e-2
     iterations: int = 150
     stall: int = 20
+    projected: float = 0.0
+    promise: float = SOLVER.promise
 
 
 NO_STEP = 1e20
@@ -94,17 +98,23 @@ class _Descent:
         self.mu = options.mu
         self.damping = options.damping
         self.last = np.inf
+        self.promise = 1.0
+        """The share of the merit that the last step should have taken, had it been of any length."""
 
     def step(self) -> float:
         """One accepted Gauss-Newton step; its largest component, or 0 when none was accepted."""
         merit = _merit(self.residuals, self.multipliers, self.mu)
         gradient, band = self.program.normal(self.x, self.residuals, self.multipliers, self.mu)
+        self.promise = 0.0
         for _ in range(8):
             direction, self.damping = banded_step(band, gradient, self.damping)
             largest = float(np.abs(direction).max(initial=0.0))
             length = min(1.0, self.options.largest_step / largest) if largest > 0 else 1.0
             slope = float(gradient @ direction)
-            predicted = length * slope - 0.5 * length**2 * (slope + self.damping * float(direction @ direction))
+            bent = slope + self.damping * float(direction @ direction)
+            predicted = length * slope - 0.5 * length**2 * bent
+            if merit > 0.0:
+                self.promise = max(self.promise, (0.5 * bent - slope) / merit)
             trial = self.x + length * direction
             residuals = self.program.residuals(trial)
             change = _merit(residuals, self.multipliers, self.mu) - merit
@@ -124,6 +134,11 @@ class _Descent:
         if length < 1.0:
             self.damping = 1.5 * max(self.damping, 1e-3)
 
+    def hopeless(self) -> bool:
+        """Whether what is violated is at its least around here: rows weigh so much that costs hardly keep them from
+        being met, and a step would still change next to nothing."""
+        return self.mu >= SOLVER.weighty * self.options.mu and self.promise < self.options.promise
+
     def update_multipliers(self, violation: float) -> None:
         _, equality, inequality = self.residuals
         self.multipliers = (
@@ -139,6 +154,7 @@ def solve(program: Program, start: Array, options: SolverOptions, budget: Budget
     """Minimise `program` from `start`. Stops feasible, not at an optimum. Raises OutOfTime."""
     run = _Descent(program, start, options)
     best, best_at = np.inf, 0
+    near = options.projected
     for iteration in range(options.iterations):
         budget.check()
         step = run.step()
@@ -149,6 +165,13 @@ def solve(program: Program, start: Array, options: SolverOptions, budget: Budget
             best, best_at = violation, iteration
         if iteration - best_at > options.stall and best > SOLVER.hopeless:
             return SolverResult(run.x, iteration + 1, SolverStatus.STALLED)
+        if run.hopeless() and violation > SOLVER.hopeless:
+            return SolverResult(run.x, iteration + 1, SolverStatus.STALLED)
+        if violation < near:
+            x = project(program, run.x, options.tolerance, budget, SOLVER.projections)
+            if _violation(program.residuals(x)) < options.tolerance:
+                return SolverResult(x, iteration + 1, SolverStatus.FEASIBLE)
+            near = SOLVER.nearer * violation
         if step < options.inner_tolerance:
             run.update_multipliers(violation)
     return SolverResult(run.x, options.iterations, SolverStatus.ITERATIONS)
@@ -156,16 +179,19 @@ def solve(program: Program, start: Array, options: SolverOptions, budget: Budget
 
 def project(program: Program, start: Array, tolerance: float, budget: Budget, iterations: int = 12) -> Array:
     """The nearest point, to first order, whose constraints hold within `tolerance`: Gauss-Newton on equalities and
-    violated inequalities alone, with damping that vanishes with the violation."""
+    violated inequalities alone, with damping that vanishes with the violation. It ends where `SOLVER.projections` steps
+    have not halved what is violated."""
     x = start
     best, least = x, np.inf
+    seen: list[float] = []
     for _ in range(iterations):
         budget.check()
         residuals = program.residuals(x)
         violation = _violation(residuals)
         if violation < least:
             best, least = x, violation
-        if violation < tolerance:
+        seen.append(violation)
+        if violation < tolerance or violation > 0.5 * min(seen[: -SOLVER.projections], default=np.inf):
             break
         none = (np.zeros_like(residuals[1]), np.zeros_like(residuals[2]))
         gradient, band = program.normal(x, residuals, none, 1.0, costs=False)

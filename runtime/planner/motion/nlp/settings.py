@@ -21,6 +21,27 @@ class SolverSettings:
     load_difference: float = setting(
         1e-6, "m or rad", "By how much poses and joints are varied to see how fast loads in closed loops change."
     )
+    promise: float = setting(
+        3e-2, "1",
+        "A run whose step should take less than this share of the merit, at rows that weigh much, stands where its "
+        "violation is at its least.",
+        "of 79 runs that stalled it ends 74 after two thirds of their steps, with the same violation within a tenth; "
+        "of 246 that became feasible three would have been ended",
+    )
+    weighty: float = setting(
+        100.0, "1",
+        "How many times their first weight rows must have for that: costs and wishes then keep them from being met "
+        "by less than what counts as hopeless.",
+    )
+    projections: int = setting(
+        4, "iterations",
+        "Within so many a point that is nearly feasible is projected, or the run goes on.",
+        "from 2 cm it takes two or three",
+    )
+    nearer: float = setting(
+        0.25, "1",
+        "The share of its violation to which a run has to come before it is projected once more.",
+    )
     ipopt_iterations: int = setting(300, "iterations", "The most that IPOPT takes.")
     limit_wish: float = setting(
         3.0, "1", "The scale of the wish to keep away from joint limits.",
@@ -30,7 +51,6 @@ class SolverSettings:
         100_000, "products",
         "Of a group with no more products of rows, all their places are found at once.",
     )
-
 
 
 SOLVER = SolverSettings()
