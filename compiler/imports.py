@@ -8,11 +8,10 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from ..langs import syntax
-from ..langs.build_terms import MAX_DEPTH
 from ..langs.diagnostics import Diagnostic, SourceError
 from ..langs.parser import parse
 from ..langs.reader import read_source
-from ..langs.source import Source
+from ..langs.source import MAX_DEPTH, Source
 from .checks.findings import Findings
 from .foreign import MADE, Files, beside, portable
 from .library import Library, build_library

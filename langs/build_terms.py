@@ -11,12 +11,11 @@ from lark import Token, Tree
 
 from . import syntax as s
 from .diagnostics import Diagnostic
-from .source import Span
+from .source import MAX_DEPTH, Span
 
 Branch: TypeAlias = Tree[Token]
 Child: TypeAlias = Branch | Token | None
 
-MAX_DEPTH = 100
 _NUMBER = re.compile(
     r"([0-9.]+(?:[eE][+-]?[0-9]+)?)[ \t]*(k?N m|k?N|kg/m(?:\^3|³)|kg m(?:\^2|²)|[a-z]*)(/s(?:\^[23])?)?", re.ASCII
 )

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
+import pickle
 import stat
 from contextlib import suppress
 from pathlib import Path
 
 from .writer import write_atomically
+
+DIGEST = hashlib.sha256().digest_size
+"""Bytes of the digest with which a sealed file begins."""
+UNREADABLE = (
+    OSError, pickle.UnpicklingError, EOFError, AttributeError, ImportError, IndexError, KeyError, TypeError, ValueError,
+)  # fmt: skip
+"""What unpickling may raise where another version has written."""
 
 
 def cache_folder() -> Path:
@@ -32,3 +41,16 @@ def keep(file: Path, content: bytes) -> None:
     with suppress(OSError):
         file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         write_atomically(file, content)
+
+
+def keep_sealed(file: Path, content: bytes) -> None:
+    """Keep what will be unpickled behind its digest."""
+    keep(file, hashlib.sha256(content).digest() + content)
+
+
+def recalled_sealed(file: Path) -> bytes | None:
+    """What was kept so, where it is whole: damaged tables may load and say wrong things."""
+    content = recalled(file)
+    if content is None or hashlib.sha256(content[DIGEST:]).digest() != content[:DIGEST]:
+        return None
+    return content[DIGEST:]

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import io
-import pickle
 import sys
 from functools import cache
 from pathlib import Path
 
 import lark
 
-from .disk_cache import cache_folder, keep, recalled
+from .disk_cache import UNREADABLE, cache_folder, keep_sealed, recalled_sealed
 
 PARTS = ("tamplang", "terms", "logic", "modules", "physics", "motion", "rules", "heuristics", "scenes", "tasks")
 _FOLDER = Path(__file__).parent / "grammar"
@@ -25,10 +24,6 @@ def grammar_text() -> str:
 def build(text: str, strict: bool = False) -> lark.Lark:
     """The parser for grammar `text`; `strict` makes Lark refuse every ambiguity between terminals."""
     return lark.Lark(text, parser="lalr", lexer="contextual", propagate_positions=True, strict=strict)
-
-
-DIGEST = hashlib.sha256().digest_size
-"""Bytes of the digest with which a file of tables begins."""
 
 
 @cache
@@ -49,25 +44,10 @@ def parser() -> lark.Lark:
 def load_cached(file: Path) -> lark.Lark | None:
     """The cached parser, or None. The file is unpickled, so only a plain one that this user owns is opened, and only
     tables that are whole by their digest are used: damaged ones may load and read texts wrongly."""
-    content = recalled(file)
-    if content is None:
-        return None
     try:
-        digest, tables = content[:DIGEST], content[DIGEST:]
-        if hashlib.sha256(tables).digest() != digest:
-            return None
-        return lark.Lark.load(io.BytesIO(tables))
-    except (
-        OSError,
-        pickle.UnpicklingError,
-        EOFError,
-        AttributeError,
-        ImportError,
-        IndexError,
-        KeyError,
-        TypeError,
-        ValueError,
-    ):
+        tables = recalled_sealed(file)
+        return None if tables is None else lark.Lark.load(io.BytesIO(tables))
+    except UNREADABLE:
         return None
 
 
@@ -75,4 +55,4 @@ def store(built: lark.Lark, file: Path) -> None:
     """Keep the tables behind their digest."""
     content = io.BytesIO()
     built.save(content)
-    keep(file, hashlib.sha256(content.getvalue()).digest() + content.getvalue())
+    keep_sealed(file, content.getvalue())

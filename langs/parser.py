@@ -8,16 +8,16 @@ from contextlib import contextmanager
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from lark import Token, Tree, UnexpectedInput
-
 from . import syntax
-from .build import TreeBuilder
-from .build_terms import Branch, NestingError
 from .diagnostics import Diagnostic
-from .grammar_loader import parser
 from .source import Source, Span
+from .tree_cache import keep_tree, recalled_tree
 
 if TYPE_CHECKING:
+    from lark import Token
+
+    from .build import TreeBuilder
+    from .build_terms import Branch
     from .recovery import Recovery
 
 
@@ -26,8 +26,22 @@ def parse(source: Source) -> tuple[syntax.File, tuple[Diagnostic, ...]]:
     """The tree of `source`, and all that is wrong with its syntax, in source order.
 
     A file with mistakes gives the tree of its repaired text: what could not be repaired is left out, and a lacking name
-    is `?`.
+    is `?`. Lark is loaded only where no tree of the same text was kept.
     """
+    kept = recalled_tree(source)
+    if kept is not None:
+        return kept, ()
+    file, found = _parsed(source)
+    if not found:
+        keep_tree(source, file)
+    return file, found
+
+
+def _parsed(source: Source) -> tuple[syntax.File, tuple[Diagnostic, ...]]:
+    from lark import Tree
+
+    from .build import TreeBuilder
+
     with no_garbage():
         tree, mistakes = _parse_tree(source)
         builder = TreeBuilder(source.path, source.text.split("\n"))
@@ -54,6 +68,10 @@ def no_garbage() -> Iterator[None]:
 
 
 def _parse_tree(source: Source) -> tuple[Branch, list[Diagnostic]]:
+    from lark import UnexpectedInput
+
+    from .grammar_loader import parser
+
     lark = parser()
     try:
         return lark.parse(source.text), []
@@ -65,6 +83,10 @@ def _parse_tree(source: Source) -> tuple[Branch, list[Diagnostic]]:
 def parse_tokens(source: Source) -> tuple[Branch, tuple[Token, ...]]:
     """The grammar's own tree of `source` with the place of every word, and all its tokens; of a faulty text, those of
     the repaired one."""
+    from lark import Token, UnexpectedInput
+
+    from .grammar_loader import parser
+
     interactive = parser().parse_interactive(source.text)
     try:
         tokens = list(interactive.iter_parse())
@@ -81,6 +103,7 @@ def _repaired_tree(source: Source) -> tuple[Branch, list[Diagnostic]]:
 
 
 def _recovered(source: Source) -> tuple[Branch, Recovery]:
+    from .grammar_loader import parser
     from .recovery import Recovery
 
     lark = parser()
@@ -93,6 +116,8 @@ def _recovered(source: Source) -> tuple[Branch, Recovery]:
 
 
 def _declaration(builder: TreeBuilder, branch: Branch) -> list[syntax.Declaration]:
+    from .build_terms import NestingError
+
     try:
         made = builder.declaration(branch)
         unnamed = isinstance(made, syntax.Import) and not made.is_path and made.target.endswith("?")

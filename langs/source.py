@@ -6,6 +6,8 @@ from functools import lru_cache
 
 from .frozen import dataclass
 
+MAX_DEPTH = 100
+"""How deep terms, conditions, imports and scenes may be nested."""
 PLACEHOLDER = "?"
 """The name that stands where one lacks in a repaired text; no sound text has it as a name."""
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from ...langs import syntax
-from ...langs.build_terms import MAX_DEPTH
+from ...langs.source import MAX_DEPTH
 from ...langs.trees import children, parts
 from ..library import Library
 from .context import Context

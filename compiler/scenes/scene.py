@@ -10,9 +10,8 @@ from collections.abc import Sequence
 from dataclasses import field
 
 from ...langs import syntax
-from ...langs.build_terms import MAX_DEPTH
 from ...langs.frozen import dataclass
-from ...langs.source import Span
+from ...langs.source import MAX_DEPTH, Span
 from .. import ir
 from ..checks.binders import bind, spend, unrolled
 from ..checks.chain_bounds import check_chain_bounds
