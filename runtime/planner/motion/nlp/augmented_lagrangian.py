@@ -136,7 +136,7 @@ class _Descent:
 
     def hopeless(self) -> bool:
         """Whether what is violated is at its least around here: rows weigh so much that costs hardly keep them from
-        being met, and a step would still change next to nothing."""
+        being met, and a step would change next to nothing."""
         return self.mu >= SOLVER.weighty * self.options.mu and self.promise < self.options.promise
 
     def update_multipliers(self, violation: float) -> None:
@@ -165,9 +165,9 @@ def solve(program: Program, start: Array, options: SolverOptions, budget: Budget
             best, best_at = violation, iteration
         if iteration - best_at > options.stall and best > SOLVER.hopeless:
             return SolverResult(run.x, iteration + 1, SolverStatus.STALLED)
-        if run.hopeless() and violation > SOLVER.hopeless:
+        if run.hopeless() and violation > SOLVER.nearly:
             return SolverResult(run.x, iteration + 1, SolverStatus.STALLED)
-        if violation < near:
+        if violation < near and step < SOLVER.settled * options.inner_tolerance:
             x = project(program, run.x, options.tolerance, budget, SOLVER.projections)
             if _violation(program.residuals(x)) < options.tolerance:
                 return SolverResult(x, iteration + 1, SolverStatus.FEASIBLE)
