@@ -110,8 +110,8 @@ def test_contradiction_stalls() -> None:
 
 
 def test_what_no_step_improves_stalls_soon_and_what_costs_hold_off_does_not() -> None:
-    """A unit quaternion that would have to be longer: a run ends where its violation is at its least. A cost that weighs
-    as much as rows at first keeps them from being met, but is no reason to give up."""
+    """A unit quaternion that would have to be longer: a run ends where its violation is at its least. A cost that
+    weighs as much as rows at first keeps them from being met, but is no reason to give up."""
     norm = NormGroup(np.arange(4).reshape(1, 4))
     far = linear("equality", [[1.0], [1.0]], [3.0, 0.0], [[0], [1]])
     outcome = solve(Program(np.zeros(0), 4, [norm, far]), np.full(4, 0.5), SolverOptions(), Budget(None))
