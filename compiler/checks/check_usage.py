@@ -26,12 +26,12 @@ def check_usage(
     added = [e.literal for r in rules.values() for e in ir.effects_of(r.effects) if not e.negated]
     added += [literal for p in placements for literal in p.literals]
     patterns = [
-        _pattern(context, e.literal, _types(r.variables))
+        literal_pattern(context, e.literal, r.variables)
         for r in rules.values()
         for e in ir.effects_of(r.effects)
         if not e.negated
     ]
-    patterns += [_pattern(context, x, _types((p.subject, p.support))) for p in placements for x in p.literals]
+    patterns += [literal_pattern(context, x, (p.subject, p.support)) for p in placements for x in p.literals]
     sources: dict[tuple[bool, str], set[Places]] = {}
     for motion, name, places in patterns:
         sources.setdefault((motion, name), set()).add(places)
@@ -77,8 +77,9 @@ def _types(variables: Sequence[ir.Variable]) -> dict[str, str]:
     return {v.name: v.type.name for v in variables if isinstance(v.type, ir.ObjectType)}
 
 
-def _pattern(context: Context, literal: ir.Literal, types: Mapping[str, str]) -> Pattern:
-    """What a literal can be: its predicate and the type at each place."""
+def literal_pattern(context: Context, literal: ir.Literal, variables: Sequence[ir.Variable]) -> Pattern:
+    """What a literal can be: whether it is one of motion, its predicate, and the type at each place."""
+    types = _types(variables)
     signature = (context.motion if literal.motion else context.logic)[literal.predicate]
     places: list[str | None] = []
     for arg, variable in zip(literal.args, signature.variables, strict=True):
@@ -103,7 +104,7 @@ def _check_deletions(
         kind = literal.motion, literal.predicate
         if not effect.negated or kind in stated:
             continue
-        pattern = _pattern(context, literal, _types(rule.variables))
+        pattern = literal_pattern(context, literal, rule.variables)
         if not any(_overlap(context, pattern, places) for places in sources.get(kind, ())):
             left, right = "[]" if literal.motion else "()"
             context.findings.report(

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from ...langs import syntax
 from ...langs.frozen import dataclass
 from .. import ir
+from ..checks.check_held import check_held
 from ..checks.check_heuristics import check_heuristics
 from ..checks.check_logic import PlacementChoice, check_derived, check_placements, check_rules, lower_predicates
 from ..checks.check_motion import check_motions
@@ -75,6 +76,7 @@ def check_declarations(library: Library, findings: Findings, parsed: bool) -> Li
     _check_scenes(context, library.tasks)
     if parsed:
         check_usage(context, rules, derived, placements)
+        check_held(context, motions, rules, placements)
     else:
         keep_certain(library, context.findings, findings)
         context.findings = findings

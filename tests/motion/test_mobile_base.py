@@ -58,8 +58,25 @@ task ferry() {
 }
 """
 
+VISIT = """
+import std.mobile
 
-@pytest.mark.parametrize(("text", "rules"), [(DRIVE, ["drive"]), (UNMOUNT, ["mount", "unmount"])])
+predicate (seen Y: place)
+rule look(M: marker, Y: place) { pre (parked M Y) post (seen Y) }
+task visit() {
+    object floor: box(8 m, 4 m, 0.1 m) at (0, 0, -0.05 m)
+    place west: box(0.3 m, 0.3 m, 1 mm) at (-2 m, 0, 0)
+    place east: box(0.3 m, 0.3 m, 1 mm) at (2 m, 0, 0)
+    mobileBase plate: W on floor at (0, 1 m)
+    goal (seen west), (seen east)
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "rules"),
+    [(DRIVE, ["drive"]), (UNMOUNT, ["mount", "unmount"]), (VISIT, ["drive", "look", "leave", "drive", "look"])],
+)
 def test_plates_park_and_ferry(text: str, rules: list[str], tmp_path: Path) -> None:
     path = tmp_path / "task.tamp"
     path.write_text(text)
