@@ -324,7 +324,7 @@ CODES: dict[str, CodeInfo] = {
         "`physics` is on, and no joint states a torque or a bearing moment, and no end how it holds: what is not "
         "stated has no limit, so that nothing is refused for its weight."),
     "W0025": CodeInfo("moves what it still holds", "warning",
-        "A rule deletes a literal that keeps an object where it is, and asks for it to be elsewhere at the same switch: "
+        "A rule deletes a literal that keeps an object where it is, and asks for it elsewhere at the same switch: "
         "what holds when an action begins holds until its switch, so that this action can move the object nowhere. Let "
         "a rule of its own let go, and the next one move."),
 }
