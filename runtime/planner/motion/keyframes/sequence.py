@@ -44,7 +44,8 @@ def solve_sequence(
         elif result.feasible:
             result, spent = led_around(skeleton, 0, last, settings, random, budget, result)
             span.iterations += spent
-    if result.feasible and len(skeleton) > KEYFRAMES.longest_whole and warm is None and not places(skeleton):
+    in_windows = result.feasible and len(skeleton) > KEYFRAMES.longest_whole and warm is None
+    if in_windows and len(skeleton) <= KEYFRAMES.longest_polished and not places(skeleton):
         whole = span.search(result.configurations[1:], 1)
         result = whole if whole.feasible else result
     if result.feasible:

@@ -40,6 +40,11 @@ class KeyframeSettings:
     )
     sweep_moved: float = setting(0.05, "m", "Metres that something must slide to be looked at.")
     longest_whole: int = setting(12, "phases", "Phases up to which one program holds the whole skeleton.")
+    longest_polished: int = setting(
+        100, "phases",
+        "Phases up to which the whole is solved once more from what windows have found, for a cheaper one.",
+        "takes as long as the windows: a fifth of climb n=256, 65 phases; of n=512, 129 phases, it was refused",
+    )
     few_backtracks: int = setting(
         3, "times",
         "How often windows go back where the whole has failed only by its collisions.",
