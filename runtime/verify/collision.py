@@ -42,7 +42,8 @@ def check_collisions(plan: Plan, motion: Motion, sampler: Sampler, findings: Fin
     at_rest = _AtRest(frozenset(k for k, solid in enumerate(found) if solid.thing in fixed), {}, set())
     for phase in range(len(plan.phases)):
         begin = float(motion.times[motion.ranges[phase][0]])
-        here = looked_at[~np.isin(looked_at, _away(found, happenings, begin)).any(axis=1)]
+        gone = _away(found, happenings, begin) if happenings.gone else []
+        here = looked_at[~np.isin(looked_at, gone).any(axis=1)] if gone else looked_at
         for grid in sampler.grid(phase).parts():
             _check_part(_Part(sampler, phase, grid, found, at_rest), here, findings)
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field
 
 from ...compiler import ir
+from ...compiler.remembering import remembered
 from ...langs.frozen import dataclass
 from ...langs.source import Span
 from .guards import Guards
@@ -30,6 +31,14 @@ class State:
     facts: frozenset[ir.Fact]
     guards: Guards
     chains: dict[tuple[str, str], tuple[ir.Chain, ...]] = field(default_factory=dict)
+    by_predicate: dict[str, list[ir.Fact]] = field(default_factory=dict)
+
+    def of(self, predicate: str) -> Sequence[ir.Fact]:
+        """The facts of one predicate."""
+        if not self.by_predicate:
+            for fact in self.facts:
+                self.by_predicate.setdefault(fact[0], []).append(fact)
+        return self.by_predicate.get(predicate, ())
 
 
 # --- variables ---------------------------------------------------------------------------------------------------
@@ -38,7 +47,7 @@ class State:
 def values(state: State, kind: ir.Type, environment: Environment) -> Sequence[Value]:
     """What a variable of that type ranges over in this state."""
     if isinstance(kind, ir.ObjectType):
-        return state.problem.of_type(kind.name)
+        return _of_type(state.problem, kind.name)
     if isinstance(kind, ir.RangeType):
         first, last = (number(state, t, environment) for t in (kind.first, kind.last))
         if not math.isfinite(first) or not math.isfinite(last):
@@ -47,6 +56,11 @@ def values(state: State, kind: ir.Type, environment: Environment) -> Sequence[Va
     if isinstance(kind, ir.ChainType):
         return chains(state, kind)
     raise ReplayError(f"a variable cannot range over {kind.name}")
+
+
+@remembered(64)
+def _of_type(problem: ir.Problem, name: str) -> tuple[str, ...]:
+    return problem.of_type(name)
 
 
 def chains(state: State, kind: ir.ChainType) -> tuple[ir.Chain, ...]:
@@ -226,13 +240,46 @@ def holds(state: State, formula: ir.Formula, environment: Environment) -> bool:
         case ir.Or():
             return any(holds(state, f, environment) for f in formula.operands)
         case ir.Exists():
-            return any(holds(state, formula.body, e) for e in bindings(state, formula.variables, environment))
+            return _exists(state, formula.variables, formula.body, environment)
         case ir.Forall():
             return all(holds(state, formula.body, e) for e in bindings(state, formula.variables, environment))
         case ir.Compare():
             return _compare(state, formula, environment)
         case ir.Previous():
             raise ReplayError("`previous is` stands only in heuristics")
+
+
+def _exists(
+    state: State, variables: Sequence[ir.Variable], body: ir.Formula, environment: Environment
+) -> bool:  # fmt: skip
+    """Whether some values of the variables make the body true. Those that no fact allows are not tried: of thousands
+    of objects, a handful are on something."""
+    if not variables:
+        return holds(state, body, environment)
+    first, *rest = variables
+    allowed = None
+    if isinstance(first.type, ir.ObjectType):
+        known = {name: value for name, value in environment.items() if all(name != v.name for v in variables)}
+        allowed = _allowed(state, first.name, body, known)
+    return any(
+        _exists(state, rest, body, {**environment, first.name: value})
+        for value in values(state, first.type, environment) if allowed is None or value in allowed
+    )  # fmt: skip
+
+
+def _allowed(state: State, name: str, body: ir.Formula, known: Environment) -> frozenset[str] | None:
+    """The objects among which a variable must be, as a fact that the body asks for names it; None where there is no
+    such fact."""
+    for part in body.operands if isinstance(body, ir.And) else (body,):
+        if not isinstance(part, ir.Literal) or part.predicate in state.problem.derived:
+            continue
+        at = [k for k, argument in enumerate(part.args) if isinstance(argument, ir.Var) and argument.name == name]
+        given = {k: str(known[a.name]) for k, a in enumerate(part.args) if isinstance(a, ir.Var) and a.name in known}
+        given |= {k: a.name for k, a in enumerate(part.args) if isinstance(a, ir.Object)}
+        if at:
+            found = (f for f in state.of(part.predicate) if all(f[k + 1] == value for k, value in given.items()))
+            return frozenset(fact[at[0] + 1] for fact in found)
+    return None
 
 
 def pattern(state: State, terms: Sequence[ir.Term], environment: Environment) -> tuple[str | None, ...]:
@@ -251,7 +298,7 @@ def _literal(state: State, literal: ir.Literal, environment: Environment) -> boo
     if derived is None:
         if None not in wanted:
             return (literal.predicate, *wanted) in state.facts
-        return any(f[0] == literal.predicate and matches(wanted, f[1:]) for f in state.facts)
+        return any(matches(wanted, f[1:]) for f in state.of(literal.predicate))
     names = [v.name for v in derived.variables]
     choices = [
         [w] if w is not None else list(values(state, v.type, {}))

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from tamplang.compiler.ir import Action, Problem
+from tamplang.compiler.ir import Action, And, Exists, Literal, Not, ObjectType, Problem, Var, Variable
 from tamplang.compiler.pipeline import compile_problem
 from tamplang.compiler.symbolic.successors import Successors
-from tamplang.runtime.verify.formulas import ReplayError
+from tamplang.runtime.verify.formulas import ReplayError, holds
 from tamplang.runtime.verify.replay import Inapplicable, Interpreter
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -52,6 +52,21 @@ def test_agrees_with_successor_functions(name: str, parameters: dict[str, int], 
         # Prefer whatever docks or splits, which a fair draw seldom meets.
         name = draw.choice(sorted(n for n in theirs if "connect" in n) or sorted(theirs))
         state, facts, motion = theirs[name], outcomes[name].facts, outcomes[name].motion
+
+
+def test_what_exists_is_asked_of_facts_whatever_names_mean_outside() -> None:
+    problem = example("climb.tamp", n=2, crawlers=1)
+    state = Interpreter(problem).state(problem.init)
+    bearer, foot = next(f[1:] for f in sorted(problem.init) if f[0] == "on")
+    other = next(o for o in problem.of_type("effector") if all(o not in f for f in problem.init if f[0] == "on"))
+    x, a = Variable("X", ObjectType("object")), Variable("A", ObjectType("effector"))
+    on = Literal("on", (Var("X"), Var("A")))
+    assert holds(state, Exists((x,), on), {"A": foot}) and not holds(state, Exists((x,), on), {"A": other})
+    assert holds(state, Exists((x, a), on), {"X": other, "A": other})
+    both = And((Literal("held", (Var("X"),)), on))
+    assert not holds(state, Exists((x, a), both), {})
+    assert holds(state, Exists((a,), And((on, Not(Literal("held", (Var("X"),)))))), {"X": bearer})
+    assert not holds(state, Exists((a,), Literal("on", (Var("A"), Var("A")))), {})
 
 
 def test_chains_run_from_foot_to_free_end() -> None:
