@@ -8,7 +8,8 @@ import msgspec
 import numpy as np
 
 from ..compiler import ir
-from ..compiler.physics.frames import Poses, Weight, foot_radius, module_weights, node_weights, poses
+from ..compiler.physics.frames import Poses, Weight, module_weights, node_weights, poses
+from ..compiler.physics.outlines import foot_radius
 from ..compiler.physics.records import CONTACTS
 from ..compiler.physics.safety import safety_of
 from ..compiler.physics.statics import drives_of, met, wrenches

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..ir import Fact, Problem
 from ..remembering import remembered
-from .collision import keeps_pose
+from .kept_pairs import keeps_pose
 
 
 @remembered(256)

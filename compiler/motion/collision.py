@@ -23,19 +23,17 @@ from ..ir import (
     Body,
     Chain,
     Fact,
-    Function,
     JointKind,
     ModuleType,
-    MotionPredicate,
     Pose,
     Problem,
     Shape,
     ShapeKind,
-    Var,
     Vec3,
 )
 from ..remembering import remembered
 from .covers import cover_hull
+from .kept_pairs import keeps_pose as keeps_pose
 from .lasting import implied, stated
 
 PATH_MARGIN = 0.02
@@ -251,25 +249,6 @@ class PhaseContacts:
     end: frozenset[Pair]
     beside: frozenset[Pair] = frozenset()
     """Pairs that may touch all the time, but not overlap."""
-
-
-def keeps_pose(problem: Problem, literal: Fact) -> tuple[str, str] | None:
-    """The objects `(fixed to, follows)` whose relative pose a motion literal keeps, or None."""
-    places = _places_kept(problem.motions[literal[0]])
-    return (literal[places[0]], literal[places[1]]) if places else None
-
-
-@remembered(256)
-def _places_kept(predicate: MotionPredicate) -> tuple[int, int] | None:
-    """The places in a literal of the objects `(fixed to, follows)` whose relative pose it keeps."""
-    places = {variable.name: place for place, variable in enumerate(predicate.variables, start=1)}
-    for row in predicate.rows:
-        left = row.left
-        if row.when == "keep" and isinstance(left, Function) and left.name == "pose":
-            follows, fixed = left.args
-            if isinstance(follows, Var) and isinstance(fixed, Var):
-                return places[fixed.name], places[follows.name]
-    return None
 
 
 def _kept(problem: Problem, literals: frozenset[Fact]) -> frozenset[Pair]:

@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...langs.frozen import dataclass
-from ..ir import Effector, Joint, JointKind, Module, ModuleType, Problem, Shape, ShapeKind
+from ..ir import Joint, JointKind, ModuleType, Problem, Shape, ShapeKind
+from .masses import GRAVITY as GRAVITY
 from .masses import body_mass, part_mass
 from .moments import shape_moments
+from .outlines import driven_away
 from .records import CONTACTS
 from .structure import WORLD, Edge, Node, driven
 
 Array = NDArray[np.float64]
-GRAVITY = 9.81
-"""Metres per second squared."""
 STILL = 1e-6
 """Radians or metres by which a joint may change that does not move."""
 
@@ -230,28 +230,3 @@ def _low(shape: Shape | None, turn: Array) -> Array:
     along, radius = np.abs(down[:, 2]) * shape.size[1] / 2.0, shape.size[0]
     round_end = shape.kind == ShapeKind.CAPSULE
     return along + (radius if round_end else radius * np.sqrt(np.maximum(0.0, 1.0 - down[:, 2] ** 2)))
-
-
-def driven_away(found: tuple[Module, Effector]) -> bool:
-    """Whether an end carries a planar joint: what stands on it stands where that is."""
-    return driven(found[0].type, found[1].joint) != found[1].joint
-
-
-def foot_radius(problem: Problem, name: str) -> float:
-    """How far from where an end or a body stands it tips: half the smaller side of its shape, seen from above; of what
-    carries a planar joint, of the largest part on that."""
-    found = problem.world.effector(name)
-    if found is not None and driven_away(found):
-        node = driven(found[0].type, found[1].joint)
-        return max([_half(k.shape) for k in found[0].type.links if k.joint == node], default=0.0)
-    shape = found[1].shape if found is not None else problem.world.bodies[name].shape
-    return 0.0 if shape is None else _half(shape)
-
-
-def _half(shape: Shape) -> float:
-    if shape.kind == ShapeKind.BOX:
-        return min(shape.size[0], shape.size[1]) / 2.0
-    if shape.kind == ShapeKind.CONVEX:
-        corners = np.asarray(shape.size).reshape(-1, 3)
-        return float(np.ptp(corners[:, :2], axis=0).min()) / 2.0
-    return shape.size[0]

@@ -11,7 +11,8 @@ import numpy as np
 
 from ...langs.frozen import dataclass
 from ..ir import JointKind, Problem
-from .frames import Array, Poses, crossed, foot_radius, meeting
+from .frames import Array, Poses, crossed, meeting
+from .outlines import foot_radius
 from .records import CONTACTS
 from .structure import WORLD, Edge, Structure, subtrees
 

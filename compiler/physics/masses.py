@@ -6,6 +6,8 @@ import math
 
 from ..ir import Body, ModuleType, Pose, Shape, ShapeKind
 
+GRAVITY = 9.81
+"""Metres per second squared."""
 DENSITY = 1000.0
 """Kilograms per cubic metre of what states no mass: water."""
 

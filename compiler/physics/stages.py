@@ -17,8 +17,9 @@ from ...langs.frozen import dataclass
 from ..ir import Fact, Hold, JointKind, ModuleType, Problem, ShapeKind
 from ..motion.kinematics import Expression, Frame, axes, effector_frame, joint_frames, pose_frame, rotate
 from ..motion.stages import Stage
-from .frames import GRAVITY, foot_radius, module_weights
+from .frames import GRAVITY, module_weights
 from .masses import body_mass
+from .outlines import foot_radius
 from .records import CONTACTS
 from .structure import WORLD, Edge, Node, driven, structure
 

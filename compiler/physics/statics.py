@@ -14,8 +14,9 @@ import numpy as np
 
 from ...langs.frozen import dataclass
 from ..ir import Fact, Hold, JointKind, Problem
-from .frames import Array, Poses, crossed, foot_radius, meeting, node_weights, node_wrench
+from .frames import Array, Poses, crossed, meeting, node_weights, node_wrench
 from .loops import shared
+from .outlines import foot_radius
 from .records import CONTACTS
 from .structure import WORLD, Edge, Node, Structure, structure
 

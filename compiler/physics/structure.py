@@ -10,7 +10,7 @@ from ...langs.frozen import dataclass
 from ...langs.source import Span
 from ..ir import IDENTITY, Fact, Hold, JointKind, ModuleType, Problem
 from ..motion.bolted import bolted
-from ..motion.collision import keeps_pose
+from ..motion.kept_pairs import keeps_pose
 from ..remembering import remembered
 from .records import CONTACTS, NOTHING, weaker
 

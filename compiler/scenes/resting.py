@@ -80,12 +80,21 @@ def _upon(built: BuiltScene, boxes: dict[str, Box], loose: list[tuple[float, str
             continue
         if any(min(over[k + 3], under[k + 3]) - max(over[k], under[k]) <= most for k in (0, 1)):
             continue
+        if _is_level_box(one) and _is_level_box(other):
+            yield name
+            continue
         from ..symbolic.geometry import Placed, shape_distance
 
         x, y, z = position(other.pose)
         lowered = Placed(other.shape, make((x, y, z - 2 * most), orientation(other.pose)))
         if shape_distance(Placed(one.shape, one.pose), lowered) == 0.0:
             yield name
+
+
+def _is_level_box(body: ir.Body) -> bool:
+    """Whether a body is the box around it along the axes of the world."""
+    _, _, z, w = orientation(body.pose)
+    return body.shape.kind == ir.ShapeKind.BOX and _is_upright(body.pose) and 0.0 in (z, w)
 
 
 def _is_upright(pose: ir.Pose) -> bool:

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...compiler import ir
-from ...compiler.physics.frames import Poses, driven_away, foot_radius, meeting
+from ...compiler.physics.frames import Poses, meeting
+from ...compiler.physics.outlines import driven_away, foot_radius
 from ...compiler.physics.records import CONTACTS
 from ...compiler.physics.structure import Edge
 from ..skeleton import Array

@@ -3,15 +3,20 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tamplang.compiler.ir import ModuleType
+from tamplang.compiler.physics.frames import poses
 from tamplang.compiler.physics.masses import module_mass
 from tamplang.compiler.physics.records import weaker
+from tamplang.compiler.physics.start_loads import plainly_borne
+from tamplang.compiler.physics.statics import loads
 from tamplang.compiler.pipeline import check, compile_problem, compile_text
 from tamplang.langs.formatter import format_source
 from tamplang.langs.source import Source
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 TEXT = """import std.rules
 
 module arm(drive: torque = 38 N m, part: mass = 2 kg) {
@@ -158,3 +163,17 @@ def test_an_inertia_that_no_body_has_is_told_and_left_out(tmp_path: Path, mass: 
     assert [d.code for d in found] == ["W0010"]
     assert "link `l`" in found[0].message and found[0].span is not None and found[0].span.file.endswith("r.urdf")
     assert from_urdf(tmp_path, mass, xx, 1).inertials == ()
+
+
+@pytest.mark.parametrize(
+    ("example", "parameters", "bears"),
+    [("payload", {}, True), ("tow", {}, True), ("real_climb", {}, True), ("real_climb", {"drive": "2 N m"}, False)],
+)
+def test_plain_sums_tell_what_bears_itself_at_the_start(example: str, parameters: dict[str, str], bears: bool) -> None:
+    text = (EXAMPLES / f"{example}.tamp").read_text().replace("physics = dynamics", "physics = none")
+    problem, _ = compile_text(text, "t.tamp", None, parameters)
+    world = problem.world
+    modules = {n: np.array([[*m.pose, *m.joints]]) for n, m in world.modules.items()}
+    at = poses(problem, modules, {n: np.array([b.pose]) for n, b in world.bodies.items()})
+    worst = max(float(load.ratio[0]) for load in loads(problem, problem.init_motion, at, 1.5))
+    assert plainly_borne(problem) == bears and (worst <= 1.0) == bears

@@ -1,0 +1,25 @@
+"""Which objects a motion literal keeps where they are to each other."""
+
+from __future__ import annotations
+
+from ..ir import Fact, Function, MotionPredicate, Problem, Var
+from ..remembering import remembered
+
+
+def keeps_pose(problem: Problem, literal: Fact) -> tuple[str, str] | None:
+    """The objects `(fixed to, follows)` whose relative pose a motion literal keeps, or None."""
+    places = _places_kept(problem.motions[literal[0]])
+    return (literal[places[0]], literal[places[1]]) if places else None
+
+
+@remembered(256)
+def _places_kept(predicate: MotionPredicate) -> tuple[int, int] | None:
+    """The places in a literal of the objects `(fixed to, follows)` whose relative pose it keeps."""
+    places = {variable.name: place for place, variable in enumerate(predicate.variables, start=1)}
+    for row in predicate.rows:
+        left = row.left
+        if row.when == "keep" and isinstance(left, Function) and left.name == "pose":
+            follows, fixed = left.args
+            if isinstance(follows, Var) and isinstance(fixed, Var):
+                return places[fixed.name], places[follows.name]
+    return None
