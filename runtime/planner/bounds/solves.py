@@ -13,6 +13,7 @@ from ...geometry.attachments import looped
 from ...plan import BoundRecord
 from ...seeds import Seed
 from ...skeleton import LOADS, Bound, BoundResult, Configuration, Skeleton, beginning
+from ..motion.keyframes.initial_guesses import guess
 from ..motion.keyframes.local_repair import MENDS, QUICK_MENDS, Mend, mended, resampled, unmoved
 from ..motion.keyframes.sequence import solve_sequence
 from ..motion.keyframes.settings import KEYFRAMES
@@ -133,15 +134,19 @@ class Solves:
         return any(looped(self.problem, skeleton.phases[phase].mode) for phase in phases)
 
     def _drawn(
-        self, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int, still: bool
+        self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int, still: bool
     ) -> AttemptRequest:
         """The attempt after P_seqPath between the switch poses of `sequence` was refused: the phases that were refused
         are to move little (`still`: at first, and where others that close a loop were refused), else their switches are
-        shaken."""
+        shaken. Where a loop has no way from posture to posture, all are drawn from anywhere every other time: shaken
+        ones come back to where they were."""
         failed = sorted({v.phase for v in refused.violations})
         draw = self.seed.child("attempt", attempt)
         if still:
             warm = unmoved(sequence.configurations, failed)[1:]
+        elif attempt % 2 == 0 and self._closes_a_loop(skeleton, failed):
+            random, start = draw.child("start").random(), sequence.configurations[0]
+            warm = guess(skeleton, range(len(skeleton)), start, random, KEYFRAMES.noise, wide=True)
         else:
             warm = resampled(sequence.configurations, failed, draw.child("start"))[1:]
         return AttemptRequest(self.settings, draw, self.tries, warm, motions)
@@ -152,7 +157,7 @@ class Solves:
         """P_seq once more, and P_seqPath too where another process has come to it already."""
         if len(skeleton) > KEYFRAMES.longest_whole:
             return self._sequence(skeleton, self.seed.child("attempt", attempt), None, tries=self.tries), None
-        drawn = self._drawn(sequence, refused, attempt, motions, still)
+        drawn = self._drawn(skeleton, sequence, refused, attempt, motions, still)
         if not self.ahead.expects(skeleton, drawn):
             return self._sequence(skeleton, drawn.draw, drawn.warm, tries=self.tries), None
         self.tell("seq-path", f"P_seqPath of {counted(len(skeleton), 'phase')}")
@@ -168,7 +173,7 @@ class Solves:
     ) -> None:
         """An attempt, if the same phases are refused as before."""
         if self.ahead.helps and len(skeleton) <= KEYFRAMES.longest_whole:
-            self.ahead.expect(skeleton, self._drawn(sequence, refused, attempt, motions, False), self.budget)
+            self.ahead.expect(skeleton, self._drawn(skeleton, sequence, refused, attempt, motions, False), self.budget)
 
     def _path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult:
         """P_path, with bounded effort."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from copy import deepcopy
+from itertools import pairwise
 
 import numpy as np
 
@@ -13,11 +14,12 @@ from ....geometry.attachments import looped
 from ....geometry.drives import ringed
 from ....skeleton import LOADS, Array, Bound, BoundResult, Configuration, Skeleton, Violation
 from ...statics import exceeded_switches
-from ..nlp.augmented_lagrangian import SolverOptions
+from ..nlp.augmented_lagrangian import SolverOptions, project
 from ..nlp.settings import SOLVER
 from ..settings import MotionSettings
 from .initial_guesses import guess
-from .keyframe_program import SwitchProgram, run
+from .keyframe_program import POLISH, SwitchProgram, run
+from .ring_walks import passive_rings, walked
 from .settings import KEYFRAMES
 
 SEQUENCE = SolverOptions(inner_tolerance=3e-2, projected=SOLVER.nearly)
@@ -92,7 +94,9 @@ class SpanSolver:
         self.reached = False
         """Whether some attempt succeeded but for collisions."""
         self._programs: dict[bool, SwitchProgram] = {}
-        self._rings = any(ringed(skeleton.problem, p.mode) for p in skeleton.phases[first : last + 1])
+        modes = [p.mode for p in skeleton.phases[first : last + 1]]
+        self._rings = any(ringed(skeleton.problem, mode) for mode in modes)
+        self._walks = not free and any(passive_rings(skeleton.problem, mode) for mode in modes)
 
     def _at_rest(self) -> BoundResult | None:
         """An attempt in which the joints on closed rings keep their values: what stands on many feet can often do what
@@ -108,6 +112,27 @@ class SpanSolver:
             return None
         result = self._solve(switches, reached.configurations)
         return result if result.feasible else None
+
+    def _after_walks(self) -> BoundResult | None:
+        """Attempts from walks along closed rings with joints that have no drives, to the nearest postures in which all
+        rows hold: such rings have few ways, and a minimum of the miss along them is often not 0. Of several that are
+        found the one whose joints go the least."""
+        found: list[tuple[float, BoundResult]] = []
+        random = deepcopy(self.random)
+        switches = self._program(True)
+        phases = range(self.first, self.last + 1)
+        for number in range(KEYFRAMES.walks):
+            slices = [self.start, *guess(self.skeleton, phases, self.start, random, KEYFRAMES.noise, number > 1, True)]
+            slices = walked(self.skeleton, self.first, slices, self.settings, random, self.budget)
+            tolerance = self.settings.tolerance
+            x = project(switches.loose, switches.pack(slices), tolerance, self.budget, KEYFRAMES.walk_projections)
+            if switches.loose.largest(x) <= tolerance:
+                result = self._solve(switches, switches.unpack(x), POLISH)
+                if result.feasible:
+                    found.append((_travel(result.configurations), result))
+            if len(found) == KEYFRAMES.walks_found:
+                break
+        return min(found, key=lambda f: f[0])[1] if found else None
 
     def _program(self, frozen: bool) -> SwitchProgram:
         if frozen not in self._programs:
@@ -150,6 +175,9 @@ class SpanSolver:
                 if reached.violations:
                     nearest = reached if nearest is None or _worst(reached) < _worst(nearest) else nearest
                     loose.append(_worst(reached))
+                    found = self._after_walks() if len(loose) == 1 and self._walks else None
+                    if found is not None:
+                        return found
                     if _hopeless(loose):
                         return nearest
                     continue
@@ -178,9 +206,11 @@ class SpanSolver:
         configurations = switches.unpack(outcome.x)
         return BoundResult(Bound.SEQ, False, 0.0, 0.0, 0, configurations, [], violations, unobstructed=True)
 
-    def _solve(self, switches: SwitchProgram, slices: Sequence[Configuration]) -> BoundResult:
+    def _solve(
+        self, switches: SwitchProgram, slices: Sequence[Configuration], options: SolverOptions | None = None
+    ) -> BoundResult:
         """P_seq, projected where it is nearly feasible; else with what is violated."""
-        program, outcome = switches.solve(switches.pack(slices), self.options, self.budget)
+        program, outcome = switches.solve(switches.pack(slices), options or self.options, self.budget)
         self.iterations += outcome.iterations
         x = outcome.x
         feasible = False
@@ -210,6 +240,14 @@ class SpanSolver:
         finally:
             switches.bear(False)
         return (changed, exceeded(changed)) if good else (x, violations)
+
+
+def _travel(configurations: Sequence[Configuration]) -> float:
+    """How far all joints go from one to the next."""
+    return sum(
+        float(np.abs(other.modules[name][7:] - slot[7:]).sum())
+        for one, other in pairwise(configurations) for name, slot in one.modules.items()
+    )  # fmt: skip
 
 
 def _repair(

@@ -97,6 +97,14 @@ class KeyframeSettings:
         1e-4, "1",
         "A direction in which a hand moves by less, as a share of what it can move at all, is none.",
     )
+    walk_steps: int = setting(
+        40, "steps", "Steps of a walk along a closed ring at most.", "a crank goes round in 30 of them"
+    )
+    walk_step: float = setting(0.25, "rad", "How far the joints of a ring move in a step, as a norm.")
+    walk_slow: float = setting(0.1, "1", "A walk ends where a step is shorter than this share: at a limit.")
+    walks: int = setting(8, "starts", "Starts from walks along closed rings, where the first start has failed.")
+    walks_found: int = setting(3, "postures", "Of so many that walks have found the nearest is taken.")
+    walk_projections: int = setting(40, "iterations", "With which what a walk has come to is put onto all rows.")
     limit_inset: float = setting(0.1, "rad", "Radians by which guesses keep away from joint limits.")
     base_spread: float = setting(
         0.4, "1",

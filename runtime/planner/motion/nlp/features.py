@@ -174,11 +174,13 @@ def limits(problem: Problem, layout: UnknownsLayout, margin: float, phase_of: li
     return LinearGroup("inequality", columns, np.array(signs).reshape(-1, 1), np.array(targets), labels)
 
 
-def kept_limits(problem: Problem, layout: UnknownsLayout, margin: float, phase_of: list[int]) -> list[LinearGroup]:
-    """Joint limits as rows, and the wish that joints keep `margin` from them: what can be reached at a limit alone is
-    done there."""
+def kept_limits(
+    problem: Problem, layout: UnknownsLayout, margin: float, phase_of: list[int], least: float = 0.0
+) -> list[LinearGroup]:
+    """Joint limits as rows, `least` within them, and the wish that joints keep `margin` from them: what can be reached
+    at a limit alone is done there."""
     wished = limits(problem, layout, margin, phase_of)
-    return [limits(problem, layout, 0.0, phase_of), LinearWish(wished, SOLVER.limit_wish)]
+    return [limits(problem, layout, least, phase_of), LinearWish(wished, SOLVER.limit_wish)]
 
 
 def homing(problem: Problem, layout: UnknownsLayout, scale: float) -> LinearGroup:

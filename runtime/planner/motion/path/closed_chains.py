@@ -45,6 +45,11 @@ def solve_phase(
     all strengths at rest. Raises OutOfTime."""
     best: PhaseResult | None = None
     iterations = 0
+    if starts > 1:
+        best = _unobstructed(skeleton, phase, before, after, settings, budget)
+        if best.violations:
+            return best
+        iterations, best = best.iterations, None
     for number in range(starts):
         wider = replace(settings, margin=settings.margin * PATHS.widening) if number % 3 == 1 else settings
         program = PathProgram(skeleton, wider, [before, after], True, range(phase, phase + 1), bears)
@@ -64,6 +69,23 @@ def solve_phase(
     assert best is not None
     best.iterations = iterations
     return best
+
+
+def _unobstructed(
+    skeleton: Skeleton, phase: int, before: Configuration, after: Configuration, settings: MotionSettings,
+    budget: Budget,
+) -> PhaseResult:  # fmt: skip
+    """The phase without collisions, which takes a quarter of the time: rings whose joints cannot get from one posture
+    to the other are found here."""
+    free = replace(settings, collisions=False)
+    program = PathProgram(skeleton, free, [before, after], True, range(phase, phase + 1))
+    x = program.pack(_between(before, after, free.slices, {}))
+    x = project(program.program(), x, ACCURATE, budget, PATHS.projections)
+    bound, x = attempt(program, x, free, budget, PATH)
+    path, violations = program.paths(program.unpack(x))[0], bound.violations
+    if bound.feasible:
+        path, violations = accepted(skeleton, phase, path, before, after, free, budget)
+    return PhaseResult(path, violations, bound.cost, bound.iterations)
 
 
 def _between(

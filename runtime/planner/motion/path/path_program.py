@@ -17,7 +17,7 @@ from ..collision.pairs_in_phases import Collisions, Margins, refresh, rows
 from ..keyframes.bearing_rows import bearing_groups
 from ..keyframes.keyframe_program import run
 from ..nlp.augmented_lagrangian import PATH, SolverOptions, SolverStatus, project
-from ..nlp.features import Features, differences, homing, limits, norms
+from ..nlp.features import Features, differences, homing, kept_limits, norms
 from ..nlp.loaded_features import LoadedLiteral, loaded_groups, speaks
 from ..nlp.program import Program
 from ..nlp.row_groups import RowGroup
@@ -129,7 +129,7 @@ class PathProgram:
             *loaded_groups(self.problem, self.layout, self._loaded()),
             *self._bearing(),
             norms(self.layout),
-            limits(self.problem, self.layout, self.settings.limit_margin / 3, phase_of),
+            *kept_limits(self.problem, self.layout, self.settings.limit_margin / 3, phase_of, PATHS.least_inset),
             homing(self.problem, self.layout, PATHS.homing_weight * step**0.5),
             differences(self.layout, self.layout.modules, triples, (1.0, -2.0, 1.0), bending),
         ]

@@ -32,6 +32,11 @@ class PathSettings:
         "a spline along closure drifts 16 times less with twice the slices; one that does not even halve its "
         "drift jumps from one posture to another, and more slices do not help",
     )
+    least_inset: float = setting(
+        1e-3, "rad or m",
+        "What slices keep from joint limits at least, as splines go past them between slices; more is a wish.",
+        "a lid that the elbow of an arm can just follow, 0.004 rad within its limit, was refused with 0.01",
+    )
     widening: float = setting(
         1.5, "1",
         "By how much the margin grows when slices are clear but what lies between them is not.",
