@@ -16,6 +16,7 @@ from .....compiler.motion.collision import bounding_radius, keeps_pose
 from ....geometry.attachments import followers, looped
 from ....geometry.drives import braked
 from ....skeleton import Array, Configuration, Skeleton
+from .clear_postures import clear_posture
 from .placement_samples import outline, places
 from .posture_samples import Aim, Stance, closing, freedom, meeting, reaching, rooms
 from .settings import KEYFRAMES
@@ -51,7 +52,7 @@ class Guess:
 
     def __init__(
         self, skeleton: Skeleton, start: Configuration, random: np.random.Generator, noise: float, wide: bool = False,
-        steady: bool = False,
+        steady: bool = False, clear: bool = False,
     ) -> None:  # fmt: skip
         self.problem: Problem = skeleton.problem
         self.skeleton = skeleton
@@ -59,6 +60,7 @@ class Guess:
         self.noise = noise
         self.wide = wide
         self.steady = steady
+        self.clear = clear
         self.current = start.copy()
         self.feet: dict[str, Pose] = {}
         self.places = places(skeleton)
@@ -196,13 +198,24 @@ class Guess:
                 continue
             if not self.wide and freedom(module.type, stance[0], aim.effector) >= KEYFRAMES.free_directions:
                 continue
-            slot[7:] = reaching(module, slot[7:], stance, aim, KEYFRAMES.limit_inset, self.random)
             foot = f"{name}.{aim.effector}"
+            if self.clear and foot not in feet and aim.upright is None:
+                values = slot[7:], stance, aim, KEYFRAMES.limit_inset, self.random
+                slot[7:] = clear_posture(module, *values, self._solids())
+            else:
+                slot[7:] = reaching(module, slot[7:], stance, aim, KEYFRAMES.limit_inset, self.random)
             if foot in feet:
                 slot[7:] = closing(module, slot[7:], stance, aim, KEYFRAMES.limit_inset)
             put_effector(module, stance[0], slot, stance[1])
             if foot in feet:
                 feet[foot] = (*feet[foot][:3], *self._pose(foot)[3:])
+
+    def _solids(self) -> list[tuple[Shape, Array]]:
+        """The parts of all bodies, where they are."""
+        return [
+            (part.shape, np.array(poses.compose(to_tuple(self.current.bodies[body.name]), part.placement)))
+            for body in self.problem.world.solids for part in body.shape.solids
+        ]  # fmt: skip
 
     def _meet(self, phase: int, stances: dict[str, Stance]) -> None:
         """Joint values with which two modules that stand on their own, and cannot turn as they like, face each other
@@ -244,13 +257,14 @@ class Guess:
 
 def guess(
     skeleton: Skeleton, phases: Sequence[int], start: Configuration, random: np.random.Generator, noise: float,
-    wide: bool = False, steady: bool = False,
+    wide: bool = False, steady: bool = False, clear: bool = False,
 ) -> list[Configuration]:  # fmt: skip
     """Guesses for the switches of `phases`, by the poses of feet and `noise` radians on every joint. Modules that stand
     on their own and cannot turn as they like, with `wide` all that stand on their own, take postures from anywhere
     within their limits that come near to what they are to meet. With `steady` modules that close a loop stay as they
-    are: noise opens it, and what closes it again is often a posture to which no path leads."""
-    maker = Guess(skeleton, start, random, noise, wide, steady)
+    are: noise opens it, and what closes it again is often a posture to which no path leads. With `clear` hands come to
+    things from sides that are free."""
+    maker = Guess(skeleton, start, random, noise, wide, steady, clear)
     return [maker.advance(phase) for phase in phases]
 
 

@@ -141,13 +141,14 @@ class SpanSolver:
             )  # fmt: skip
         return self._programs[frozen]
 
-    def guess(self, wide: bool, steady: bool) -> list[Configuration]:
+    def guess(self, wide: bool, steady: bool, clear: bool = False) -> list[Configuration]:
         """All slices, the state before included."""
+        how = wide or clear, steady, clear
         if not self.free:
             phases = range(self.first, self.last + 1)
-            return [self.start, *guess(self.skeleton, phases, self.start, self.random, KEYFRAMES.noise, wide, steady)]
+            return [self.start, *guess(self.skeleton, phases, self.start, self.random, KEYFRAMES.noise, *how)]
         phases = range(self.last + 1)
-        return guess(self.skeleton, phases, self.start, self.random, KEYFRAMES.noise, wide, steady)[self.first - 1 :]
+        return guess(self.skeleton, phases, self.start, self.random, KEYFRAMES.noise, *how)[self.first - 1 :]
 
     def search(self, warm: Sequence[Configuration] | None, tries: int) -> BoundResult:
         """Attempt after attempt, from `warm` first. Until one has succeeded so, a new guess is solved without
@@ -167,7 +168,8 @@ class SpanSolver:
             switches = self._program(number % 2 == 0)
             given = warm is not None and number == 0
             period = KEYFRAMES.repair_period
-            slices = [self.start, *(warm or ())] if given else self.guess(bool(loose), number < period)
+            collided = self.reached and best is not None and number % period == 0
+            slices = [self.start, *(warm or ())] if given else self.guess(bool(loose), number < period, collided)
             if best is not None and number % period == 1:
                 slices = _repair(switches, best.configurations, slices)
             elif (warm is None or number > 0) and not self.reached:

@@ -53,7 +53,7 @@ def _draw(values: Array, limits: Array, random: np.random.Generator) -> Array:
     return np.concatenate([values[None, :], turned, anywhere])
 
 
-def _hands(type_: ModuleType, stance: Stance, effector: str, values: Array) -> Array:
+def hands(type_: ModuleType, stance: Stance, effector: str, values: Array) -> Array:
     """Poses in the world `(N, 7)` of an effector of a module that stands on another one, for joint values `(N, n)`."""
     (foot, placement), hand = _placed(type_, stance[0]), type_.effector(effector)
     own = joint_frames(type_.joints, np.tile(IDENTITY, (len(values), 1)), values)
@@ -68,7 +68,7 @@ def freedom(type_: ModuleType, foot: str, hand: str) -> int:
     lower, upper = np.array([[j.lower, j.upper] for j in type_.joints]).reshape(-1, 2).T
     values = random.uniform(np.maximum(lower, -np.pi), np.minimum(upper, np.pi))
     varied = KEYFRAMES.posture_difference * np.eye(len(values))
-    moved = _hands(type_, (foot, IDENTITY), hand, np.concatenate([values[None], values + varied]))
+    moved = hands(type_, (foot, IDENTITY), hand, np.concatenate([values[None], values + varied]))
     turns = multiply(moved[1:, 3:], inverse(moved[:1])[:, 3:])
     twists = np.concatenate([moved[1:, :3] - moved[:1, :3], 2.0 * turns[:, :3]], axis=1) / KEYFRAMES.posture_difference
     least = KEYFRAMES.posture_rank * max(1.0, float(np.abs(twists).max(initial=0.0)))
@@ -82,7 +82,7 @@ def reaching(
     as good."""
     limits = rooms(module, room)
     drawn = _draw(np.clip(values, limits[0], limits[1]), limits, random)
-    there = _hands(module.type, stance, aim.effector, drawn)
+    there = hands(module.type, stance, aim.effector, drawn)
     miss = np.maximum(np.abs(np.linalg.norm(there[:, :3] - aim.point, axis=1) - aim.distance), KEYFRAMES.posture_near)
     if aim.upright is not None:
         miss += KEYFRAMES.tilted * np.linalg.norm(rotate(there[:, 3:], aim.upright) - UP, axis=1)
@@ -100,7 +100,7 @@ def meeting(
     for module, values, stance, effector in ends:
         limits = rooms(module, room)
         drawn.append(_draw(np.clip(values, limits[0], limits[1]), limits, random))
-        there.append(_hands(module.type, stance, effector, drawn[-1]))
+        there.append(hands(module.type, stance, effector, drawn[-1]))
     normals = [rotate(hands[:, 3:], np.array(UP)) for hands in there]
     apart = max(float(np.linalg.norm(np.subtract(ends[0][2][1][:3], ends[1][2][1][:3]))), distance)
     met = there[0][:, :3] + distance * normals[0]

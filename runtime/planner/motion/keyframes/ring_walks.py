@@ -16,9 +16,6 @@ from ..settings import MotionSettings
 from .keyframe_program import SwitchProgram
 from .settings import KEYFRAMES
 
-CLOSED = 1e-3
-"""Metres or radians by which a ring may be open on the way."""
-
 
 def passive_rings(problem: Problem, mode: frozenset[Fact]) -> Mapping[str, frozenset[int]]:
     """The joints on closed rings, by module, where some of them has no drive."""
@@ -63,10 +60,10 @@ def _walk(
     program, x = ring.loose, ring.pack([start, start])
     ahead = _direction(ring, rings, random)
     for _ in range(int(random.integers(1, KEYFRAMES.walk_steps + 1))):
-        there = project(program, x + KEYFRAMES.walk_step * ahead, CLOSED / 10, budget)
+        there = project(program, x + KEYFRAMES.walk_step * ahead, KEYFRAMES.walk_open / 10, budget)
         moved = there - x
         length = float(np.linalg.norm(moved))
-        if program.largest(there) > CLOSED or length < KEYFRAMES.walk_slow * KEYFRAMES.walk_step:
+        if program.largest(there) > KEYFRAMES.walk_open or length < KEYFRAMES.walk_slow * KEYFRAMES.walk_step:
             break
         x, ahead = there, moved / length
     return ring.unpack(x)[-1]

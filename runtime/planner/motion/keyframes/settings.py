@@ -101,10 +101,15 @@ class KeyframeSettings:
         40, "steps", "Steps of a walk along a closed ring at most.", "a crank goes round in 30 of them"
     )
     walk_step: float = setting(0.25, "rad", "How far the joints of a ring move in a step, as a norm.")
+    walk_open: float = setting(1e-3, "m or rad", "By how much a ring may be open on the way.")
     walk_slow: float = setting(0.1, "1", "A walk ends where a step is shorter than this share: at a limit.")
     walks: int = setting(8, "starts", "Starts from walks along closed rings, where the first start has failed.")
     walks_found: int = setting(3, "postures", "Of so many that walks have found the nearest is taken.")
     walk_projections: int = setting(40, "iterations", "With which what a walk has come to is put onto all rows.")
+    clear_sides: int = setting(64, "directions", "From how many sides a thing is looked at for room for a hand.")
+    clear_tries: int = setting(8, "postures", "At so many of these a hand is led to the thing.")
+    clear_postures: int = setting(512, "postures", "From the nearest of so many postures that are drawn.")
+    clear_touch: float = setting(5e-3, "m", "What spheres may be in a solid and count as beside it.")
     limit_inset: float = setting(0.1, "rad", "Radians by which guesses keep away from joint limits.")
     base_spread: float = setting(
         0.4, "1",
