@@ -29,14 +29,15 @@ Edges = dict[tuple[Node, Node], Edge | None]
 @dataclass(slots=True)
 class Simulated:
     """What came of a plan: `tracking` rad or m and `base` m, the worst of joints and of module frames; `droop` m, by
-    how much welds gave; `peaks` the greatest torque of each drive and its strength; `broken` what broke, when, and by
-    which ratio; `diverged` when the simulation stopped making sense."""
+    how much welds gave; `peaks` the greatest torque, N m, of each drive and its strength, or the force, N, of `sliding`
+    ones; `broken` what broke, when, and by which ratio; `diverged` when the simulation stopped making sense."""
 
     seconds: float = 0.0
     tracking: float = 0.0
     base: float = 0.0
     droop: float = 0.0
     peaks: dict[tuple[str, str], tuple[float, float]] = field(default_factory=dict)
+    sliding: set[tuple[str, str]] = field(default_factory=set)
     loads: dict[tuple[str, str], float] = field(default_factory=dict)
     broken: list[tuple[float, str, float]] = field(default_factory=list)
     diverged: float | None = None
@@ -186,6 +187,8 @@ class Actor:
             now, before = (min(float(peaks[number]), limit), limit), self.result.peaks.get((name, joint.name))
             if before is None or (now[0] / now[1], now[0]) > (before[0] / before[1], before[0]):
                 self.result.peaks[name, joint.name] = now
+                if joint.kind == ir.JointKind.PRISMATIC:
+                    self.result.sliding.add((name, joint.name))
 
     def _strain(self, edges: Edges, now: float) -> None:
         """Break the welds that bear more than they can, and tell what no longer stands."""

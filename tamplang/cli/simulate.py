@@ -71,7 +71,7 @@ def no_engine(error: Exception) -> click.ClickException:
 
 
 def carried_json(carried: Simulated) -> dict[str, object]:
-    """Metres, radians, N m; strengths that are not stated are null."""
+    """Metres, radians, N m, and N of what slides; strengths that are not stated are null."""
     return {
         "reached": carried.reached,
         "seconds": carried.seconds,
@@ -108,7 +108,8 @@ def carried_lines(carried: Simulated) -> list[str]:
     if stated:
         (module, joint), (peak, most) = max(stated.items(), key=lambda item: (item[1][0] / item[1][1], item[1][0]))
         of = f" of {most:.3g}" if math.isfinite(most) else ""
-        lines.append(f"  hardest drive: {joint} of {module}, {peak:.3g}{of} N m")
+        unit = "N" if (module, joint) in carried.sliding else "N m"
+        lines.append(f"  hardest drive: {joint} of {module}, {peak:.3g}{of} {unit}")
     if carried.loads:
         names, ratio = max(carried.loads.items(), key=lambda item: item[1])
         lines.append(f"  most loaded pair: {names[0]} and {names[1]}, {ratio:.2f} of its strength")

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import numpy as np
+from click.testing import CliRunner
 
 import tamplang
+from tamplang.cli.app import application
 
 GANTRY = """
 import std.logic
@@ -93,10 +98,16 @@ def solved(text: str) -> tamplang.Plan:
     return result.plan
 
 
-def test_a_gantry_without_a_foot_moves_a_thing_and_stays_where_it_is_put() -> None:
+def test_a_gantry_without_a_foot_stays_where_it_is_put_in_plan_and_engine(tmp_path: Path) -> None:
     plan = solved(GANTRY.replace("OPTIONS", ""))
     assert len(plan.actions) == 2
     assert np.ptp(plan.poses("g"), axis=0).max() < 1e-9
+    file = tmp_path / "move.plan.json"
+    plan.save(file)
+    shown = CliRunner().invoke(application, ["simulate", str(file)])
+    assert shown.exit_code == 0, shown.output
+    assert "robots within 0.0" in shown.output
+    assert re.search(r"hardest drive: z of g, [\d.]+ of 1e\+03 N$", shown.output, re.MULTILINE)
 
 
 def test_its_drives_bear_what_it_carries() -> None:
