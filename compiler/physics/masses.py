@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from itertools import pairwise
 
 from ..ir import Body, ModuleType, Pose, Shape, ShapeKind
 
@@ -31,8 +33,26 @@ def shape_mass(shape: Shape, density: float = DENSITY) -> float:
 
 
 def shape_volume(shape: Shape) -> float:
-    """Cubic metres of a solid shape."""
-    return shape_mass(shape, 1.0)
+    """Cubic metres of a solid shape; where boxes that it is made of overlap, they count once."""
+    boxes = [p for p in shape.parts if p.shape.kind == ShapeKind.BOX]
+    if len(boxes) < 2:
+        return shape_mass(shape, 1.0)
+    spans = [tuple((c - s / 2, c + s / 2) for c, s in zip(p.at, p.shape.size, strict=True)) for p in boxes]
+    others = sum(shape_mass(p.shape, 1.0) for p in shape.parts if p.shape.kind != ShapeKind.BOX)
+    return others + _covered(spans)
+
+
+def _covered(boxes: Sequence[tuple[tuple[float, float], ...]]) -> float:
+    """The length, area or volume that some boxes cover together, each given by its two ends along every axis: slab by
+    slab between the ends along the first one."""
+    if not boxes:
+        return 0.0
+    if not boxes[0]:
+        return 1.0
+    ends = sorted({end for box in boxes for end in box[0]})
+    return sum(
+        (b - a) * _covered([box[1:] for box in boxes if box[0][0] <= a and b <= box[0][1]]) for a, b in pairwise(ends)
+    )
 
 
 def part_mass(shape: Shape, stated: float | None) -> float:
