@@ -182,6 +182,7 @@ def test_plain_sums_tell_what_bears_itself_at_the_start(example: str, parameters
 def test_boxes_that_overlap_weigh_once_by_density() -> None:
     sides = (1, 10, 4.5, 0), (1, 10, -4.5, 0), (10, 1, 0, 4.5), (10, 1, 0, -4.5)
     walls = "".join(f", box({x} cm, {y} cm, 10 cm) at ({a} cm, {b} cm, 5 cm)" for x, y, a, b in sides)
-    cup = f"object cup: union(box(10 cm, 10 cm, 1 cm) at (0, 0, 0){walls}) on ground at (50 cm, 50 cm) density 2000 kg/m^3"
+    cup = f"object cup: union(box(10 cm, 10 cm, 1 cm) at (0, 0, 0){walls})"
+    cup += " on ground at (0.5 m, 0.5 m) density 2000 kg/m^3"
     problem, _ = compile_text(TEXT.replace("    arm(drive)", f"    {cup}\n    arm(drive)"))
     assert problem.world.bodies["cup"].mass == pytest.approx(2000 * (100 + 36 * 10 - 36 * 0.5) * 1e-6)
