@@ -16,7 +16,7 @@ from ..geometry.transforms import coupled
 from ..plan import Plan
 from ..seeds import Seed
 from ..skeleton import Array, Configuration
-from ..verify.geometry import Frames
+from ..verify.geometry import Frames, HeldFrames
 from ..verify.kinematics import Kinematics, Motion, motion_of, place
 from .actuators import Noise, missed
 from .executed_clearance import worst_clearance
@@ -111,7 +111,7 @@ def _posed(
 
 
 def _switch_error(
-    plan: Plan, planned: Mapping[str, Frames], executed: Mapping[str, Frames], motion: Motion
+    plan: Plan, planned: Mapping[str, Frames | HeldFrames], executed: Mapping[str, Frames | HeldFrames], motion: Motion
 ) -> tuple[float, str]:
     """The worst position error of what comes to touch at a switch."""
     worst, name = 0.0, ""
@@ -119,7 +119,9 @@ def _switch_error(
         for literal in phase.added:
             for argument in literal.args:
                 if argument in planned and "." in argument:
-                    off = float(np.linalg.norm(planned[argument].position[last] - executed[argument].position[last]))
+                    at = slice(last, last + 1)
+                    away = planned[argument][at].position - executed[argument][at].position
+                    off = float(np.linalg.norm(away))
                     if off > worst:
                         worst, name = off, argument
     return worst, name

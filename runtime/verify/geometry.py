@@ -44,6 +44,18 @@ class Frames:
         return Frames(shift, turned @ self.rotation)
 
 
+@dataclass(frozen=True, slots=True)
+class HeldFrames:
+    """Frames at `T` instants, most of them those of the instant before: the `distinct` ones, and which of them holds
+    `at` each instant `(T,)`. Things by the dozen that rest but for a phase or two take little memory so."""
+
+    distinct: Frames
+    at: Indices
+
+    def __getitem__(self, index: slice | Indices) -> Frames:
+        return self.distinct[self.at[index]]
+
+
 def frames(poses: ArrayLike) -> Frames:
     """Poses `(T, 7)` or `(7,)` (x, y, z, qx, qy, qz, qw) as frames; quaternions are normalised."""
     rows = np.atleast_2d(np.asarray(poses, dtype=float))

@@ -12,7 +12,7 @@ from ...langs.frozen import dataclass
 from ..native import load_pinocchio
 from ..plan import JointRecord, ModuleRecord, Plan
 from .findings import Findings
-from .geometry import Array, Frames, Indices, frames, frames_each
+from .geometry import Array, Frames, HeldFrames, Indices, frames, frames_each
 from .structure import Samples, phase_ranges, samples_of
 
 REPEATED = 25
@@ -125,14 +125,14 @@ class Motion:
     ranges: tuple[tuple[int, int], ...]
     poses: dict[str, Array]
     joints: dict[str, Array]
-    frames: dict[str, Frames]
+    frames: dict[str, Frames | HeldFrames]
     joint_frames: dict[str, dict[int, Frames]]
     moving: frozenset[str]
     """Bodies that have a track, and all modules."""
     changes: dict[str, Indices]
     """Of every body that has a track: how often its pose has changed by each sample `(T,)`."""
 
-    def frame(self, name: str) -> Frames:
+    def frame(self, name: str) -> Frames | HeldFrames:
         """The frames `(T,)` of an object."""
         return self.frames[name]
 
@@ -168,7 +168,7 @@ def place(
     kinematics: Mapping[str, Kinematics],
 ) -> Motion:
     """Motion with the frames of everything, from poses and joints."""
-    found: dict[str, Frames] = {}
+    found: dict[str, Frames | HeldFrames] = {}
     inner: dict[str, dict[int, Frames]] = {}
     changes: dict[str, Indices] = {}
     resting = {name: rows[0] for name, rows in poses.items() if name not in kinematics and name not in moving}
@@ -185,7 +185,7 @@ def place(
             changed = (rows[1:] != rows[:-1]).any(axis=1)
             changes[name] = np.concatenate([[0], np.cumsum(changed)])
             distinct = frames(rows[np.concatenate([[True], changed])])
-            found[name] = distinct[changes[name]]
+            found[name] = HeldFrames(distinct, changes[name])
     return Motion(times, tuple(ranges), poses, joints, found, inner, moving, changes)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...compiler import ir
 from ...langs.frozen import dataclass
-from .geometry import Array, Frames, Indices, frames
+from .geometry import Array, Frames, HeldFrames, Indices, frames
 from .inertia import body_mass, centre_of, mass_of
 from .shapes import Ruler, geometry, heights, inside_top, round_radius, transform
 
@@ -33,7 +33,7 @@ class Quantity:
 class Posed(Protocol):
     """Where everything is at some instants."""
 
-    def frame(self, name: str) -> Frames:
+    def frame(self, name: str) -> Frames | HeldFrames:
         """The frames `(T,)` of an object."""
         ...
 
