@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from ...compiler import ir
+from ..budget import Status
 from ..geometry.attachments import carrier
 from ..planner.bounds.length_unit import length_unit
 from ..planner.lgp import motion_settings
@@ -26,7 +27,7 @@ from ..seeds import Seed
 from ..skeleton import Phase, PhasePath, Skeleton
 from .dynamic_collisions import Struck, first_hit
 from .planning import Window
-from .results import RunOptions, RunProgress
+from .results import RunOptions, RunOutcome, RunProgress
 from .run import Run
 from .run_record import RunStep
 from .settings import SIMULATION
@@ -234,6 +235,10 @@ class RunAtOnce(Run):
             self.world.time = float(step.executed.times[0])
         self.windows = [w for w in self.windows if w.phase <= len(self.steps)]
         self.seconds = self.seconds[: len(self.windows)]
+
+    def _outcome(self, status: Status) -> RunOutcome:
+        self._take_back()
+        return super()._outcome(status)
 
     def _settle(self) -> str | None:
         """Let all that is underway come to its end, and take place; why something was broken off meanwhile."""

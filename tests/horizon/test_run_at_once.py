@@ -9,6 +9,7 @@ import pytest
 from benchmarks.trust.checker import judge, read
 from tamplang.api import RunResult, loads
 from tamplang.runtime.plan import Plan
+from tamplang.runtime.simulation.results import RunProgress
 
 TWO = """
 import std.crawler
@@ -75,3 +76,15 @@ def test_what_goes_through_a_robot_that_cannot_stop_any_more_ends_the_run() -> N
     verdict = result.record.verdict
     assert result.status == "stuck" and [d.code for d in result.explanation] == ["S0009"]
     assert verdict is not None and verdict.verified and not verdict.goal_reached
+
+
+def test_a_run_that_is_interrupted_while_robots_move_keeps_what_came_to_rest() -> None:
+    def stop(progress: RunProgress) -> None:
+        if progress.message.startswith("planning: thing[1]"):
+            raise KeyboardInterrupt
+
+    happens = "disturb thing[1] by (0, 6 cm, 0) at 0.2 s"
+    result = loads(TWO.replace("HAPPENS", happens)).run(minimise="makespan", progress=stop)
+    verdict = result.record.verdict
+    assert result.status == "interrupted" and not result.record.complete
+    assert verdict is not None and verdict.verified
