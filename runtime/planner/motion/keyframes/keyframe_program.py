@@ -197,13 +197,13 @@ class SwitchProgram:
         clearances = rows(self._clearance, KEYFRAMES.wish_scale)
         return Program(self.layout.constants, self.layout.unknowns, [*self._groups, *self._loads, *clearances])
 
-    def bear(self, asked: bool) -> bool:
-        """From now on, or no longer, rows keep loads within strengths. Whether there are any."""
-        if asked and not self._loads:
-            self._loads = bearing_rows(self.skeleton, self.layout, self.phases, self._free)
-        elif not asked:
-            self._loads = []
-        return bool(self._loads)
+    def bear(self, loops: bool | None) -> int:
+        """From now on rows keep loads within strengths, with `loops` also those in closed loops; with None, none do any
+        longer. How many groups of them there are."""
+        self._loads = []
+        if loops is not None:
+            self._loads = bearing_rows(self.skeleton, self.layout, self.phases, self._free, loops)
+        return len(self._loads)
 
     @cached_property
     def loose(self) -> Program:

@@ -226,22 +226,27 @@ class SpanSolver:
         return BoundResult(Bound.SEQ, feasible, program.cost(x), 0.0, 0, switches.unpack(x), [], violations)
 
     def _borne(self, switches: SwitchProgram, x: Array) -> tuple[Array, list[Violation]]:
-        """Switch poses that can be done, changed where something there is too heavily loaded; and what still is."""
+        """Switch poses that can be done, changed where something there is too heavily loaded; and what still is. Rows
+        of closed loops, which are dear, come in only where those of the rest leave something."""
 
         def exceeded(unknowns: Array) -> list[Violation]:
             return exceeded_switches(self.skeleton, self.first, switches.unpack(unknowns), self.free)
 
-        violations = exceeded(x)
-        if not violations or not switches.bear(True):
-            return x, violations
+        violations, rows = exceeded(x), 0
         try:
-            _, outcome = switches.solve(x, self.options, self.budget)
-            self.iterations += outcome.iterations
-            program, changed = switches.project(outcome.x, ACCURATE, self.budget)
-            good = program.largest(changed) <= ACCEPTED
+            for loops in (False, True) if violations else ():
+                before, rows = rows, switches.bear(loops)
+                if not violations or rows == before:
+                    continue
+                _, outcome = switches.solve(x, self.options, self.budget)
+                self.iterations += outcome.iterations
+                program, changed = switches.project(outcome.x, ACCURATE, self.budget)
+                if program.largest(changed) > ACCEPTED:
+                    break
+                x, violations = changed, exceeded(changed)
         finally:
-            switches.bear(False)
-        return (changed, exceeded(changed)) if good else (x, violations)
+            switches.bear(None)
+        return x, violations
 
 
 def _travel(configurations: Sequence[Configuration]) -> float:
