@@ -15,6 +15,7 @@ from typing import Any
 
 from ...langs.diagnostics import UsageError
 from ..ir import (
+    And,
     ChainType,
     Compare,
     Effect,
@@ -23,6 +24,7 @@ from ..ir import (
     Exists,
     Formula,
     Literal,
+    Not,
     Object,
     Problem,
     RangeType,
@@ -293,6 +295,7 @@ class PddlWriter:
                 for found in product(*(list(self._changes(item.effects, e, lifted)) for e in inner)):
                     options.append((conjunction(c for c, _ in found), sum((e for _, e in found), ())))
             branches = [(conjunction((a, c)), (*b, *e)) for a, b in branches for c, e in options]
+            branches = [(condition, changes) for condition, changes in branches if not _denied(condition)]
             if len(branches) > SYMBOLIC.pddl_branches:
                 raise UsageError("a rule has too many conditional effects for PDDL")
         yield from ((c, e) for c, e in branches if c != FALSE)
@@ -354,3 +357,9 @@ def _some(conditions: Sequence[tuple[Literal, bool]]) -> list[str]:
     """The parameters in conditions that stand for anything."""
     names = (a.name for literal, _ in conditions for a in literal.args if isinstance(a, Var))
     return list(dict.fromkeys(name for name in names if name.startswith(SOME)))
+
+
+def _denied(formula: Formula) -> bool:
+    """Whether a conjunction asks for something and for its contrary."""
+    parts = set(formula.operands) if isinstance(formula, And) else set()
+    return any(isinstance(part, Not) and part.operand in parts for part in parts)
