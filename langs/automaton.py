@@ -6,10 +6,9 @@ A stack is a linked list of states, so that keeping the stack before every token
 from __future__ import annotations
 
 from bisect import bisect_right
-from copy import copy
 
 from lark import Lark, Token, UnexpectedCharacters
-from lark.lexer import ContextualLexer, LexerState, LexerThread
+from lark.lexer import ContextualLexer, LexerState, LexerThread, LineCounter
 
 from .frozen import dataclass
 
@@ -38,7 +37,9 @@ class Automaton:
         self._lexer = lexer
         self._table = state.parse_conf.states
         self._end = state.parse_conf.end_state
-        self._start = LexerThread.from_text(lexer, text).state
+        start = LexerThread.from_text(lexer, text).state
+        assert start is not None
+        self._text = start.text
         self._parser = parser
         self._line_starts = [0, *(i + 1 for i, c in enumerate(text) if c == "\n")]
         self.bottom = Stack(state.position, None)
@@ -115,14 +116,13 @@ class Automaton:
         return limit
 
     def _at(self, position: int) -> LexerState:
-        state = copy(self._start)
-        assert state is not None
         line, column = self.place(position)
-        counter = state.line_ctr
+        counter = LineCounter.__new__(LineCounter)  # a copy of a state takes three times as long
+        counter.newline_char = "\n"
         counter.char_pos, counter.line, counter.column, counter.line_start_pos = (
             position,
             line,
             column,
             position - column + 1,
         )
-        return state
+        return LexerState(self._text, counter)

@@ -172,6 +172,8 @@ def _unclosed(source: Source, before: Sequence[Token], opening: str) -> Token | 
     stack: list[Token] = []
     suspect: Token | None = None
     for token in before:
+        if len(token) != 1:
+            continue  # comparing tokens with texts takes long
         if token in _CLOSING.values():
             stack.append(token)
         elif token in _CLOSING and stack:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -72,42 +72,47 @@ def _parse_tree(source: Source) -> tuple[Branch, list[Diagnostic]]:
 
     from .grammar_loader import parser
 
-    lark = parser()
+    interactive = parser().parse_interactive(source.text)
+    tokens: list[Token] = []
     try:
-        return lark.parse(source.text), []
+        tokens.extend(interactive.iter_parse())
+        return interactive.feed_token(_end(tokens)), []
     except UnexpectedInput:
-        return _repaired_tree(source)
+        tree, recovery = _recovered(source, tokens)
+        return tree, recovery.diagnostics
+
+
+def _end(tokens: Sequence[Token]) -> Token:
+    from lark import Token
+
+    return Token.new_borrow_pos("$END", "", tokens[-1]) if tokens else Token("$END", "")
 
 
 @lru_cache(maxsize=64)
 def parse_tokens(source: Source) -> tuple[Branch, tuple[Token, ...]]:
     """The grammar's own tree of `source` with the place of every word, and all its tokens; of a faulty text, those of
     the repaired one."""
-    from lark import Token, UnexpectedInput
+    from lark import UnexpectedInput
 
     from .grammar_loader import parser
 
     interactive = parser().parse_interactive(source.text)
+    tokens: list[Token] = []
     try:
-        tokens = list(interactive.iter_parse())
-        end = Token.new_borrow_pos("$END", "", tokens[-1]) if tokens else Token("$END", "")
-        return interactive.feed_token(end), tuple(tokens)
+        tokens.extend(interactive.iter_parse())
+        return interactive.feed_token(_end(tokens)), tuple(tokens)
     except UnexpectedInput:
-        tree, recovery = _recovered(source)
+        tree, recovery = _recovered(source, tokens)
         return tree, tuple(r.token for r in recovery.reads)
 
 
-def _repaired_tree(source: Source) -> tuple[Branch, list[Diagnostic]]:
-    tree, recovery = _recovered(source)
-    return tree, recovery.diagnostics
-
-
-def _recovered(source: Source) -> tuple[Branch, Recovery]:
+def _recovered(source: Source, sound: Sequence[Token]) -> tuple[Branch, Recovery]:
+    """The tree of the repaired text, of which `sound` was read before the first mistake."""
     from .grammar_loader import parser
     from .recovery import Recovery
 
     lark = parser()
-    recovery = Recovery(lark, source)
+    recovery = Recovery(lark, source, sound)
     feeder = lark.parse_interactive("")
     for token in recovery.tokens():
         feeder.feed_token(token)

@@ -8,7 +8,7 @@ wins, and as few lines as possible are left out; where none works, the text up t
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 
 from lark import Lark, Token
@@ -45,13 +45,17 @@ _DECLARATION = re.compile(
 
 
 class Recovery:
-    def __init__(self, parser: Lark, source: Source) -> None:
+    def __init__(self, parser: Lark, source: Source, sound: Sequence[Token] = ()) -> None:
+        """`sound` are the tokens of the text before its first mistake, as far as they are known."""
         self.automaton = Automaton(parser, source.text)
         self.source = source
         self.reads: list[Read] = []
         self.stack = self.automaton.bottom
         self.position = 0
         self.diagnostics: list[Diagnostic] = []
+        for token in sound:
+            if not self._feed(token):
+                break
 
     def tokens(self) -> list[Token]:
         """The tokens of the repaired text; what was wrong is in `diagnostics`."""
