@@ -26,6 +26,14 @@ class LiteralView:
 
 
 @dataclass(frozen=True, slots=True)
+class LiteralGroup:
+    """Literals that one place of the text speaks of: with many things, a link for each would be most of the page."""
+
+    texts: list[str]
+    link: SourceLink | None
+
+
+@dataclass(frozen=True, slots=True)
 class PhaseView:
     """One row of the skeleton table; `marked` are the lines of its rule to highlight: the head, and what was added."""
 
@@ -36,8 +44,8 @@ class PhaseView:
     rule_lines: list[SourceLine]
     marked: set[int]
     added: list[LiteralView]
-    literals: list[LiteralView]
-    mode: list[LiteralView]
+    literals: list[LiteralGroup]
+    mode: list[LiteralGroup]
     robots: list[str]
 
 
@@ -169,6 +177,15 @@ def standing(plan: Plan) -> str:
     return "verified" if verdict.goal_reached else "motion verified, goal not reached"
 
 
+def _grouped(literals: Sequence[LiteralView]) -> list[LiteralGroup]:
+    """By the places that speak of them, in the order in which these come first."""
+    groups: dict[tuple[str, str], LiteralGroup] = {}
+    for literal in literals:
+        key = ("", "") if literal.link is None else (literal.link.text, literal.link.title)
+        groups.setdefault(key, LiteralGroup([], literal.link)).texts.append(literal.text)
+    return list(groups.values())
+
+
 def build_view(plan: Plan, checked: bool) -> View:
     """The page's content, from nothing but the plan; phases, verdict, tracks and tree may be missing."""
     sources = Sources(plan.task.sources)
@@ -186,8 +203,8 @@ def build_view(plan: Plan, checked: bool) -> View:
             sources.excerpt(record.place),
             marked_lines(record),
             literals(record.added, True),
-            literals(record.literals, False),
-            literals(record.mode, True),
+            _grouped(literals(record.literals, False)),
+            _grouped(literals(record.mode, True)),
             [robot_text(plan, r) for r in group_modules(plan, record.mode)],
         )
         for index, record in enumerate(plan.phases)
