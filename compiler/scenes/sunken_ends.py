@@ -19,7 +19,8 @@ DEEP = 1e-3
 
 def sunken(module: ir.ModuleType) -> Iterator[tuple[ir.Effector, float, bool]]:
     """The effectors all of whose shape, or the point of it that is farthest along its normal, lies more than `DEEP`
-    below the surface of a link, how deep at least, and whether it is all of it."""
+    below the surface of a link, how deep at least, and whether it is all of it. Of an end that no joint moves, such as
+    the foot of an arm, only all of it counts."""
     for effector in module.effectors:
         if effector.shape is None:
             continue
@@ -30,7 +31,7 @@ def sunken(module: ir.ModuleType) -> Iterator[tuple[ir.Effector, float, bool]]:
             links = [link for link in module.links if link.joint == frame]
             depth = max((_depth(link, place, balls) for link in links), default=0.0)
             foremost = [_foremost(effector.shape)]
-            ahead = max((_depth(link, place, foremost) for link in links if frame == effector.joint), default=0.0)
+            ahead = max((_depth(link, place, foremost) for link in links if frame == effector.joint >= 0), default=0.0)
             if max(depth, ahead) > DEEP:
                 yield effector, max(depth, ahead), depth > DEEP
                 break

@@ -181,4 +181,7 @@ def _held(problem: Problem, configuration: Configuration, hand: str, thing: str)
     found = problem.world.effector(hand)
     assert found is not None
     gripper = effector_pose(found[0], found[1].name, configuration.modules[found[0].name])
-    return poses.compose(poses.inverse(gripper), to_tuple(configuration.bodies[thing]))
+    pose = poses.compose(poses.inverse(gripper), to_tuple(configuration.bodies[thing]))
+    x, y, z, *turn = pose
+    a, b, c, w = (q if pose[6] >= 0 else -q for q in turn)
+    return x, y, z, a, b, c, w

@@ -72,7 +72,7 @@ module foot() {
     effector A: gripper sphere(4 cm) normal (0, 0, -1)
     joint j1: revolute(z) in -3 rad .. 3 rad
     link 20 cm: capsule(3 cm)
-    joint j2: revolute(y) in -2 rad .. 2 rad
+    joint j2: revolute(y) in -2 rad .. 2 rad home 0.5 rad
     link 20 cm: capsule(3 cm)
     effector B: connector sphere(4 cm)
     fact (male B)
@@ -90,7 +90,7 @@ module peg() {
 task t() {
     base ground: box(2 m, 2 m, 5 cm) at (0, 0, 0)
     foot f: A on ground
-    peg p: at (30 cm, 0, 30 cm)
+    peg p: at (0, 0, 54.5 cm)
     goal (connected f.B p.A)
     options { bound = seq, time = 20 s }
 }

@@ -298,7 +298,7 @@ def test_a_damaged_file_is_refused_with_a_sentence(
     rest = [*command[1:], tmp_path / "out.html"] if len(command) > 1 else []
     told = run(command[0], path, *rest)
     assert told.exit_code == 1, told.output
-    assert told.output.startswith("Error: ") and len(told.output) < 600 and "Traceback" not in told.output
+    assert told.output.startswith("error[E0023]: ") and len(told.output) < 600 and "Traceback" not in told.output
 
 
 @pytest.mark.parametrize("kind", ["folder", "fifo", "device", "missing", "long name", "huge"])
@@ -316,7 +316,7 @@ def test_what_is_no_file_is_refused_at_once(kind: str, tmp_path: Path) -> None:
         path.touch()
         os.truncate(path, 2_000_000_000)
     told = run("verify", path)
-    assert told.exit_code == 1 and told.output.startswith("Error: cannot read")
+    assert told.exit_code == 1 and told.output.startswith("error[E0023]: cannot read")
 
 
 def test_plan_file_survives_writing(hop: Plan, tmp_path: Path) -> None:

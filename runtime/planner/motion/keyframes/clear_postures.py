@@ -12,7 +12,7 @@ from .....compiler.motion.collision import PATH_MARGIN, bounding_radius, module_
 from ....geometry.signed_distances import half_sizes
 from ....geometry.transforms import compose, inverse, joint_frames, rotate
 from ....skeleton import Array
-from .posture_samples import IDENTITY, Aim, Stance, closing, hands, rooms
+from .posture_samples import IDENTITY, Aim, Stance, closing, hands, placed, rooms
 from .settings import KEYFRAMES
 
 Solids = Sequence[tuple[Shape, Array]]
@@ -47,9 +47,9 @@ def _in_the_way(module: Module, stance: Stance, values: Array, solids: Solids) -
     """How deep the spheres of a module's links are in solids `(N,)`, all together, metres."""
     type_ = module.type
     spheres = module_spheres(type_, PATH_MARGIN)
-    foot = type_.effector(stance[0])
+    foot, placement = placed(type_, stance[0])
     own = joint_frames(type_.joints, np.tile(IDENTITY, (len(values), 1)), values)
-    base = compose(np.asarray(stance[1]), inverse(compose(own[foot.joint + 1], np.asarray(foot.placement))))
+    base = compose(np.asarray(stance[1]), inverse(compose(own[foot + 1], np.asarray(placement))))
     depth = np.zeros(len(values))
     for sphere in spheres:
         if sphere.effector == stance[0]:

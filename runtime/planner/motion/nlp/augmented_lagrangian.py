@@ -19,8 +19,7 @@ from .settings import SOLVER
 class SolverOptions:
     """`mu` is the first penalty weight; the run stops once the scaled violation is below `tolerance` and the step
     below `step_tolerance`, or after `stall` iterations without progress. What violates by less than `projected` is
-    projected onto the rows, where that is possible. It counts as stalled, too, once a step at heavy rows should take
-    less than a share `promise` of the merit. Damping is Levenberg-Marquardt."""
+    projected onto the rows, where that is possible. Damping is Levenberg-Marquardt."""
 
     mu: float = 1e2
     largest_mu: float = 1e7
@@ -34,7 +33,6 @@ class SolverOptions:
     iterations: int = 150
     stall: int = 20
     projected: float = 0.0
-    promise: float = SOLVER.promise
 
 
 NO_STEP = 1e20
@@ -98,23 +96,17 @@ class _Descent:
         self.mu = options.mu
         self.damping = options.damping
         self.last = np.inf
-        self.promise = 1.0
-        """The share of the merit that the last step should have taken, had it been of any length."""
 
     def step(self) -> float:
         """One accepted Gauss-Newton step; its largest component, or 0 when none was accepted."""
         merit = _merit(self.residuals, self.multipliers, self.mu)
         gradient, band = self.program.normal(self.x, self.residuals, self.multipliers, self.mu)
-        self.promise = 0.0
         for _ in range(8):
             direction, self.damping = banded_step(band, gradient, self.damping)
             largest = float(np.abs(direction).max(initial=0.0))
             length = min(1.0, self.options.largest_step / largest) if largest > 0 else 1.0
             slope = float(gradient @ direction)
-            bent = slope + self.damping * float(direction @ direction)
-            predicted = length * slope - 0.5 * length**2 * bent
-            if merit > 0.0:
-                self.promise = max(self.promise, (0.5 * bent - slope) / merit)
+            predicted = length * slope - 0.5 * length**2 * (slope + self.damping * float(direction @ direction))
             trial = self.x + length * direction
             residuals = self.program.residuals(trial)
             change = _merit(residuals, self.multipliers, self.mu) - merit
@@ -133,11 +125,6 @@ class _Descent:
             self.damping *= 3.0
         if length < 1.0:
             self.damping = 1.5 * max(self.damping, 1e-3)
-
-    def hopeless(self) -> bool:
-        """Whether what is violated is at its least around here: rows weigh so much that costs hardly keep them from
-        being met, and a step would change next to nothing."""
-        return self.mu >= SOLVER.weighty * self.options.mu and self.promise < self.options.promise
 
     def update_multipliers(self, violation: float) -> None:
         _, equality, inequality = self.residuals
@@ -164,8 +151,6 @@ def solve(program: Program, start: Array, options: SolverOptions, budget: Budget
         if violation < 0.9 * best:
             best, best_at = violation, iteration
         if iteration - best_at > options.stall and best > SOLVER.hopeless:
-            return SolverResult(run.x, iteration + 1, SolverStatus.STALLED)
-        if run.hopeless() and violation > SOLVER.nearly:
             return SolverResult(run.x, iteration + 1, SolverStatus.STALLED)
         if violation < near and step < SOLVER.settled * options.inner_tolerance:
             x = project(program, run.x, options.tolerance, budget, SOLVER.projections)

@@ -21,18 +21,6 @@ class SolverSettings:
     load_difference: float = setting(
         1e-6, "m or rad", "By how much poses and joints are varied to see how fast loads in closed loops change."
     )
-    promise: float = setting(
-        3e-4, "1",
-        "A run that is not nearly feasible and whose step should take less than this share of the merit at rows that "
-        "weigh much stands where its violation is at its least.",
-        "of 246 runs that became feasible it would have ended none. At 1e-3, or where a run is nearly feasible, an arm "
-        "at the ends of its ranges is refused that creeps to where it can be projected",
-    )
-    weighty: float = setting(
-        100.0, "1",
-        "How many times their first weight rows must have for that: costs and wishes then keep them from being met by "
-        "little.",
-    )
     projections: int = setting(
         4, "iterations",
         "Within so many a point that is nearly feasible is projected, or the run goes on.",
@@ -41,7 +29,7 @@ class SolverSettings:
     settled: float = setting(
         3.0, "1",
         "How many times the step is allowed for that after which rows are weighted more: wishes have their say first.",
-        "without a bound joints end at their limits more often than they need to",
+        "without a bound two tests met joints at their limits; how often is not measured",
     )
     nearer: float = setting(
         0.25, "1",
