@@ -37,7 +37,7 @@ from .physical_world import GaveWay, PhysicalWorld
 from .planning import Window
 from .results import RunOptions, RunOutcome, RunProgress
 from .route import Route
-from .run_record import RunStep, plan_of_run
+from .run_record import RunStep, joint_rows, plan_of_run
 from .sensing import Sensing
 from .settings import SIMULATION
 from .steering import Steering
@@ -390,11 +390,7 @@ class Run:
             self._explanation = [*self._explanation, *distrust(verdict)]
         timing = TimingRecord({"total": self.budget.elapsed}, self.seconds)
         plan = msgspec.structs.replace(plan, verdict=verdict, timing=timing)
-        executed = [step.executed for step in self.steps]
-        modules = self.problem.world.modules.values()
-        rest = {m.name: [np.array([m.joints])] for m in modules}
-        told = {name: np.vstack([e.commanded[name] for e in executed] or rest[name]) for name in rest}
-        done = {name: np.vstack([e.driven[name] for e in executed] or rest[name]) for name in rest}
+        told, done = joint_rows(self.problem, self.steps)
         return RunOutcome(status, plan, self._explanation, told, done, self.world.result)
 
     def _say(self, message: str) -> None:

@@ -14,7 +14,7 @@ from .. import plan as record
 from ..planner.plan_assembly import DIGITS, Places, literal_records, phase_record, plan_of
 from ..planner.schedule.objective_value import valued
 from ..planner.search.stepper import Stepper
-from ..skeleton import Phase
+from ..skeleton import Array, Phase
 from .world import Executed
 
 
@@ -82,3 +82,11 @@ def _phases(problem: ir.Problem, steps: Sequence[RunStep]) -> list[record.PhaseR
             phase_record(problem, phase, step.executed, facts, step.before, step.after, interval.completed)
         )
     return result
+
+
+def joint_rows(problem: ir.Problem, steps: Sequence[RunStep]) -> tuple[dict[str, Array], dict[str, Array]]:
+    """By module, the joint values `(T, n)` that drives were told and came to, one step after the other."""
+    executed = [step.executed for step in steps]
+    rest = {m.name: [np.array([m.joints])] for m in problem.world.modules.values()}
+    told = {name: np.vstack([e.commanded[name] for e in executed] or rest[name]) for name in rest}
+    return told, {name: np.vstack([e.driven[name] for e in executed] or rest[name]) for name in rest}
