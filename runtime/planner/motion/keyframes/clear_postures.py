@@ -10,9 +10,9 @@ import numpy as np
 from .....compiler.ir import Module, Shape
 from .....compiler.motion.collision import PATH_MARGIN, bounding_radius, module_spheres
 from ....geometry.signed_distances import half_sizes
-from ....geometry.transforms import compose, inverse, joint_frames, rotate
+from ....geometry.transforms import compose, inverse, rotate
 from ....skeleton import Array
-from .posture_samples import IDENTITY, Aim, Stance, closing, hands, placed, rooms
+from .posture_samples import Aim, Stance, closing, hands, rooms, standing
 from .settings import KEYFRAMES
 
 Solids = Sequence[tuple[Shape, Array]]
@@ -45,13 +45,9 @@ def clear_posture(
 
 def _in_the_way(module: Module, stance: Stance, values: Array, solids: Solids) -> Array:
     """How deep the spheres of a module's links are in solids `(N,)`, all together, metres."""
-    type_ = module.type
-    spheres = module_spheres(type_, PATH_MARGIN)
-    foot, placement = placed(type_, stance[0])
-    own = joint_frames(type_.joints, np.tile(IDENTITY, (len(values), 1)), values)
-    base = compose(np.asarray(stance[1]), inverse(compose(own[foot + 1], np.asarray(placement))))
+    base, own = standing(module.type, stance, values)
     depth = np.zeros(len(values))
-    for sphere in spheres:
+    for sphere in module_spheres(module.type, PATH_MARGIN):
         if sphere.effector == stance[0]:
             continue
         frame = compose(base, own[sphere.joint + 1])

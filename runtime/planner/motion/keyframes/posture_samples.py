@@ -31,7 +31,7 @@ class Aim:
     upright: Array | None = None
 
 
-def placed(type_: ModuleType, name: str) -> tuple[int, Pose]:
+def _placed(type_: ModuleType, name: str) -> tuple[int, Pose]:
     """The joint that carries an effector, and its pose there; "" is the module frame."""
     end = type_.effector(name) if name else None
     return (-1, IDENTITY) if end is None else (end.joint, end.placement)
@@ -53,11 +53,18 @@ def _draw(values: Array, limits: Array, random: np.random.Generator) -> Array:
     return np.concatenate([values[None, :], turned, anywhere])
 
 
+def standing(type_: ModuleType, stance: Stance, values: Array) -> tuple[Array, list[Array]]:
+    """Of a module that stands on an effector, for joint values `(N, n)`: poses `(N, 7)` of its frame in the world, and
+    of its frame and joints in its frame."""
+    foot, placement = _placed(type_, stance[0])
+    own = joint_frames(type_.joints, np.tile(IDENTITY, (len(values), 1)), values)
+    return compose(np.asarray(stance[1]), inverse(compose(own[foot + 1], np.asarray(placement)))), own
+
+
 def hands(type_: ModuleType, stance: Stance, effector: str, values: Array) -> Array:
     """Poses in the world `(N, 7)` of an effector of a module that stands on another one, for joint values `(N, n)`."""
-    (foot, placement), hand = placed(type_, stance[0]), type_.effector(effector)
-    own = joint_frames(type_.joints, np.tile(IDENTITY, (len(values), 1)), values)
-    base = compose(np.asarray(stance[1]), inverse(compose(own[foot + 1], np.asarray(placement))))
+    hand = type_.effector(effector)
+    base, own = standing(type_, stance, values)
     return compose(base, compose(own[hand.joint + 1], np.asarray(hand.placement)))
 
 
@@ -137,7 +144,7 @@ def _step(slopes: Array, miss: Array) -> Array:
 def _position_and_slopes(type_: ModuleType, stance: Stance, effector: str, values: Array) -> tuple[Array, Array]:
     """Where an effector is `(3,)` in the world, of a module that stands on another one, and its derivatives `(n, 3)` by
     the joints."""
-    (foot, placement), hand = placed(type_, stance[0]), type_.effector(effector)
+    (foot, placement), hand = _placed(type_, stance[0]), type_.effector(effector)
     frames = poses.joint_frames(type_, IDENTITY, values.tolist())
     base = poses.compose(stance[1], poses.inverse(poses.compose(frames[foot], placement)))
     there = np.array(poses.compose(base, poses.compose(frames[hand.joint], hand.placement))[:3])
