@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from ...compiler import ir
+from ...compiler.remembering import remembered
 
 Mode = Iterable[ir.Fact]
 
@@ -22,8 +23,16 @@ def kept(problem: ir.Problem, mode: Mode) -> Iterator[tuple[str, str]]:
 
 def bolted(problem: ir.Problem, mode: Mode) -> list[str]:
     """The modules that nothing carries, neither at the start nor while a mode holds: their frames rest."""
-    carried = _carried(problem, problem.init_motion) | _carried(problem, mode)
-    return [name for name in problem.world.modules if name not in carried]
+    loose = _loose(problem)
+    carried = _carried(problem, mode) if loose else set()
+    return [name for name in loose if name not in carried]
+
+
+@remembered(8)
+def _loose(problem: ir.Problem) -> tuple[str, ...]:
+    """The modules that nothing carries at the start."""
+    carried = _carried(problem, problem.init_motion)
+    return tuple(name for name in problem.world.modules if name not in carried)
 
 
 def _carried(problem: ir.Problem, mode: Mode) -> set[str]:
