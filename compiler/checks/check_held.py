@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from .. import ir
+from ..kept_pairs import places_kept
 from .check_logic import PlacementChoice
 from .check_usage import literal_pattern
 from .context import Context
@@ -16,10 +17,10 @@ def check_held(
     placements: Sequence[PlacementChoice],
 ) -> None:  # fmt: skip
     """Warn of rules that delete a literal which keeps an object to a body, and have it be at another body at once."""
-    found = {name: places for name, motion in motions.items() if (places := _kept(motion)) and not motion.symmetric}
+    found = {name: places_kept(motion) for name, motion in motions.items() if not motion.symmetric}
     kept = {
         name: places for name, places in found.items()
-        if not any(_may_move(context, kind) for kind in _types(context, rules, placements, name, places[0]))
+        if places and not any(_may_move(context, kind) for kind in _types(context, rules, placements, name, places[0]))
     }  # fmt: skip
     for rule in rules.values():
         _check_rule(context, rule, kept)
@@ -41,17 +42,6 @@ def _check_rule(context: Context, rule: ir.Rule, kept: Mapping[str, tuple[int, i
                     labels=[(new.span, "this asks for another place at the same switch")],
                 )
                 return
-
-
-def _kept(motion: ir.MotionPredicate) -> tuple[int, int] | None:
-    """The places in a literal of the objects `(base, follower)` whose relative pose it keeps."""
-    places = {variable.name: place for place, variable in enumerate(motion.variables)}
-    for row in motion.rows:
-        if row.when == "keep" and isinstance(row.left, ir.Function) and row.left.name == "pose":
-            follower, base = row.left.args
-            if isinstance(follower, ir.Var) and isinstance(base, ir.Var):
-                return places[base.name], places[follower.name]
-    return None
 
 
 def _types(

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..ir import Fact, Problem
+from ..kept_pairs import keeps_pose
 from ..remembering import remembered
-from .kept_pairs import keeps_pose
 
 
 @remembered(256)

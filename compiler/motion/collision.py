@@ -31,9 +31,9 @@ from ..ir import (
     ShapeKind,
     Vec3,
 )
+from ..kept_pairs import keeps_pose
 from ..remembering import remembered
 from .covers import cover_hull
-from .kept_pairs import keeps_pose as keeps_pose
 from .lasting import implied, stated
 
 PATH_MARGIN = 0.02

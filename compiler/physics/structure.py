@@ -9,8 +9,8 @@ from dataclasses import replace
 from ...langs.frozen import dataclass
 from ...langs.source import Span
 from ..ir import IDENTITY, Fact, Hold, JointKind, ModuleType, Problem
+from ..kept_pairs import keeps_pose
 from ..motion.bolted import bolted
-from ..motion.kept_pairs import keeps_pose
 from ..remembering import remembered
 from .records import CONTACTS, NOTHING, weaker
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ...compiler.ir import Fact, ModuleType, Problem
+from ...compiler.kept_pairs import keeps_pose
 from ...compiler.motion.bolted import bolted
-from ...compiler.motion.collision import keeps_pose
 from ...compiler.remembering import remembered
 from ..skeleton import Skeleton
 from .drives import braked

@@ -11,8 +11,8 @@ from collections import Counter
 from collections.abc import Mapping
 
 from ...compiler.ir import Fact, Problem
+from ...compiler.kept_pairs import keeps_pose
 from ...compiler.motion.bolted import bolted
-from ...compiler.motion.collision import keeps_pose
 from ...compiler.remembering import remembered
 
 Part = tuple[str, int]

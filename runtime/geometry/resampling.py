@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...compiler.ir import IDENTITY, Fact, Module, Problem
+from ...compiler.kept_pairs import keeps_pose
 from ...compiler.motion.bolted import bolted
-from ...compiler.motion.collision import keeps_pose
+from ...compiler.remembering import remembered
 from ..skeleton import Configuration, PhasePath
 from .splines import ClampedSpline
 from .transforms import Array, compose, inverse, joint_frames
@@ -22,9 +23,10 @@ def effector_poses(module: Module, effector: str, joints: Array) -> Array:
     return compose(frames[end.joint + 1], np.asarray(end.placement))
 
 
-def kept_pairs(problem: Problem, mode: frozenset[Fact]) -> list[tuple[str, str]]:
+@remembered(256)
+def kept_pairs(problem: Problem, mode: frozenset[Fact]) -> tuple[tuple[str, str], ...]:
     """Pairs of objects whose relative pose the literals of a mode keep, in a fixed order."""
-    return [pair for pair in (keeps_pose(problem, literal) for literal in sorted(mode)) if pair]
+    return tuple(pair for pair in (keeps_pose(problem, literal) for literal in sorted(mode)) if pair)
 
 
 @dataclass(slots=True)

@@ -110,7 +110,7 @@ class Failures:
         return Diagnostic("S0008", message, breakdown.span)
 
 
-def _stands_without(problem: ir.Problem, module: str, others: list[str], pairs: list[tuple[str, str]]) -> bool:
+def _stands_without(problem: ir.Problem, module: str, others: list[str], pairs: tuple[tuple[str, str], ...]) -> bool:
     """Whether every other module of a robot is still kept, directly or through others, to a body."""
     linked = {b for b in problem.world.bodies}
     grew = True

@@ -83,7 +83,7 @@ class Steering:
             limits = np.array([(j.lower, j.upper) for j in self._problem.world.modules[name].type.joints])
             if np.any(joints[name][0] < limits[:, 0]) or np.any(joints[name][0] > limits[:, 1]):
                 return False
-        pairs = tuple(kept_pairs(self._problem, self._phase.mode))
+        pairs = kept_pairs(self._problem, self._phase.mode)
         now = {m: state[None, 7:] for m, state in self._before.modules.items()}
         off = _most(_difference(self._relative(pairs, now, {}), self._relative(pairs, joints, {})))
         return off < 0.1 * SIMULATION.steer_met

@@ -14,7 +14,7 @@ from itertools import chain
 import numpy as np
 
 from .....compiler.ir import Fact, Problem
-from .....compiler.motion.collision import keeps_pose
+from .....compiler.kept_pairs import keeps_pose
 from .....langs.frozen import dataclass
 from ....budget import Budget
 from ....geometry.attachments import followers, involved, looped

@@ -11,8 +11,9 @@ import numpy as np
 from .....compiler import poses
 from .....compiler.extents import box_sides
 from .....compiler.ir import IDENTITY, Effector, Fact, Module, Pose, Problem, Shape, ShapeKind
+from .....compiler.kept_pairs import keeps_pose
 from .....compiler.motion.bolted import bolted
-from .....compiler.motion.collision import bounding_radius, keeps_pose
+from .....compiler.motion.collision import bounding_radius
 from ....geometry.attachments import followers, looped
 from ....geometry.drives import braked
 from ....skeleton import Array, Configuration, Skeleton

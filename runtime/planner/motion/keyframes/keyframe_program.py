@@ -8,8 +8,9 @@ from functools import cached_property
 import numpy as np
 
 from .....compiler.ir import Arith, Function, Problem, Row, Term, Var, Vector
+from .....compiler.kept_pairs import keeps_pose
 from .....compiler.motion.bolted import bolted
-from .....compiler.motion.collision import Pair, contacts, keeps_pose
+from .....compiler.motion.collision import Pair, contacts
 from .....compiler.motion.permanent import permanent
 from ....budget import Budget
 from ....geometry.attachments import POSE, carrier, followers, involved, next_mode, still_entries

@@ -8,7 +8,8 @@ import numpy as np
 
 from .....compiler.extents import box_sides
 from .....compiler.ir import Body
-from .....compiler.motion.collision import bounding_radius, keeps_pose
+from .....compiler.kept_pairs import keeps_pose
+from .....compiler.motion.collision import bounding_radius
 from .....compiler.remembering import remembered
 from ....geometry.attachments import followers
 from ....skeleton import Array, Skeleton

@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from .....compiler.motion.collision import keeps_pose
+from .....compiler.kept_pairs import keeps_pose
 from ....budget import Budget
 from ....geometry.attachments import followers
 from ....seeds import Seed

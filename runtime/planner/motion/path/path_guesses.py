@@ -8,7 +8,7 @@ import numpy as np
 
 from .....compiler import poses
 from .....compiler.ir import Fact, Pose, Problem
-from .....compiler.motion.collision import keeps_pose
+from .....compiler.kept_pairs import keeps_pose
 from ....skeleton import Array, Configuration
 from ..keyframes.initial_guesses import effector_pose, put_effector, to_tuple
 

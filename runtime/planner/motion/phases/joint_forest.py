@@ -18,8 +18,9 @@ from types import MappingProxyType
 import numpy as np
 
 from .....compiler.ir import Function, JointKind, ModuleType, Problem, Var, Vec3
+from .....compiler.kept_pairs import keeps_pose
 from .....compiler.motion.bolted import bolted
-from .....compiler.motion.collision import keeps_pose, pose_matrix
+from .....compiler.motion.collision import pose_matrix
 from .....langs.frozen import dataclass
 from ....geometry.drives import braked, ringed
 from ....geometry.transforms import quaternions

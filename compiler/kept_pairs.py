@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from ..ir import Fact, Function, MotionPredicate, Problem, Var
-from ..remembering import remembered
+from .ir import Fact, Function, MotionPredicate, Problem, Var
+from .remembering import remembered
 
 
 def keeps_pose(problem: Problem, literal: Fact) -> tuple[str, str] | None:
     """The objects `(fixed to, follows)` whose relative pose a motion literal keeps, or None."""
-    places = _places_kept(problem.motions[literal[0]])
-    return (literal[places[0]], literal[places[1]]) if places else None
+    places = places_kept(problem.motions[literal[0]])
+    return (literal[1 + places[0]], literal[1 + places[1]]) if places else None
 
 
 @remembered(256)
-def _places_kept(predicate: MotionPredicate) -> tuple[int, int] | None:
-    """The places in a literal of the objects `(fixed to, follows)` whose relative pose it keeps."""
-    places = {variable.name: place for place, variable in enumerate(predicate.variables, start=1)}
+def places_kept(predicate: MotionPredicate) -> tuple[int, int] | None:
+    """The places among the arguments of a literal of the objects `(fixed to, follows)` whose relative pose it keeps."""
+    places = {variable.name: place for place, variable in enumerate(predicate.variables)}
     for row in predicate.rows:
         left = row.left
         if row.when == "keep" and isinstance(left, Function) and left.name == "pose":
