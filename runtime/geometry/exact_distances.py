@@ -24,6 +24,8 @@ from .transforms import rotate
 
 Indices = NDArray[np.intp]
 ROUND, BOX, HULL = range(3)
+ROUNDS, BOXED, TURNED, SLOW = range(4)
+"""Pairs: of round shapes, of one and a box, of a box and one, and those that coal measures."""
 TINY = 1e-12
 WITHIN = 1e-9
 """Metres: an axis that comes nearer to a box goes through it."""
@@ -150,45 +152,56 @@ class Distances:
         )
 
 
+class Pairing:
+    """N pairs of shapes, wherever these are: what is the same for all their poses."""
+
+    def __init__(self, first: Posed, second: Posed) -> None:
+        one, two = first.kind, second.kind
+        self._reach, self._boxes = (first.reach, second.reach), (one == BOX, two == BOX)
+        self._some = bool(self._boxes[0].any()), bool(self._boxes[1].any())
+        kinds = [ROUNDS, BOXED, TURNED]
+        cases = [(one == ROUND) & (two == ROUND), (one == ROUND) & (two == BOX), (one == BOX) & (two == ROUND)]
+        self._kind = np.select(cases, kinds, SLOW)
+
+    def distances(self, first: Posed, second: Posed, beyond: Array) -> Distances:
+        """Their distances; of pairs that are surely farther apart than `beyond` `(N,)` metres a lower bound."""
+        apart = first.position - second.position
+        length = _length(apart)
+        value = length - self._reach[0] - self._reach[1]
+        near = (value <= beyond).nonzero()[0]
+        ends = first.position.copy(), second.position.copy()
+        found = Distances(value, np.zeros_like(apart), *ends, np.zeros(len(value), bool))
+        for side, (box, seen) in enumerate(((first, second), (second, first))):
+            boxes = near[self._boxes[side][near]] if self._some[side] else near[:0]
+            if len(boxes):
+                local = box[boxes].local(seen.position[boxes])
+                excess = np.maximum(np.abs(local) - box.forms.half[box.form[boxes]], 0.0)
+                value[boxes] = np.maximum(value[boxes], _length(excess) - self._reach[1 - side][boxes])
+        near = near[value[near] <= beyond[near]]
+        kinds = self._kind[near]
+        for kind in sorted(set(kinds.tolist())):
+            at = near[kinds == kind]
+            if kind == SLOW:
+                found.normal[at] = apart[at] / np.maximum(length[at], TINY)[:, None]
+                _by_coal(found, at, first, second)
+            elif kind == TURNED:
+                _put(found, at, _to_box(second[at], first[at]), True)
+            else:
+                _put(found, at, (_to_box if kind == BOXED else _round)(first[at], second[at]))
+        return found
+
+
 def distances(first: Posed, second: Posed, beyond: Array) -> Distances:
     """The distances of N pairs; of pairs that are surely farther apart than `beyond` `(N,)` metres a lower bound."""
-    apart = first.position - second.position
-    length = _length(apart)
-    reach, other = first.reach, second.reach
-    value = length - reach - other
-    near = np.flatnonzero(value <= beyond)
-    for box, seen, ball in ((second, first, reach), (first, second, other)):
-        boxes = near[box.forms.kind[box.form[near]] == BOX]
-        if len(boxes):
-            half = box.forms.half[box.form[boxes]]
-            away = seen.position[boxes] - box.position[boxes]
-            excess = np.abs((away[:, None, :] @ box.rotation[boxes])[:, 0]) - half
-            value[boxes] = np.maximum(value[boxes], _length(np.maximum(excess, 0.0)) - ball[boxes])
-    near = near[value[near] <= beyond[near]]
-    found = Distances(value, np.zeros_like(apart), first.position, second.position, np.zeros(len(value), bool))
-    if not len(near):
-        return found
-    found = Distances(value, found.normal, first.position.copy(), second.position.copy(), found.exact)
-    one, two = first.forms.kind[first.form[near]], second.forms.kind[second.form[near]]
-    for chosen, turned in ((near[(one == ROUND) & (two == ROUND)], None), (near[(one == ROUND) & (two == BOX)], False),
-                           (near[(one == BOX) & (two == ROUND)], True)):  # fmt: skip
-        if len(chosen):
-            a, b = first[chosen], second[chosen]
-            part = _round(a, b) if turned is None else _to_box(b, a) if turned else _to_box(a, b)
-            _put(found, chosen, part, bool(turned))
-    rest = near[(one == HULL) | (two == HULL) | ((one == BOX) & (two == BOX))]
-    if len(rest):
-        found.normal[rest] = apart[rest] / np.maximum(length[rest], TINY)[:, None]
-        _by_coal(found, rest, first, second)
-    return found
+    return Pairing(first, second).distances(first, second, beyond)
 
 
-def _put(found: Distances, at: Indices, part: Distances, turned: bool = False) -> None:
-    found.value[at], found.exact[at] = part.value, part.exact
-    found.normal[at] = -part.normal if turned else part.normal
-    found.on_first[at], found.on_second[at] = (
-        (part.on_second, part.on_first) if turned else (part.on_first, part.on_second)
-    )
+def _put(found: Distances, at: Indices, part: Array, turned: bool = False) -> None:
+    """Enter results of `axis_distances`."""
+    found.value[at], found.exact[at] = part[:, 0], True
+    found.normal[at] = -part[:, 1:4] if turned else part[:, 1:4]
+    one, other = (found.on_second, found.on_first) if turned else (found.on_first, found.on_second)
+    one[at], other[at] = part[:, 4:7], part[:, 7:10]
 
 
 def _dot(a: Array, b: Array) -> Array:
@@ -199,81 +212,42 @@ def _length(a: Array) -> Array:
     return np.sqrt(_dot(a, a))
 
 
-def _round(first: Posed, second: Posed) -> Distances:
-    """Of the axes of round shapes (Ericson, Real-Time Collision Detection, section 5.1.9), less both radii."""
-    u, v = 2.0 * first.axis, 2.0 * second.axis
-    start, other = first.position - 0.5 * u, second.position - 0.5 * v
-    way = start - other
-    uu, vv, uv, uw, vw = _dot(u, u), _dot(v, v), _dot(u, v), _dot(u, way), _dot(v, way)
-    across = uu * vv - uv * uv
-    s = np.where(across > TINY * uu * vv + TINY, (uv * vw - uw * vv) / np.maximum(across, TINY), 0.5)
-    s = np.clip(s, 0.0, 1.0)
-    t = np.where(vv > TINY, (uv * s + vw) / np.maximum(vv, TINY), 0.0)
-    beyond = (t < 0.0) | (t > 1.0)
-    t = np.clip(t, 0.0, 1.0)
-    s = np.where(beyond | (vv <= TINY), np.clip((uv * t - uw) / np.maximum(uu, TINY), 0.0, 1.0), s)
-    p, q = start + s[:, None] * u, other + t[:, None] * v
-    apart = p - q
-    length = _length(apart)
-    normal = np.where(length[:, None] > TINY, apart / np.maximum(length, TINY)[:, None], (0.0, 0.0, 1.0))
-    return Distances(length - first.radius - second.radius, normal, p, q, np.ones(len(p), bool))
+def _round(first: Posed, second: Posed) -> Array:
+    """Of round shapes, on their axes."""
+    from .axis_distances import evaluated, round_stage
+
+    given = np.concatenate([first.position, first.axis, second.position, second.axis], axis=1)
+    return evaluated(round_stage(), given, (first.radius + second.radius)[:, None])
 
 
-def _to_box(round_: Posed, box: Posed) -> Distances:
-    """Of the axes of round shapes to boxes, less their radii. The slope of half the squared distance along an axis is
-    piecewise linear and grows: it is zero between two of the places where the axis passes a plane of the box."""
-    half, axis = box.half, round_.axis
-    start = box.local(round_.position - axis)
-    way = 2.0 * (axis[:, None, :] @ box.rotation)[:, 0]
-    share = np.zeros(len(start))
-    long = np.flatnonzero(np.abs(way).max(axis=1) > TINY)
-    if len(long):
-        share[long] = _nearest(start[long], way[long], half[long])
-    point = start + share[:, None] * way
-    clamped = np.clip(point, -half, half)
-    apart = point - clamped
-    length = _length(apart)
-    normal = apart / np.maximum(length, TINY)[:, None]
-    deep = np.flatnonzero(length < WITHIN)
+def _to_box(round_: Posed, box: Posed) -> Array:
+    """Of round shapes, on their axes, to boxes."""
+    from .axis_distances import COLUMNS, box_stage, evaluated
+
+    turn, sizes = box.rotation.reshape(-1, 9), np.concatenate([box.half, round_.radius[:, None]], axis=1)
+    found = evaluated(box_stage(), np.concatenate([round_.position, round_.axis, box.position, turn], axis=1), sizes)
+    deep = (found[:, 10] < WITHIN).nonzero()[0]
     if len(deep):
-        share[deep] = _deepest(start[deep], way[deep], half[deep])
-        point[deep] = start[deep] + share[deep, None] * way[deep]
-        excess = np.abs(point[deep]) - half[deep]
-        side = excess.argmax(axis=1)
-        rows = np.arange(len(deep))
-        length[deep], normal[deep] = excess[rows, side], 0.0
-        sign = np.where(point[deep, side] < 0.0, -1.0, 1.0)
-        normal[deep, side] = sign
-        clamped[deep] = point[deep]
-        clamped[deep, side] = sign * half[deep, side]
-    turn = box.rotation.transpose(0, 2, 1)
-    outward, p, q = ((local[:, None, :] @ turn)[:, 0] for local in (normal, point, clamped))
-    value = length - round_.radius
-    return Distances(value, outward, p + box.position, q + box.position, np.ones(len(p), bool))
+        depth, *ends = _within_box(round_[deep], box[deep])
+        found[deep, 0] = depth - sizes[deep, 3]
+        for columns, values in zip(COLUMNS, ends, strict=True):
+            found[deep, columns] = values
+    return found
 
 
-def _nearest(start: Array, way: Array, half: Array) -> Array:
-    """The shares `(N,)` of ways at which points are nearest to boxes around the origin; where there are many, the
-    middle of these."""
-    safe = np.where(np.abs(way) > TINY, way, TINY)
-    planes = np.concatenate([(half - start) / safe, (-half - start) / safe], axis=1)
-    shares = np.concatenate([planes, np.zeros((len(way), 1)), np.ones((len(way), 1))], axis=1)
-    shares = np.sort(np.clip(shares, 0.0, 1.0), axis=1)
-    points = start[:, None] + shares[:, :, None] * way[:, None]
-    excess = points - np.clip(points, -half[:, None], half[:, None])
-    slope = (excess * way[:, None]).sum(axis=2)
-    level = 1e-10 * (way * way).sum(axis=1, keepdims=True)
-    return 0.5 * (_crossing(shares, slope, -level) + _crossing(shares, slope, level))
-
-
-def _crossing(shares: Array, slope: Array, level: Array) -> Array:
-    """Where slopes `(N, 8)` that grow pass a level `(N, 1)`: the first share, the last, or between two."""
-    after = (slope < level).sum(axis=1)
-    rows = np.arange(len(shares))
-    low, high = np.maximum(after - 1, 0), np.minimum(after, shares.shape[1] - 1)
-    rise = slope[rows, high] - slope[rows, low]
-    part = np.where(rise > 0.0, (level[:, 0] - slope[rows, low]) / np.where(rise > 0.0, rise, 1.0), 0.0)
-    return np.asarray(shares[rows, low] + np.clip(part, 0.0, 1.0) * (shares[rows, high] - shares[rows, low]))
+def _within_box(round_: Posed, box: Posed) -> tuple[Array, Array, Array, Array]:
+    """Of axes that go through boxes: how far they are from being outside `(N,)`, less than 0, the normals and the
+    nearest points."""
+    half, axis = box.half, round_.axis
+    start, way = box.local(round_.position - axis), 2.0 * (axis[:, None, :] @ box.rotation)[:, 0]
+    point = start + _deepest(start, way, half)[:, None] * way
+    excess, rows = np.abs(point) - half, np.arange(len(half))
+    side = excess.argmax(axis=1)
+    normal, nearest = np.zeros_like(point), point.copy()
+    normal[rows, side] = np.where(point[rows, side] < 0.0, -1.0, 1.0)
+    nearest[rows, side] = normal[rows, side] * half[rows, side]
+    seen = np.stack([normal, point, nearest], axis=1) @ box.rotation.transpose(0, 2, 1)
+    return excess[rows, side], seen[:, 0], seen[:, 1] + box.position, seen[:, 2] + box.position
 
 
 def _deepest(start: Array, way: Array, half: Array) -> Array:

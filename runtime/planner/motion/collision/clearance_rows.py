@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ....geometry.exact_distances import Distances, Forms, Posed, distances
+from ....geometry.exact_distances import Distances, Pairing, Posed
 from ....skeleton import Array
 from ..nlp.row_groups import Chosen, RowLabel
 from ..nlp.unknowns import Indices
@@ -22,6 +22,36 @@ from .part_frames import Cloud
 from .settings import COLLISION
 
 
+class _Sides:
+    """Pairs of parts, or of parts and what rests, one after the other: what is the same wherever the parts are."""
+
+    def __init__(self, cloud: Cloud, rest: Posed, pairs: Sequence[Pairs], among: Sequence[bool]) -> None:
+        self._cloud = cloud
+        self._forms = cloud.forms.joined(rest.forms)
+        second = np.concatenate([p.second for p in pairs])
+        moving = np.repeat(np.array(among, dtype=bool), [len(p.second) for p in pairs])
+        self._first = np.concatenate([p.first for p in pairs])
+        self._moving, still = moving.nonzero()[0], (~moving).nonzero()[0]
+        self._second = second[self._moving]
+        self._position, self._rotation = np.zeros((len(second), 3)), np.zeros((len(second), 3, 3))
+        self._position[still], self._rotation[still] = rest.position[second[still]], rest.rotation[second[still]]
+        form = second.copy()
+        form[still] = rest.form[second[still]] + len(cloud.forms)
+        self._form = self._first, form
+        self.wanted = np.concatenate([p.wanted for p in pairs])
+        one = Posed(self._forms, self._form[0], self._position, self._rotation)
+        self._pairing = Pairing(one, Posed(self._forms, self._form[1], self._position, self._rotation))
+
+    def distances(self, z: Array, beyond: float = 0.0) -> Distances:
+        """Their distances; lower bounds of what is more than `beyond` metres farther apart than it wishes."""
+        posed, position, rotation = self._cloud.posed(z), self._position, self._rotation
+        if len(self._moving):
+            position[self._moving], rotation[self._moving] = posed.position[self._second], posed.rotation[self._second]
+        one = Posed(self._forms, self._form[0], posed.position[self._first], posed.rotation[self._first])
+        other = Posed(self._forms, self._form[1], position, rotation)
+        return self._pairing.distances(one, other, self.wanted + beyond)
+
+
 class Ruler:
     """Distances of pairs of parts, and of parts and what rests, all at once: many small looks take longer."""
 
@@ -29,36 +59,28 @@ class Ruler:
         self.cloud, self.rest = cloud, obstacles.posed()
         self.sides: list[Clearances] = []
         self._last: tuple[Array, list[Distances]] | None = None
-        self._forms: Forms | None = None
+        self._together: tuple[_Sides, list[slice]] | None = None
 
     def forget(self) -> None:
         """The pairs have changed."""
-        self._last = None
+        self._last = self._together = None
 
     def of(self, side: Clearances, z: Array) -> Distances:
         """The distances of the pairs of one side."""
         if self._last is None or not np.array_equal(self._last[0], z):
-            counts = [len(s.pairs.first) for s in self.sides]
-            found = self.measure(z, [s.pairs for s in self.sides], [s.among for s in self.sides])
-            ends = np.cumsum([0, *counts])
-            self._last = z, [found.part(slice(a, b)) for a, b in pairwise(ends.tolist())]
+            if self._together is None:
+                ends = np.cumsum([0, *(len(s.pairs.first) for s in self.sides)]).tolist()
+                among = [s.among for s in self.sides]
+                sides = _Sides(self.cloud, self.rest, [s.pairs for s in self.sides], among)
+                self._together = sides, [slice(a, b) for a, b in pairwise(ends)]
+            found = self._together[0].distances(z)
+            self._last = z, [found.part(part) for part in self._together[1]]
         return self._last[1][self.sides.index(side)]
 
-    def measure(self, z: Array, pairs: Sequence[Pairs], among: Sequence[bool], beyond: float = 0.0) -> Distances:
-        """The distances of pairs, `among` parts or of parts and what rests, one after the other; lower bounds of what
-        is more than `beyond` metres farther apart than it wishes."""
-        cloud, rest = self.cloud.posed(z), self.rest
-        if self._forms is None or len(self._forms) < len(cloud.forms) + len(rest.forms):
-            self._forms = cloud.forms.joined(rest.forms)
-        first = np.concatenate([p.first for p in pairs])
-        second = [(cloud if own else rest)[p.second] for p, own in zip(pairs, among, strict=True)]
-        forms = [p.form + (0 if own else len(cloud.forms)) for p, own in zip(second, among, strict=True)]
-        one = Posed(self._forms, cloud.form[first], cloud.position[first], cloud.rotation[first])
-        other = Posed(
-            self._forms, np.concatenate(forms), np.concatenate([p.position for p in second]),
-            np.concatenate([p.rotation for p in second]),
-        )  # fmt: skip
-        return distances(one, other, np.concatenate([p.wanted for p in pairs]) + beyond)
+    def measure(self, z: Array, pairs: Pairs, among: bool, beyond: float) -> Distances:
+        """The distances of pairs, `among` parts or of parts and what rests; lower bounds of what is more than `beyond`
+        metres farther apart than it wishes."""
+        return _Sides(self.cloud, self.rest, [pairs], [among]).distances(z, beyond)
 
 
 class Clearances:
@@ -91,7 +113,7 @@ class Clearances:
         Returns whether one of the new ones overlaps."""
         edges = self.cloud.edges(z)
         pairs, taking_part = self.pairs.joined(self._blocks.near(edges, self._edges or edges, near))
-        value = self.ruler.measure(z, [pairs], [self.among], near).value
+        value = self.ruler.measure(z, pairs, self.among, near).value
         close = taking_part | (value < near + pairs.wanted)
         broken = bool((value[close & ~taking_part] < -COLLISION.broken).any())
         self._use(pairs[np.flatnonzero(close)])
@@ -115,12 +137,11 @@ class Clearances:
         return np.asarray(made[at]) if (at >= 0).all() else self._made(z, chosen)
 
     def _made(self, z: Array, chosen: Chosen) -> Array:
-        ends = self._ends(z, chosen)
-        normal = self.measured(z).normal[chosen][:, None, :]
-        parts = [np.matmul(normal, self.cloud.derivatives(z, *ends[0]))]
-        if self.among:
-            parts.append(-np.matmul(normal, self.cloud.derivatives(z, *ends[1])))
-        return np.asarray(np.concatenate(parts, axis=2)[:, 0])
+        normal, ends = self.measured(z).normal[chosen], self._ends(z, chosen)
+        numbers, shares = (np.concatenate(side) for side in zip(*ends, strict=True))
+        pull = np.concatenate([normal, -normal]) if self.among else normal
+        slopes = np.matmul(pull[:, None, :], self.cloud.derivatives(z, numbers, shares))[:, 0]
+        return np.concatenate(np.split(slopes, len(ends)), axis=1)
 
     def _ends(self, z: Array, chosen: Chosen) -> list[tuple[Indices, Array]]:
         """The parts, and the shares of their anchors in the nearest points: of the first ones and the second ones."""

@@ -45,9 +45,11 @@ class _Block:
         first = np.cumsum([0, *counts[:-1]]) if parts else np.zeros(0, dtype=np.int64)
         chosen = [[f + min(k, n - 1) for k in range(COLLISION.anchors)] for f, n in zip(first, counts, strict=True)]
         self.anchors = np.array(chosen, dtype=np.int64).reshape(-1, COLLISION.anchors)
+        ball = np.array([p.shape.kind in (ShapeKind.SPHERE, ShapeKind.CAPSULE) for p in parts], dtype=bool)
+        self._ball, self._solid = ball.nonzero()[0], (~ball).nonzero()[0]
         self.slots: list[Indices] = []
         self._numbers: list[int] = []
-        self._tables = (np.zeros((0, stage.inputs), dtype=np.int64), np.zeros(0, dtype=np.int64))
+        self._tables = (np.zeros((0, stage.inputs), dtype=np.int64), np.zeros((0, len(parts)), dtype=np.int64))
 
     def add(self, slot: Indices, number: int) -> None:
         """Take in a slot, whose parts have numbers from `number` on."""
@@ -62,17 +64,29 @@ class _Block:
     @property
     def numbers(self) -> Indices:
         """The numbers (N, P) of all parts."""
-        return np.asarray(self._filled()[1][:, None] + np.arange(len(self.parts)))
+        return self._filled()[1]
 
     def _filled(self) -> tuple[Indices, Indices]:
         if len(self._tables[0]) < len(self.slots):
-            self._tables = (np.array(self.slots), np.array(self._numbers))
+            self._tables = (np.array(self.slots), np.array(self._numbers)[:, None] + np.arange(len(self.parts)))
         return self._tables
 
-    def points(self, z: Array) -> Array:
-        """The anchors (N, A, 3) in the world."""
+    def place(self, z: Array, position: Array, rotation: Array) -> None:
+        """Enter where the parts are: their centres (…, 3) and rotations (…, 3, 3) at their numbers, of round ones the
+        axis alone."""
         values = self.stage.values(z[self.places], np.zeros((len(self.slots), 0)))
-        return np.asarray(values.reshape(len(self.slots), -1, 3))
+        points, numbers = values.reshape(len(self.slots), -1, 3), self.numbers
+        if len(self._ball):
+            ends, at = self.anchors[self._ball], numbers[:, self._ball]
+            one, other = points[:, ends[:, 0]], points[:, ends[:, 1]]
+            axis = other - one
+            length = np.sqrt(np.add.reduce(axis * axis, axis=2, keepdims=True))
+            position[at] = 0.5 * (one + other)
+            rotation[at, :, 2] = axis / np.maximum(length, 1e-12)
+        if len(self._solid):
+            found, at = points[:, self.anchors[self._solid]], numbers[:, self._solid]
+            position[at] = found[:, :, 0]
+            rotation[at] = (found[:, :, 1:] - found[:, :, :1]).transpose(0, 1, 3, 2) / COLLISION.anchor_arm
 
 
 class Cloud:
@@ -87,7 +101,7 @@ class Cloud:
         self._first: dict[int, int] = {}
         self._where: list[tuple[int, int, int]] = []
         self._shapes: list[Shape] = []
-        self._last: tuple[Array, Posed, Edges] | None = None
+        self._last: tuple[Array, Posed] | None = None
         self._finished: tuple[Forms, Indices, Array] | None = None
 
     def _block(self, name: str) -> _Block:
@@ -135,36 +149,21 @@ class Cloud:
 
     def posed(self, z: Array) -> Posed:
         """All parts where they are at z."""
-        return self._placed(z)[0]
+        if self._last is None or not np.array_equal(self._last[0], z):
+            position, rotation = np.zeros((self.count, 3)), np.zeros((self.count, 3, 3))
+            for block in self._blocks.values():
+                if block.slots:
+                    block.place(z, position, rotation)
+            self._last = z, Posed(self.forms, np.arange(self.count), position, rotation)
+        return self._last[1]
 
     def edges(self, z: Array) -> Edges:
         """Least and greatest coordinates of all parts."""
-        return self._placed(z)[1]
-
-    def _placed(self, z: Array) -> tuple[Posed, Edges]:
-        if self._last is None or not np.array_equal(self._last[0], z):
-            forms, _, half = self._tables()
-            position, rotation = np.zeros((self.count, 3)), np.zeros((self.count, 3, 3))
-            for block in self._blocks.values():
-                if not block.slots:
-                    continue
-                points = block.points(z)[:, block.anchors]
-                numbers = block.numbers
-                round_ = np.array([p.shape.kind in (ShapeKind.SPHERE, ShapeKind.CAPSULE) for p in block.parts])
-                axis = points[:, :, 1] - points[:, :, 0]
-                length = np.maximum(np.linalg.norm(axis, axis=2, keepdims=True), 1e-12)
-                middle = 0.5 * (points[:, :, 0] + points[:, :, 1])
-                position[numbers] = np.where(round_[:, None], middle, points[:, :, 0])
-                frame = (points[:, :, 1:] - points[:, :, :1]).transpose(0, 1, 3, 2) / COLLISION.anchor_arm
-                upright = np.zeros_like(frame)
-                upright[..., 2] = axis / length
-                rotation[numbers] = np.where(round_[:, None, None], upright, frame)
-            posed = Posed(forms, np.arange(self.count), position, rotation)
-            around = np.einsum("nij,nj->ni", np.abs(rotation), half)
-            ball = forms.kind == ROUND
-            around[ball] = np.abs(posed.axis[ball]) + posed.radius[ball, None]
-            self._last = (z, posed, (position - around, position + around))
-        return self._last[1], self._last[2]
+        posed, half = self.posed(z), self._tables()[2]
+        around = np.einsum("nij,nj->ni", np.abs(posed.rotation), half)
+        ball = posed.forms.kind == ROUND
+        around[ball] = np.abs(posed.axis[ball]) + posed.radius[ball, None]
+        return posed.position - around, posed.position + around
 
     def places(self, numbers: Indices) -> Indices:
         """Places in z (len, width) of the slots of some parts; a short slot repeats place 0, which is constant or
