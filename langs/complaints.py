@@ -101,6 +101,8 @@ _GROUPS = (
 )
 _BEFORE_CONDITION = {"_PRE", "_WHERE", "_GOAL", "_IF", "_AND", "_OR", "_NOT"}
 _CLOSING = {")": "(", "]": "[", "}": "{"}
+_OPENERS = frozenset({"LPAR", "LSQB", "LBRACE"})
+_CLOSERS = frozenset({"RPAR", "RSQB", "RBRACE"})
 _INSTEAD = {
     "&": ("_AND", "and"),
     "|": ("_OR", "or"),
@@ -172,18 +174,14 @@ def _unclosed(source: Source, before: Sequence[Token], opening: str) -> Token | 
     stack: list[Token] = []
     suspect: Token | None = None
     for token in before:
-        if len(token) != 1:
-            continue  # comparing tokens with texts takes long
-        if token in _CLOSING.values():
+        if token.type in _OPENERS:
             stack.append(token)
-        elif token in _CLOSING and stack:
+        elif token.type in _CLOSERS and stack:
             partner = stack.pop()
+            if token.type != "RBRACE":
+                continue
             text = source.line(token.line or 1)
-            if (
-                token == "}"
-                and text.lstrip().startswith("}")
-                and _indent(text) != _indent(source.line(partner.line or 1))
-            ):
+            if text.lstrip().startswith("}") and _indent(text) != _indent(source.line(partner.line or 1)):
                 suspect = partner
     open_ones = [t for t in stack if t == opening]
     if opening == "{" and suspect is not None:

@@ -68,6 +68,12 @@ def no_garbage() -> Iterator[None]:
 
 
 def _parse_tree(source: Source) -> tuple[Branch, list[Diagnostic]]:
+    tree, _, recovery = _read(source)
+    return tree, [] if recovery is None else recovery.diagnostics
+
+
+def _read(source: Source) -> tuple[Branch, list[Token], Recovery | None]:
+    """The tree and the tokens of `source`, or of what it is repaired to."""
     from lark import UnexpectedInput
 
     from .grammar_loader import parser
@@ -76,10 +82,11 @@ def _parse_tree(source: Source) -> tuple[Branch, list[Diagnostic]]:
     tokens: list[Token] = []
     try:
         tokens.extend(interactive.iter_parse())
-        return interactive.feed_token(_end(tokens)), []
+        return interactive.feed_token(_end(tokens)), tokens, None
     except UnexpectedInput:
-        tree, recovery = _recovered(source, tokens)
-        return tree, recovery.diagnostics
+        values = interactive.parser_state.value_stack
+        done = values[0].children if values and not hasattr(values[0], "type") else []
+        return _recovered(source, tokens, done)
 
 
 def _end(tokens: Sequence[Token]) -> Token:
@@ -92,32 +99,45 @@ def _end(tokens: Sequence[Token]) -> Token:
 def parse_tokens(source: Source) -> tuple[Branch, tuple[Token, ...]]:
     """The grammar's own tree of `source` with the place of every word, and all its tokens; of a faulty text, those of
     the repaired one."""
-    from lark import UnexpectedInput
-
-    from .grammar_loader import parser
-
-    interactive = parser().parse_interactive(source.text)
-    tokens: list[Token] = []
-    try:
-        tokens.extend(interactive.iter_parse())
-        return interactive.feed_token(_end(tokens)), tuple(tokens)
-    except UnexpectedInput:
-        tree, recovery = _recovered(source, tokens)
-        return tree, tuple(r.token for r in recovery.reads)
+    tree, tokens, _ = _read(source)
+    return tree, tuple(tokens)
 
 
-def _recovered(source: Source, sound: Sequence[Token]) -> tuple[Branch, Recovery]:
-    """The tree of the repaired text, of which `sound` was read before the first mistake."""
+def _recovered(
+    source: Source, sound: Sequence[Token], done: Sequence[Branch]
+) -> tuple[Branch, list[Token], Recovery]:
+    """The tree of the repaired text, of which `sound` was read before its first mistake, with `done` as declarations."""
+    from lark import Tree
+
     from .grammar_loader import parser
     from .recovery import Recovery
 
     lark = parser()
     recovery = Recovery(lark, source, sound)
+    tokens = recovery.tokens()
+    known, first = _untouched(done, sound, tokens)
     feeder = lark.parse_interactive("")
-    for token in recovery.tokens():
+    for token in tokens[first:]:
         feeder.feed_token(token)
     tree: Branch = feeder.feed_token(recovery.automaton.token("$END", "", len(source.text)))
-    return tree, recovery
+    return Tree(tree.data, [*done[:known], *tree.children], tree.meta), tokens, recovery
+
+
+def _untouched(done: Sequence[Branch], sound: Sequence[Token], repaired: Sequence[Token]) -> tuple[int, int]:
+    """How many declarations no repair has reached, and which token follows them: each ends where the next token says
+    so, which must be the same."""
+    same = 0
+    while same < min(len(sound), len(repaired)) and sound[same] is repaired[same]:
+        same += 1
+    known, first = len(done), same
+    while known:
+        end = done[known - 1].meta.end_pos
+        while first > 0 and (repaired[first - 1].start_pos or 0) >= end:
+            first -= 1
+        if first < same:
+            return known, first
+        known -= 1
+    return 0, 0
 
 
 def _declaration(builder: TreeBuilder, branch: Branch) -> list[syntax.Declaration]:

@@ -20,31 +20,41 @@ from .source import Span
 Record = TypeVar("Record")
 
 
-def children(record: object) -> Iterator[Any]:
+def children(record: object) -> list[Any]:
     """The records directly inside a record, in the order of its fields; of a tuple, those that stand in it."""
+    found: list[Any] = []
     if isinstance(record, tuple):
-        for item in record:
-            if isinstance(item, tuple):
-                yield from children(item)
-            elif hasattr(item, "__dataclass_fields__"):
-                yield item
-        return
+        _add_records(record, found)
+        return found
     kind: Any = type(record)
     for name in _holding(kind):
         value = getattr(record, name)
         if isinstance(value, tuple):
-            yield from children(value)
+            if value:
+                _add_records(value, found)
         elif value is not None:
-            yield value
+            found.append(value)
+    return found
+
+
+def _add_records(items: tuple[Any, ...], found: list[Any]) -> None:
+    for item in items:
+        if isinstance(item, tuple):
+            _add_records(item, found)
+        elif hasattr(item, "__dataclass_fields__"):
+            found.append(item)
 
 
 def parts(record: object) -> Iterator[Any]:
     """A record, or the records of a tuple, and all that is inside, each before what it holds."""
-    waiting = [*children(record)][::-1] if isinstance(record, tuple) else [record]
+    waiting = children(record)[::-1] if isinstance(record, tuple) else [record]
     while waiting:
         item = waiting.pop()
         yield item
-        waiting += [*children(item)][::-1]
+        inside = children(item)
+        if inside:
+            inside.reverse()
+            waiting += inside
 
 
 def mapped(record: Record, change: Callable[[Any], Any]) -> Record:
@@ -54,18 +64,40 @@ def mapped(record: Record, change: Callable[[Any], Any]) -> Record:
     changes: dict[str, Any] = {}
     for name in _holding(kind):
         value = getattr(whole, name)
-        new = _changed(value, change)
+        if isinstance(value, tuple):
+            new = _changed(value, change) if value else value
+        else:
+            new = change(value) if hasattr(value, "__dataclass_fields__") else value
         if new is not value:
             changes[name] = new
-    found: Record = replace(whole, **changes) if changes else whole
+    found: Record = _with(whole, changes) if changes else whole
     return found
 
 
-def _changed(value: Any, change: Callable[[Any], Any]) -> Any:
-    if isinstance(value, tuple):
-        new = tuple([_changed(item, change) for item in value])
-        return value if all(map(operator.is_, value, new)) else new
-    return change(value) if hasattr(value, "__dataclass_fields__") else value
+def _with(whole: Any, changes: dict[str, Any]) -> Any:
+    """`dataclasses.replace`, which looks at every field's nature each time, for records that are just their fields."""
+    kind = type(whole)
+    if hasattr(kind, "__post_init__"):
+        return replace(whole, **changes)
+    new = object.__new__(kind)
+    for name in _names(kind):
+        object.__setattr__(new, name, changes[name] if name in changes else getattr(whole, name))
+    return new
+
+
+@cache
+def _names(kind: type) -> tuple[str, ...]:
+    return tuple(f.name for f in fields(kind))
+
+
+def _changed(items: tuple[Any, ...], change: Callable[[Any], Any]) -> tuple[Any, ...]:
+    new = []
+    for item in items:
+        if isinstance(item, tuple):
+            new.append(_changed(item, change))
+        else:
+            new.append(change(item) if hasattr(item, "__dataclass_fields__") else item)
+    return items if all(map(operator.is_, items, new)) else tuple(new)
 
 
 @cache

@@ -151,13 +151,17 @@ def _substituted(whole: Any, renaming: Renaming) -> Any:
     match whole:
         case Var():
             return renaming.get(whole.name, whole)
+        case Literal() | Compare():
+            pass
         case ChainEnd() | ChainModule():
             new = renaming.get(whole.chain)
             whole = replace(whole, chain=new.name) if isinstance(new, Var) else whole
         case Exists() | Forall() | Aggregate():
             bound = {v.name for v in whole.variables}
             renaming = {name: term for name, term in renaming.items() if name not in bound}
-    return mapped(whole, lambda inner: substitute(inner, renaming))
+            if not renaming:
+                return whole
+    return mapped(whole, lambda inner: _substituted(inner, renaming))
 
 
 def free_names(item: Formula | Term | Type) -> frozenset[str]:
