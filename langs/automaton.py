@@ -13,6 +13,17 @@ from lark.lexer import ContextualLexer, LexerState, LexerThread, LineCounter
 from .frozen import dataclass
 
 
+DECLARATIONS = (
+    "import", "type", "predicate", "derived", "function", "module", "motion", "rule", "placement", "heuristic", "scene",
+    "task",
+)  # fmt: skip
+
+
+def declares(token: Token) -> bool:
+    """Whether this begins a declaration, though a name fits there too: a faulty text ends what stands before it."""
+    return token.column == 1 and str(token) in DECLARATIONS
+
+
 @dataclass(frozen=True, slots=True)
 class Stack:
     state: int
@@ -80,7 +91,8 @@ class Automaton:
         try:
             try:
                 fitting = self._lexer.lexers[stack.state].next_token(self._at(position), None)
-                if self.step(stack, fitting.type) is not None:
+                misread = fitting.type == "NAME" and declares(fitting)
+                if not misread and self.step(stack, fitting.type) is not None:
                     return fitting
             except UnexpectedCharacters:
                 pass

@@ -106,7 +106,7 @@ def parse_tokens(source: Source) -> tuple[Branch, tuple[Token, ...]]:
 def _recovered(
     source: Source, sound: Sequence[Token], done: Sequence[Branch]
 ) -> tuple[Branch, list[Token], Recovery]:
-    """The tree of the repaired text, of which `sound` was read before its first mistake, with `done` as declarations."""
+    """The tree of the repaired text, of which `sound` was read before its first mistake, `done` its declarations."""
     from lark import Tree
 
     from .grammar_loader import parser

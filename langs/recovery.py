@@ -14,7 +14,7 @@ from difflib import get_close_matches
 from lark import Lark, Token
 
 from . import complaints
-from .automaton import Automaton, Stack, Unreadable
+from .automaton import DECLARATIONS, Automaton, Stack, Unreadable, declares
 from .diagnostics import Diagnostic
 from .habits import habit
 from .repairs import Read, Repair, exchanged, idiomatic
@@ -39,9 +39,7 @@ _SIGNS = {
 }
 _OPENING = {"LPAR", "LBRACE", "LSQB"}
 _LINKS = {"_ON", "_IN", "_AT", "_THEN", "_ELSE", "_OF", "_BY", "_IS", "_SWITCH"}
-_DECLARATION = re.compile(
-    r"^(import|type|predicate|derived|function|module|motion|rule|placement|heuristic|scene|task)(?!\w)", re.MULTILINE
-)
+_DECLARATION = re.compile(rf"^({'|'.join(DECLARATIONS)})(?!\w)", re.MULTILINE)
 
 
 class Recovery:
@@ -54,7 +52,7 @@ class Recovery:
         self.position = 0
         self.diagnostics: list[Diagnostic] = []
         for token in sound:
-            if not self._feed(token):
+            if (token.type == "NAME" and declares(token)) or not self._feed(token):
                 break
 
     def tokens(self) -> list[Token]:

@@ -76,7 +76,7 @@ def mapped(record: Record, change: Callable[[Any], Any]) -> Record:
 
 def _with(whole: Any, changes: dict[str, Any]) -> Any:
     """`dataclasses.replace`, which looks at every field's nature each time, for records that are just their fields."""
-    kind = type(whole)
+    kind: Any = type(whole)
     if hasattr(kind, "__post_init__"):
         return replace(whole, **changes)
     new = object.__new__(kind)

@@ -1,8 +1,7 @@
-"""From a name to its definition and to all its mentions, in all files; renaming."""
+"""From a name to its definition and to all its mentions, in all files."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
 from lsprotocol import types
@@ -10,18 +9,10 @@ from lsprotocol import types
 from ..compiler.imports import load_sources, on_disk, resolved
 from ..compiler.mentions import Mention, mentions_of
 from ..compiler.naming import Naming, Place
-from ..compiler.standard import STANDARD
 from ..langs import syntax
 from ..langs.parser import parse
 from ..langs.source import Source
-from ..langs.words import RESERVED, TYPES
 from .documents import Documents
-
-NAME = re.compile(r"[A-Za-z_]\w*")
-
-
-class CannotRename(Exception):
-    """The name belongs to the language or the standard library, or the new one is none."""
 
 
 def definition(documents: Documents, uri: str, position: types.Position) -> list[types.Location]:
@@ -52,7 +43,7 @@ def highlights(documents: Documents, uri: str, position: types.Position) -> list
     source = documents.source(uri)
     places = documents.places(source)
     naming = documents.naming(uri)
-    place = _place(documents, naming, uri, position)
+    place = place_at(documents, naming, uri, position)
     if place is None:
         return []
     kinds = {True: types.DocumentHighlightKind.Write, False: types.DocumentHighlightKind.Read}
@@ -63,32 +54,9 @@ def highlights(documents: Documents, uri: str, position: types.Position) -> list
     ]
 
 
-def renaming(documents: Documents, uri: str, position: types.Position, name: str) -> types.WorkspaceEdit:
-    """The edits that give the thing at a place another name, in all files. Raises CannotRename."""
-    if NAME.fullmatch(name) is None or name in RESERVED or name in TYPES:
-        raise CannotRename(f"`{name}` is no name of the language's own")
-    renamable(documents, uri, position)
-    changes: dict[str, list[types.TextEdit]] = {}
-    for source, m in mentions(documents, uri, position):
-        edit = types.TextEdit(documents.places(source).range(m.start, m.end), name)
-        changes.setdefault(documents.uri(source.path), []).append(edit)
-    return types.WorkspaceEdit(changes=changes)
-
-
-def renamable(documents: Documents, uri: str, position: types.Position) -> types.Range:
-    """The place of the name, if it can be another. Raises CannotRename."""
-    mention = documents.mention(uri, position)
-    place = _place(documents, documents.naming(uri), uri, position)
-    if mention is None or place is None:
-        raise CannotRename("only what a program declares can get another name")
-    if place.source.path.startswith(f"{STANDARD}/"):
-        raise CannotRename("this name is declared by the standard library")
-    return documents.places(documents.source(uri)).range(mention.start, mention.end)
-
-
 def mentions(documents: Documents, uri: str, position: types.Position) -> Iterator[tuple[Source, Mention]]:
     """The texts and places that speak of the thing at a place."""
-    place = _place(documents, documents.naming(uri), uri, position)
+    place = place_at(documents, documents.naming(uri), uri, position)
     if place is None:
         return
     local = place.definition.mention.home.startswith("@")
@@ -96,8 +64,7 @@ def mentions(documents: Documents, uri: str, position: types.Position) -> Iterat
     for source in [documents.source(uri)] if local else _with_home(documents, place):
         if not local and not _speaks_of(source, place):
             continue
-        library = load_sources([source, *(b for b in buffers if b.path != source.path)])[0]
-        naming = Naming(library.sources)
+        naming = Naming(load_sources([source, *(b for b in buffers if b.path != source.path)])[0].sources)
         for mention in mentions_of(source).all:
             if _same(naming, source, mention, place):
                 yield source, mention
@@ -116,7 +83,7 @@ def _speaks_of(source: Source, place: Place) -> bool:
     return place.definition.mention.name in source.text
 
 
-def _place(documents: Documents, naming: Naming, uri: str, position: types.Position) -> Place | None:
+def place_at(documents: Documents, naming: Naming, uri: str, position: types.Position) -> Place | None:
     mention = documents.mention(uri, position)
     return None if mention is None else naming.meant(documents.source(uri).path, mention)
 

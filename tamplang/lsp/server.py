@@ -12,7 +12,7 @@ from pygls.exceptions import JsonRpcInvalidParams
 from pygls.lsp.server import LanguageServer
 
 from .. import __version__
-from . import completion, hover, inlays, layout, navigation, signatures, symbols, tokens
+from . import completion, hover, inlays, layout, navigation, renaming, signatures, symbols, tokens
 from .actions import code_actions
 from .diagnostics import Published, by_address, found_in
 from .documents import Documents, path_of
@@ -121,12 +121,12 @@ def _highlights(p: types.DocumentHighlightParams) -> list[types.DocumentHighligh
 
 @server.feature(types.TEXT_DOCUMENT_RENAME)
 def _rename(p: types.RenameParams) -> types.WorkspaceEdit:
-    return _told(lambda: navigation.renaming(documents(), p.text_document.uri, p.position, p.new_name))
+    return _told(lambda: renaming.renaming(documents(), p.text_document.uri, p.position, p.new_name))
 
 
 @server.feature(types.TEXT_DOCUMENT_PREPARE_RENAME)
 def _prepare_rename(p: types.PrepareRenameParams) -> types.Range:
-    return _told(lambda: navigation.renamable(documents(), p.text_document.uri, p.position))
+    return _told(lambda: renaming.renamable(documents(), p.text_document.uri, p.position))
 
 
 @server.feature(types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions(trigger_characters=[".", "(", "[", ":", " "]))
@@ -199,5 +199,5 @@ def _told(asked: Callable[[], T]) -> T:
     """The answer, or an error of the protocol that tells why there is none."""
     try:
         return asked()
-    except navigation.CannotRename as error:
+    except renaming.CannotRename as error:
         raise JsonRpcInvalidParams(str(error)) from error
