@@ -12,7 +12,6 @@ from lark.lexer import ContextualLexer, LexerState, LexerThread, LineCounter
 
 from .frozen import dataclass
 
-
 DECLARATIONS = (
     "import", "type", "predicate", "derived", "function", "module", "motion", "rule", "placement", "heuristic", "scene",
     "task",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 
 from lsprotocol import types
 
@@ -11,8 +13,9 @@ from ..compiler.imports import neighbours, on_disk
 from ..compiler.ir import BreakdownKind
 from ..compiler.library import VALUE_TYPE_NAMES
 from ..compiler.naming import Naming, Place
+from ..compiler.objectives import MEASURES
 from ..compiler.options import OPTIONS, given_at
-from ..compiler.standard import STANDARD_FOLDER
+from ..compiler.standard import EXTENSION, STANDARD_FOLDER
 from ..langs.source import Source
 from ..langs.words import ATTRIBUTES, JOINTS, SHAPES, TYPES, WORDS
 from .documents import Documents
@@ -30,11 +33,19 @@ KINDS = {
 }  # fmt: skip
 
 
+_FOLDER = re.compile(r'^import[ \t]+"((?:[^"\n]*/)?)[^"/\n]*$', re.MULTILINE)
+"""The folders of a path that is being written."""
+_LETTERS = ("x", "y", "z")
+
+
 def completion(documents: Documents, uri: str, position: types.Position) -> types.CompletionList:
     source = documents.source(uri)
     offset = documents.places(source).offset(position)
     context = context_at(source, offset)
     found: dict[str, Item] = {}
+    folder = _FOLDER.search(source.text[:offset])
+    if folder is not None:
+        return types.CompletionList(False, list(_paths(source, folder[1])))
     for item in _Completion(documents.naming(uri), source, context, offset).items():
         found.setdefault(item.label, item)
     return types.CompletionList(False, list(found.values()))
@@ -56,9 +67,39 @@ class _Completion:
             yield from self._attributes()
         elif self.context.block() == "options":
             yield from self._options()
+        elif self._letter():
+            yield from (_plain(letter, Kind.EnumMember, f"the axis {letter}") for letter in _LETTERS)
         else:
+            yield from self._arguments(last)
             yield from self._names(last)
-            yield from self._words()
+            if not self._names_a_type(last):
+                yield from self._words()
+
+    # --- arguments -----------------------------------------------------------------------------------------------
+
+    def _letter(self) -> bool:
+        """Whether an axis is written, as in `revolute(y)` and `axis(X, z)`."""
+        use = self.context.use
+        if use is None or use.kind != "function" or self.context.last() not in ("(", ","):
+            return False
+        known = FUNCTIONS.get(use.name)
+        wanted = known.overloads[0][use.argument : use.argument + 1] if known is not None else ()
+        return use.name in JOINTS or tuple(wanted) == ("letter",)
+
+    def _arguments(self, last: str) -> Iterator[Item]:
+        """Parameters that may be given by name."""
+        use = self.context.use
+        if use is not None and use.kind in ("scene", "heuristic", "module") and last in ("(", ","):
+            for name, kind in parameters_of(self.naming, use.kind, use.name):
+                yield _plain(f"{name} =", Kind.Field, kind, f"{name} = $0")
+
+    def _names_a_type(self, last: str) -> bool:
+        """Whether only a type may stand here: behind the colon of a parameter, or as the parent of a type."""
+        head = self.context.declaration[0]
+        in_brackets = bool(self.context.opened) and self.context.before[self.context.opened[-1]] != "{"
+        return (head == "type" and last == "<") or (
+            last == ":" and in_brackets and head not in ("scene", "task", "module")
+        )
 
     # --- names by what stands before -----------------------------------------------------------------------------
 
@@ -97,6 +138,8 @@ class _Completion:
         if in_parameters and head in ("scene", "task", "module") and not braces:
             yield from (_plain(t, Kind.TypeParameter, TYPES[t]) for t in VALUE_TYPE_NAMES)
             return
+        if in_parameters and head == "function" and not braces:
+            yield from (_plain(t, Kind.TypeParameter, TYPES[t]) for t in VALUE_TYPE_NAMES)
         line = [str(t) for t in self.context.before if t.line == self.context.before[-1].line]
         if "fail" in line:
             yield from (_plain(w, Kind.EnumMember) for w in BreakdownKind)
@@ -148,6 +191,7 @@ class _Completion:
         head, name = self.context.declaration
         for place in self._variables():
             yield _named(place)
+        yield from self._parameters_written()
         if head in ("scene", "task"):
             yield from (_named(place) for place in self.naming.things(name))
         if head == "module":
@@ -169,6 +213,21 @@ class _Completion:
             mention = definition.mention
             if mention.kind == "variable" and begin <= mention.start < self.offset and self._inside(mention.home):
                 yield Place(self.source, definition)
+
+    def _parameters_written(self) -> Iterator[Item]:
+        """The parameters in the head of a declaration that is not whole yet, of which no mention is known."""
+        waiting: list[str] = []
+        before = self.context.before
+        for index, token in enumerate(before[:-1]):
+            if token in ("{", "="):
+                return
+            if token.type == "NAME" and before[index - 1] != ":":
+                waiting.append(str(token))
+            elif token == ":":
+                head = self.context.declaration[1]
+                names = [n for n in waiting if n != head]
+                yield from (_plain(n, Kind.Variable, f"of type {before[index + 1]}") for n in names)
+                waiting = []
 
     def _inside(self, home: str) -> bool:
         return home.startswith("@") or home.endswith(f" {self.context.declaration[1]}")
@@ -221,12 +280,29 @@ class _Completion:
 
     def _options(self) -> Iterator[Item]:
         options = given_at("task")
-        if self.context.last() == "=" and self.context.last(2) in OPTIONS:
+        starts = max(i for i, t in enumerate(self.context.before) if t in ("{", ","))
+        name = str(self.context.before[starts + 1]) if starts + 1 < len(self.context.before) else ""
+        if name in OPTIONS and OPTIONS[name].kind == "objective" and self.context.last() in ("=", "+", "*"):
+            yield from (_plain(m, Kind.EnumMember, unit and f"in {unit}") for m, unit in MEASURES.items())
+        elif self.context.last() == "=" and self.context.last(2) in OPTIONS:
             choices = OPTIONS[self.context.last(2)].choices
             yield from (_plain(c.replace("-", "_"), Kind.EnumMember) for c in choices)
         elif self.context.last() in ("{", ","):
             for name, option in options.items():
                 yield _plain(name, Kind.Property, option.help, f"{name} = $0")
+
+
+def _paths(source: Source, folder: str) -> Iterator[Item]:
+    """Programs and folders behind the folders `folder` of an import's path."""
+    own = on_disk(source.path)
+    here = own.parent / folder
+    for name in neighbours(here / "any"):
+        if here / name != own.with_suffix(""):
+            yield _plain(f"{name}{EXTENSION}", Kind.File, "a program")
+    with suppress(OSError):
+        for inside in sorted(here.iterdir()):
+            if inside.is_dir() and not inside.name.startswith(".") and neighbours(inside / "any"):
+                yield _plain(f"{inside.name}/", Kind.Folder, "a folder of programs")
 
 
 def _base(context: Context) -> str:

@@ -129,7 +129,10 @@ def _prepare_rename(p: types.PrepareRenameParams) -> types.Range:
     return _told(lambda: renaming.renamable(documents(), p.text_document.uri, p.position))
 
 
-@server.feature(types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions(trigger_characters=[".", "(", "[", ":", " "]))
+_STARTS = [".", "(", "[", ":", " ", '"', "/"]
+
+
+@server.feature(types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions(trigger_characters=_STARTS))
 def _completion(p: types.CompletionParams) -> types.CompletionList:
     return completion.completion(documents(), p.text_document.uri, p.position)
 

@@ -103,7 +103,7 @@ def _use(tokens: tuple[Token, ...], opened: tuple[int, ...]) -> Use | None:
     if tokens[place] == "(" and before is not None and before.type == "NAME":
         leading = str(tokens[place - 2]) if place > 1 else ""
         kind = {"scene": "scene", "guide": "heuristic"}.get(leading, "function")
-        fresh_line = place > 1 and tokens[place - 2].line != before.line and "task" in map(str, tokens[:1])
+        fresh_line = place > 1 and tokens[place - 2].line != before.line and str(tokens[0]) in ("task", "scene")
         return Use("module" if fresh_line and kind == "function" else kind, str(before), commas)
     if inside and inside[0].type == "NAME":
         kind = "motion" if tokens[place] == "[" else "predicate"

@@ -206,12 +206,47 @@ def test_an_effector_is_renamed_with_the_uses_of_robots(session: Session) -> Non
     assert "effector foot:" in text and "(linked foot B)" in text and "foot on p[1]" in text and "c.foot" in text
 
 
+@pytest.mark.parametrize(
+    ("word", "name", "line"),
+    [
+        ("x: length", "sqrt", 0),
+        ("n: int", "count", 0),
+        ("n: int", "c", 24),
+        ("p[1]: box", "b", 27),
+        ("arm(", "plate", 5),
+        ("half(x", "sqrt", None),
+        ("B: gripper {", "A", 12),
+    ],
+)
+def test_no_name_that_is_taken_is_given(session: Session, word: str, name: str, line: int | None) -> None:
+    """A new name that something else in sight has would change what the program means; 0: it has not."""
+    uri = session.open(PROGRAM)
+    where = {"textDocument": {"uri": uri}, "position": session.position(uri, word, 0)}
+    answer = session.answer("textDocument/rename", newName=name, **where)
+    assert ("error" in answer) == (line != 0)
+    assert not line or f"line {line} of" in answer["error"]["message"]
+
+
+def test_completion_of_paths(session: Session) -> None:
+    (session.folder / "other.tamp").write_text("type a < object\n")
+    assert list(labels(session, 'import "|\n')) == ["other.tamp"]
+
+
+@pytest.mark.parametrize("line", ["derived (q X: object) =", "heuristic h(X: object) { start"])
+def test_the_next_declaration_is_read_behind_a_half_typed_one(session: Session, line: str) -> None:
+    """`task` is also a name that may stand in a condition or a value."""
+    uri = session.open(PROGRAM.replace("task t(", f"{line}\ntask t("))
+    found = [d["range"]["start"]["line"] for d in session.diagnostics(uri) if d["severity"] == 1]
+    assert found == [PROGRAM[: PROGRAM.index("task t(")].count("\n")]
+
+
 def test_names_of_the_library_are_not_renamed(session: Session) -> None:
     uri = session.open(PROGRAM)
     where = {"textDocument": {"uri": uri}, "position": session.position(uri, "held")}
     assert "standard library" in session.answer("textDocument/rename", newName="x", **where)["error"]["message"]
     where["position"] = session.position(uri, "plate <")
-    assert "no name" in session.answer("textDocument/rename", newName="forall", **where)["error"]["message"]
+    word = session.answer("textDocument/rename", newName="forall", **where)["error"]["message"]
+    assert "word of the language" in word
 
 
 def labels(session: Session, text: str) -> dict[str, dict[str, object]]:
@@ -249,6 +284,13 @@ def labels(session: Session, text: str) -> dict[str, dict[str, object]]:
         ("module m() {\n    joint j: |\n}\n", ["revolute", "prismatic"], ["box"]),
         ("motion [m X: object] {\n    at switch |\n}\n", ["gap", "X", "position"], ["distance"]),
         ("task t(n: |) {\n}\n", ["int", "length"], ["object"]),
+        ("import std.scenes\ntask t() {\n    scene stairs(3, |\n}\n", ["depth =", "rise ="], []),
+        ("module m() {\n    joint j: revolute(|\n}\n", ["x", "y", "z"], ["sqrt"]),
+        ("motion [m X: object] {\n    during axis(X, |\n}\n", ["x", "y", "z"], ["X"]),
+        ("task t() {\n    options { minimise = makespan + | }\n}\n", ["travel", "energy"], ["bound"]),
+        ("import std.logic\nderived (q X: object) = |\n", ["X"], ["q"]),
+        ("function f(x: |\n", ["length"], ["forall"]),
+        ("predicate (q X: |\n", ["object"], ["forall", "ANY"]),
     ],
 )  # fmt: skip
 def test_completion(session: Session, text: str, some: list[str], none: list[str]) -> None:
