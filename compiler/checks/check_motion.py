@@ -13,6 +13,7 @@ from .binders import bind, unrolled
 from .context import Context
 from .kinds import Kind, added, size_of
 from .names import Scope, Typed
+from .scalars import warn_bare
 from .terms import check_term
 
 
@@ -164,6 +165,7 @@ def _check_sizes(context: Context, item: syntax.MotionRow, left: Typed, right: T
     if added(one, other, left.literal, right.literal) is None:
         context.findings.report("E0203", item.span, f"{one} cannot be compared with {other}")
         return False
+    warn_bare(context, ((item.left, left), (item.right, right)))
     return True
 
 

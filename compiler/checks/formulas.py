@@ -11,6 +11,7 @@ from .binders import bind, unrolled
 from .context import Context
 from .kinds import added
 from .names import Scope, Typed, names_in
+from .scalars import warn_bare
 from .terms import check_term
 
 TRUE = ir.And(())
@@ -236,6 +237,7 @@ def _check_compare(context: Context, scope: Scope, formula: syntax.Compare) -> i
     zero = (left.is_zero and right.kind.is_scalar) or (right.is_zero and left.kind.is_scalar)
     if not scalar or not (zero or added(left.kind, right.kind, left.literal, right.literal)):
         _report_compared(context, formula, left, right, scalar)
+    warn_bare(context, ((formula.left, left), (formula.right, right)))
     return lowered
 
 

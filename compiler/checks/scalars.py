@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ...langs import syntax
 from .context import Context
 from .kinds import EXAMPLES, LENGTH, NUMBER, PHYSICAL, Kind
@@ -39,6 +41,13 @@ def expect_kind(
         help = f"write it in {EXAMPLES[kind.name]}"
     context.findings.report(code, term.span, f"{what} must be {kind}, not {typed.kind}", help=help)
     return False
+
+
+def warn_bare(context: Context, sides: Sequence[tuple[syntax.Term, Typed]]) -> None:
+    """Warn of a number beside a length that it is added to or compared with, as of one that stands for a length."""
+    for (term, typed), (_, other) in (sides, sides[::-1]):
+        if typed.kind == NUMBER and typed.literal and not typed.is_zero and other.kind == LENGTH:
+            expect_kind(context, typed, LENGTH, term, "this number")
 
 
 def _with_unit(context: Context, term: syntax.Term, typed: Typed, kind: Kind) -> str:

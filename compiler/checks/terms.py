@@ -13,6 +13,7 @@ from .functions import apply_function
 from .kinds import LENGTH, NUMBER, UNKNOWN, VECTOR, Kind, added, divided, multiplied
 from .names import BROKEN, Scope, Typed
 from .objects import check_attribute, check_index, check_name
+from .scalars import warn_bare
 
 LETTERS = ("x", "y", "z")
 OPERATOR_VERBS = {"+": "added to", "-": "subtracted from", "*": "multiplied with", "/": "divided by"}
@@ -206,6 +207,7 @@ def _check_binary(context: Context, scope: Scope, term: syntax.Binary) -> Typed:
     literal = left.literal and right.literal
     if term.operator in "+-":
         kind = added(left.kind, right.kind, left.literal, right.literal)
+        warn_bare(context, ((term.left, left), (term.right, right)))
     else:
         kind = multiplied(left.kind, right.kind) if term.operator == "*" else divided(left.kind, right.kind)
     if kind is None:
