@@ -46,7 +46,7 @@ def expect_kind(
 def warn_bare(context: Context, sides: Sequence[tuple[syntax.Term, Typed]]) -> None:
     """Warn of a number beside a length that it is added to or compared with, as of one that stands for a length."""
     for (term, typed), (_, other) in (sides, sides[::-1]):
-        if typed.kind == NUMBER and typed.literal and not typed.is_zero and other.kind == LENGTH:
+        if typed.kind == NUMBER and typed.value and typed.literal and other.kind == LENGTH:
             expect_kind(context, typed, LENGTH, term, "this number")
 
 
