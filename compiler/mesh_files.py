@@ -144,7 +144,7 @@ def _holds_nothing(ending: str, content: bytes) -> bool:
     if ending == ".stl":
         if content.lstrip().startswith(b"solid") and b"endsolid" in content:
             return b"facet" not in content
-        return len(content) >= 84 and content[80:84] == b"\0\0\0\0"
+        return len(content) >= 80 and not any(content[80:84])  # some write the header alone
     words = [line.split(None, 1)[0] for line in content.splitlines() if line.split()]
     return ending == ".obj" and all(w.startswith(b"#") or (w in (*OBJ_LINES, b"o", b"g") and w != b"f") for w in words)
 

@@ -13,6 +13,8 @@ from .xml_texts import XmlError
 
 ABOVE = 32
 """How many folders above a file are searched for a package."""
+DEEPEST = 8
+"""How many folders of a name are left away at most."""
 _SCHEME = re.compile(r"(package|model)://")
 
 
@@ -57,11 +59,14 @@ def named_mesh(path: str, name: str, scale: Sequence[float], files: Files) -> Na
 
 def mesh_places(path: str, name: str) -> Iterator[tuple[str, bool]]:
     """Where the file of a mesh may be, and whether that is where its name says; `package://NAME/…` is looked for in the
-    folders above the file that names it, first under NAME."""
+    folders above the file that names it, first under NAME, then without it and without the folders that follow, as
+    models are copied out of larger packages."""
     package = _SCHEME.sub("", name, count=1) if _SCHEME.match(name) else None
     if package is None:
         yield beside(path, name.removeprefix("file://")), True
         return
-    for inside, fits in ((package, True), (package.partition("/")[2], False)):
+    folders = package.split("/")
+    for left in range(max(2, min(len(folders) - 1, DEEPEST))):
         for above in range(ABOVE):
-            yield posixpath.normpath(beside(path, posixpath.join("../" * above, inside))), fits
+            inside = posixpath.join("../" * above, "/".join(folders[left:]))
+            yield posixpath.normpath(beside(path, inside)), left == 0

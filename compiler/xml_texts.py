@@ -18,6 +18,13 @@ DEEPEST = 100
 """Elements inside each other. A link needs 5; what is far deeper was made to harm who walks down."""
 BLOCK = 1_000_000
 """Bytes that are read between two looks at the time."""
+_WIDE = (
+    (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"), (b"<\0", "utf-16-le"), (b"\0<", "utf-16-be"),
+)  # fmt: skip
+"""How texts of two bytes for a character begin, with a mark of their order or without."""
+_AMPERSAND = re.compile(r"&(?!#?\w+;)")
+_STANDING_FOR_IT = "\ue000"
+"""A character that no file has, in place of a `&` that begins no entity, which other readers take as it is."""
 _DOCUMENT_TYPE = re.compile(rb"<!\s*(DOCTYPE|ENTITY)", re.IGNORECASE)
 _DECLARATION = re.compile(r"\s*<\?xml[^>]*\?>")
 _HIDDEN = re.compile(r"<!\[CDATA\[.*?\]\]>|<!--.*?-->", re.DOTALL)
@@ -53,7 +60,11 @@ def span_of(source: Source, element: ElementTree.Element) -> Span:
 
 
 def decoded(content: bytes) -> bytes:
-    """The same text in UTF-8. What is not UTF-8 is taken as Latin-1, in which every byte is a character."""
+    """The same text in UTF-8. What begins as UTF-16 does is that; what is not UTF-8 is taken as Latin-1, in which every
+    byte is a character."""
+    for start, encoding in _WIDE:
+        if content.startswith(start):
+            return content.decode(encoding, "replace").encode()
     try:
         content.decode()
     except UnicodeDecodeError:
@@ -68,7 +79,8 @@ def read_xml(text: str) -> ElementTree.Element:
     parser = expat.ParserCreate("utf-8")
     parser.ordered_attributes = False
     try:
-        content = _HIDDEN.sub(_blanks, _DECLARATION.sub(_blanks, text, count=1)).encode()
+        plain = _HIDDEN.sub(_blanks, _DECLARATION.sub(_blanks, text, count=1))
+        content = _AMPERSAND.sub(_STANDING_FOR_IT, plain).encode()
     except UnicodeEncodeError:
         raise XmlError("this is not XML", 1, 1) from None
     last = (0, 0)
@@ -78,6 +90,8 @@ def read_xml(text: str) -> ElementTree.Element:
         depth += 1
         if depth > DEEPEST:
             raise _error(parser, "elements are nested too deeply from here on")
+        for name, value in attributes.items():
+            attributes[name] = value.replace(_STANDING_FOR_IT, "&")
         element = builder.start(tag, attributes)
         now = parser.CurrentByteIndex
         last = now, last[1] + len(content[last[0] : now].decode(errors="ignore"))
@@ -90,7 +104,7 @@ def read_xml(text: str) -> ElementTree.Element:
         builder.end(tag)
 
     parser.StartElementHandler, parser.EndElementHandler = begin, end
-    parser.CharacterDataHandler = builder.data
+    parser.CharacterDataHandler = lambda words: builder.data(words.replace(_STANDING_FOR_IT, "&"))
     parser.StartDoctypeDeclHandler = partial(_refuse, parser)
     try:
         parser.Parse(content, True)

@@ -18,6 +18,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
+from xml.etree.ElementTree import Element
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -164,6 +165,18 @@ task t() {{ r a: at (0, 0, 0) goal (lit) }}""")
     return None
 
 
+def _still(robot: Element, name: str, lower: float) -> float:
+    """Where the joint `name`, which does not move, stands."""
+    mimic = robot.find(f"joint[@name={name!r}]/mimic")
+    if mimic is None:
+        return lower
+    leader = mimic.get("joint", "")
+    limit = robot.find(f"joint[@name={leader!r}]/limit")
+    factor, offset = float(mimic.get("multiplier", "1")), float(mimic.get("offset", "0"))
+    at = 0.0 if limit is None else float(limit.get("lower", "0"))
+    return offset + (factor * _still(robot, leader, at) if factor else 0.0)
+
+
 def _as_pinocchio(program: Path, file: Path, links: list[str]) -> bool | None:
     """Whether each link lies where Pinocchio has it; None where Pinocchio does not take the file."""
     import pinocchio
@@ -174,6 +187,7 @@ def _as_pinocchio(program: Path, file: Path, links: list[str]) -> bool | None:
     except (ValueError, RuntimeError):
         return None
     data, draw = model.createData(), Random(1)
+    robot = read_xml(decoded(file.read_bytes()).decode())
     names = [j.name for j in module.joints]
     for _ in range(ROUNDS):
         values = {name: draw.uniform(-1, 1) for name in names}
@@ -190,8 +204,8 @@ def _as_pinocchio(program: Path, file: Path, links: list[str]) -> bool | None:
             elif joint.nq > 2 and f"{name}.x" in values:
                 for part in [n for n in values if n.startswith(f"{name}.")]:
                     values[part] = 0.0
-            elif name not in values and joint.nq == 1:  # one whose limits leave it no way
-                q[joint.idx_q] = model.lowerPositionLimit[joint.idx_q]
+            elif name not in values and joint.nq == 1:  # one that its limits, or what it follows, leave no way
+                q[joint.idx_q] = _still(robot, name, float(model.lowerPositionLimit[joint.idx_q]))
         pinocchio.framesForwardKinematics(model, data, q)
         frames = joint_frames(module, IDENTITY, [values[name] for name in names])
         for effector in module.effectors:

@@ -24,6 +24,8 @@ from .urdf_reading import Reading, UrdfJoint
 
 FREE = 10.0
 """Metres that a planar or floating joint moves each way unless the module says otherwise: across a large hall."""
+ENDLESS = 1e6
+"""From here on a number stands for none: files say 1e16, and infinity."""
 AXES: tuple[ir.Vec3, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 HERE = make((0.0, 0.0, 0.0), STRAIGHT)
 SCALAR = {"revolute": ir.JointKind.REVOLUTE, "continuous": ir.JointKind.REVOLUTE, "prismatic": ir.JointKind.PRISMATIC}
@@ -82,7 +84,7 @@ class JointBuilder:
             self.context.findings.report("E0508", item.span, message)
             return None
         limit = joint.element.find("limit")
-        effort = 0.0 if limit is None else self.reading.number(limit, "effort", "0")
+        effort = 0.0 if limit is None else self.reading.number(limit, "effort", "0", endless=True)
         if limit is not None and effort is not None and effort < 0.0:
             told = f"joint `{joint.name}` has an effort of {effort:g}: it is left out"
             self.reading.warn(limit, told, "an effort is positive; 0 says that none is known")
@@ -117,14 +119,21 @@ class JointBuilder:
             where = joint.element if limit is None else limit
             self.reading.fault(where, f"joint `{joint.name}` has no limits", help)
             return None
-        ends = [self.reading.number(limit, end, "0") for end in ("lower", "upper")]
+        ends = [self.reading.number(limit, end, "0", endless=True) for end in ("lower", "upper")]
         if ends[0] is None or ends[1] is None:
             return None
-        if ends[0] > ends[1]:
-            message = f"the limits of joint `{joint.name}` are empty: {ends[0]:g} .. {ends[1]:g}"
+        lower, upper = ends[0], ends[1]
+        if lower > upper or lower >= ENDLESS or upper <= -ENDLESS:
+            message = f"the limits of joint `{joint.name}` are empty: {lower:g} .. {upper:g}"
             self.reading.fault(limit, message, help)
             return None
-        return ends[0], ends[1]
+        if lower > -ENDLESS and upper < ENDLESS:
+            return lower, upper
+        reach, way = (FULL_TURN, "a turn") if joint.kind == "revolute" else (FREE, f"{FREE:g} m")
+        lower, upper = max(lower, min(0.0, upper) - reach), min(upper, max(0.0, lower) + reach)
+        told = f"joint `{joint.name}` has limits of {ends[0]:g} .. {ends[1]:g}: it moves up to {way} each way"
+        self.reading.warn(limit, told, help)
+        return lower, upper
 
     def _rate(self, joint: UrdfJoint, item: syntax.JointItem | None, kind: ir.JointKind, what: str) -> float | None:
         """The greatest speed or acceleration, SI; the module's own before that of the file."""
@@ -134,8 +143,8 @@ class JointBuilder:
             return joint_rate(self.context, self.scope, replace(item, kind=kind), what, asked)
         limit, default = joint.element.find("limit"), DEFAULT_SPEED if what == "speed" else DEFAULT_ACCELERATION
         name = "velocity" if what == "speed" else "acceleration"
-        given = 0.0 if limit is None else self.reading.number(limit, name, "0")
-        return given if given is None or given > 0 else default[kind]
+        given = 0.0 if limit is None else self.reading.number(limit, name, "0", endless=True)
+        return given if given is None or 0 < given < ENDLESS else default[kind]
 
     def _free(
         self, joint: UrdfJoint, item: syntax.JointItem | None, parent: int, first: int, placement: ir.Pose

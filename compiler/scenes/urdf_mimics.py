@@ -118,6 +118,7 @@ def _still(
 def _number(element: ElementTree.Element, name: str, default: str) -> float | None:
     """A number of an attribute; None where it is none, which is told where it is used."""
     try:
-        return float(element.get(name, default))
+        value = float(element.get(name, default))
     except ValueError:
         return None
+    return value if math.isfinite(value) else None

@@ -191,14 +191,16 @@ class Reading:
             return None
         return found
 
-    def number(self, element: ElementTree.Element, name: str, default: str | None = None) -> float | None:
-        """A finite number of an attribute."""
+    def number(
+        self, element: ElementTree.Element, name: str, default: str | None = None, endless: bool = False
+    ) -> float | None:
+        """A number of an attribute, finite unless it may be `endless`."""
         text = element.get(name, default)
         try:
             value = float(text or "")
         except ValueError:
             value = math.nan
-        if not math.isfinite(value):
+        if math.isnan(value) or (math.isinf(value) and not endless):
             self.fault(element, f"`{name}` of this `{element.tag}` is not a number: {text}")
             return None
         return value

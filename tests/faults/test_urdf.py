@@ -77,6 +77,8 @@ def written(folder: Path, urdf: str | bytes) -> Path:
         ('<?xml version="1.0" encoding="ISO-8859-1"?><!-- Größe -->' + ROBOT).encode("latin-1"),
         ROBOT.replace('name="a"', 'name="Größe"').encode("latin-1"),
         ROBOT.replace('name="j"', 'name="Gelenk über"'),
+        ROBOT.encode("utf-16"),
+        ROBOT.replace('"1" velocity="1"', '"inf" velocity="INF"').replace('name="a"', 'name="a" by="Q & A"'),
     ],
 )
 def test_what_others_read_is_read(faulty: Faulty, tmp_path: Path, urdf: str | bytes) -> None:
@@ -205,6 +207,20 @@ def test_limits_without_a_way_fix_a_joint_where_they_are(faulty: Faulty, tmp_pat
     assert "W0010" in faulty("check", tmp_path / "program.tamp").stdout
 
 
+@pytest.mark.parametrize("limits", ['lower="-inf" upper="inf"', 'lower="-1e16" upper="1e16"'])
+@pytest.mark.parametrize(("kind", "least", "most"), [("revolute", 3.0, 7.0), ("prismatic", 1.0, 100.0)])
+def test_limits_that_stand_for_none_leave_a_way_that_can_be_searched(
+    tmp_path: Path, limits: str, kind: str, least: float, most: float
+) -> None:
+    urdf = ROBOT.replace("revolute", kind)
+    (joint,) = module_of(tmp_path, urdf.replace('lower="-1" upper="1"', limits)).joints
+    assert -most < joint.lower < -least and least < joint.upper < most and joint.home == 0.0
+    (joint,) = module_of(tmp_path, urdf.replace('upper="1"', 'upper="1e16"').replace("-1", "200")).joints
+    assert joint.lower == 200.0 and 200.0 + least < joint.upper < 200.0 + most
+    _, warnings = compile_problem(tmp_path / "program.tamp", None, {}, 0)
+    assert [w.code for w in warnings] == ["W0010"] and "200 .. 1e+16" in warnings[0].message
+
+
 def test_planar_and_floating_joints_become_joints_of_the_module(tmp_path: Path) -> None:
     flat = module_of(tmp_path, ROBOT.replace("revolute", "planar"), "joint j in (-1 m, -2 m) .. (3 m, 4 m)")
     assert [(j.name, j.kind, j.lower, j.upper) for j in flat.joints][:2] == [
@@ -244,7 +260,7 @@ def test_a_collada_mesh_has_its_own_unit_and_keeps_its_axes(faulty: Faulty, tmp_
     assert again == problem, "what was remembered is what was read"
 
 
-@pytest.mark.parametrize("mesh", ["solid a\nendsolid a\n", FLAT])
+@pytest.mark.parametrize("mesh", ["solid a\nendsolid a\n", "\0" * 80, FLAT])
 def test_a_mesh_without_a_body_is_left_out(faulty: Faulty, tmp_path: Path, mesh: str) -> None:
     (tmp_path / "part.stl").write_text(mesh)
     program = written(tmp_path, ROBOT.replace('<sphere radius="0.02"/>', '<mesh filename="part.stl"/>'))

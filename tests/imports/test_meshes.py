@@ -141,6 +141,9 @@ def test_packages_are_folders_above(command: Command) -> None:
     assert answer.status == 0 and "no folder of the name" not in answer.told
     Path(deep / "m.sdf").write_text(SDF % ("true", "model://other/brick.stl"))
     assert "no folder of the name" in command("import", str(deep / "m.sdf"), "-o", "o.tamp").told
+    Path(deep / "m.sdf").write_text(SDF % ("true", "package://big/tree/of/models/robot/brick.stl"))
+    told = command("import", str(deep / "m.sdf"), "-o", "o.tamp").told
+    assert "no folder of the name of its package holds it, so models/robot/brick.stl is taken" in told
 
 
 def test_meshes_of_rai_that_nothing_hits_are_left_out(command: Command) -> None:
