@@ -62,7 +62,7 @@ def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str
         built_in = {first.owner, second.owner} <= fixed
         within = first.owner == second.owner
         apart = "give its joints other values at home" if within else "move them apart, or put one `on` the other"
-        apart = _below_foot(world, exempt, depth, one, other) or _below_foot(world, exempt, depth, other, one) or apart
+        apart = _at_foot(world, exempt, depth, one, other) or _at_foot(world, exempt, depth, other, one) or apart
         findings.report(
             "W0012" if built_in else "E0502",
             second.span,
@@ -73,14 +73,23 @@ def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str
         )
 
 
-def _below_foot(
+def _at_foot(
     world: ir.World, stands: Set[frozenset[str]], depth: float, part: Volume, support: Volume
 ) -> str | None:
-    """What helps where a part that is rigid with an effector reaches into what that effector stands on."""
+    """What helps where a module reaches into what one of its effectors stands on: because a part that is rigid with
+    the effector goes past it, or because the effector faces along the module."""
     ends = world.modules[part.owner].type.effectors if part.owner in world.modules else ()
     for end in ends:
         foot = f"{part.owner}.{end.name}"
-        if end.joint == part.joint and part.name != foot and frozenset((foot, support.name)) in stands:
+        if part.name == foot or frozenset((foot, support.name)) not in stands:
+            continue
+        up = rotate(orientation(end.placement), (0.0, 0.0, 1.0))[2] > 0.9
+        if end is ends[0] and end.joint < 0 and up and position(end.placement)[2] <= 0.0:
+            return (
+                f"`{foot}` faces along its module, which therefore hangs head down from what it stands on: give that "
+                "effector `normal (0, 0, -1)`"
+            )
+        if end.joint == part.joint:
             return (
                 f"`{part.part}` reaches {depth * 1000:.0f} mm past the face on which `{foot}` stands: set that "
                 "effector further out, with `at`, or make the link smaller there"

@@ -102,3 +102,50 @@ task t {
     result = tamplang.loads(text, "t").solve(time=60.0)
     assert result.plan is None
     assert "the ring that a is held in cannot close" in result.explanation[0].message
+
+
+LABELS = """
+import std.rules
+import std.crawler
+predicate (seen X: object)
+motion [hover A: effector, X: object] {
+    during gap(A, X) <= 20 cm
+    at switch dot(axis(A, z), (0, 0, -1)) >= 0.9
+}
+rule look(A: gripper, X: object) {
+    pre   (free A), (reachable A X), not (seen X)
+    post  (seen X), [hover A X]DELETED
+}
+task labels() {
+    base ground: box(2 m, 2 m, 5 cm) at (0, 0, 0)
+    for k in 1 .. 2 {
+        object tag[k]: box(6 cm, 6 cm, 2 cm) on ground at (0, 1.2 m * (k - 1.5))
+    }
+    crawler c: A on ground at (20 cm, 0)
+    goal forall k in 1 .. 2 { (seen tag[k]) }
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("deleted", "told"),
+    [
+        ("", ", and no rule deletes it: its rows bind to the end, unless an action has the effect `not [hover …]`"),
+        (", not [hover A ANY]", " until the switch of look(c.B, tag["),
+    ],
+)
+def test_what_still_binds_is_told(deleted: str, told: str) -> None:
+    """A `during` row that an action before began, and that nobody ends in time."""
+    result = tamplang.loads(LABELS.replace("DELETED", deleted), "labels").solve(time=60.0)
+    (note,) = {d.note for d in result.explanation if d.note and "holds since" in d.note}
+    assert "holds since look(c.B, tag[" in note and told in note
+
+
+def test_a_module_that_stands_head_down_is_told() -> None:
+    text = LABELS.replace("DELETED", "").replace("import std.crawler", ARM.split("module slide")[0].replace(
+        " at (0, 0, 1 cm) normal (0, 0, -1)", ""
+    ))  # fmt: skip
+    with pytest.raises(tamplang.SourceError) as found:
+        tamplang.loads(text.replace("crawler c", "arm(1 rad) c"), "labels")
+    (overlap,) = (d for d in found.value.diagnostics if d.code == "E0502")
+    assert "hangs head down" in str(overlap.help)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-from ....compiler.ir import Problem
+from ....compiler.ir import Problem, effects_of
 from ....langs.counting import counted
 from ....langs.diagnostics import Diagnostic, Label
 from ....langs.source import Span
@@ -124,7 +124,7 @@ class Refusals:
         labels = (Label(rule.span, "the rule of this action"),) if rule is not None and rule.span else ()
         earlier = ", ".join(str(p.action) for p in skeleton.phases[conflict.first : conflict.last])
         notes = [f"straight after {earlier}{where}"] if earlier else []
-        notes += self._still(skeleton, conflict)
+        notes += [*self._still(skeleton, conflict), *self._lasting(skeleton, conflict)]
         if count > 1:
             notes.append(f"this was met in {count} such sequences; the smallest miss is shown")
         row = f"{self._reason(conflict)}{told(cause)}"
@@ -156,6 +156,26 @@ class Refusals:
             if joints:
                 told.append(f"{', '.join(joints)} of {name} cannot move: no drive, and nothing with drives holds it")
         return told
+
+    def _lasting(self, skeleton: Skeleton, conflict: Conflict) -> list[str]:
+        """Of a literal that holds from an action before: that no rule deletes it, or that what does so comes too late,
+        at the end of its own motion."""
+        if not conflict.violations or conflict.violations[0].kind != Breach.ROW:
+            return []
+        worst = conflict.violations[0]
+        at, phases = worst.phase, skeleton.phases
+        if worst.names not in phases[at].mode:
+            return []
+        since = next((p.action for p in phases[at::-1] if worst.names in p.added), None)
+        holds = f"[{' '.join(worst.names)}] holds since {since or 'the start'}"
+        effects = [e for r in self.problem.rules.values() for e in effects_of(r.effects)]
+        if not any(e.negated and e.literal.predicate == worst.names[0] for e in effects):
+            end = f"unless an action has the effect `not [{worst.names[0]} …]`"
+            return [f"{holds}, and no rule deletes it: its rows bind to the end, {end}"]
+        after = phases[at + 1].mode if at + 1 < len(phases) else skeleton.final_mode
+        if worst.names in after:
+            return []
+        return [f"{holds} until the switch of {phases[at].action}: an action of its own would have to delete it before"]
 
     def _reason(self, conflict: Conflict) -> str:
         if not conflict.violations:
