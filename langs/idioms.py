@@ -162,6 +162,8 @@ IDIOMS = (
     _idiom(r"(?P<x>(\d[\d.]*)[ \t]*°)", "unknown character `°`", r"\2 deg", code="E0002"),
     _idiom(r"(?P<x>==?[ \t]*(?:[Tt]rue)\b)", "a literal holds by being there"),
     _idiom(r"(?P<x>\belse\b)", "a scene has no `else`", _otherwise),
+    _idiom(rf"^[ \t]*(?P<x>(?:heuristic|guided?[ \t]+by|use|using)[ \t]+({NAME}[ \t]*\([^(){{}}\n]*\)))[ \t]*$",
+           "a task names its heuristic behind `guide`", r"guide \2"),
     _idiom(r"^[ \t]*fact\b[^\n]*?(?P<x>,)[ \t]*(?=[(\[])", "every fact begins with `fact`", " fact"),
     _idiom(rf"\b(task|scene|rule|function|module|heuristic)\b[^\n(]*\((?:[^)\n]*,)?[ \t]*(?P<x>{NAME})(?=[ \t]*[,)=])",
            "a parameter has a type", _typed_parameter, code="E0003"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..ir import Fact, Problem
+from ..ir import Fact, Module, Problem
 from ..kept_pairs import keeps_pose
 from ..remembering import remembered
 
@@ -18,6 +18,29 @@ def bolted(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
 def _carried(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     """What follows something by the poses that a mode keeps; what is fixed to the scene is always the leader."""
     fixed = {b.name for b in problem.world.bodies.values() if not b.movable}
-    pairs = [pair for pair in (keeps_pose(problem, literal) for literal in mode) if pair]
-    ends = [problem.world.effector(a if b in fixed else b) or (a if b in fixed else b) for a, b in pairs]
-    return frozenset(end if isinstance(end, str) else end[0].name for end in ends)
+    kept = [pair for pair in (keeps_pose(problem, literal) for literal in mode) if pair]
+    pairs = [(b, a) if b in fixed else (a, b) for a, b in kept]
+    return frozenset(_thing(problem, own) for leader, own in pairs if _carries(problem, leader, own, leader in fixed))
+
+
+def _thing(problem: Problem, name: str) -> str:
+    end = problem.world.effector(name)
+    return name if end is None else end[0].name
+
+
+def _carries(problem: Problem, leader: str, own: str, fixed: bool) -> bool:
+    """Whether what `leader` holds of a module takes its frame along, in whichever order the text names the two. A hand
+    at the end of joints may as well hold the leader, and does where that could not carry a robot: a body that moves, or
+    a part behind joints without drives. What is held behind such joints itself, as a door is by its knob, stays."""
+    end, other = problem.world.effector(own), problem.world.effector(leader)
+    if end is None or end[1].joint < 0:
+        return True
+    if not _drives(end[0]):
+        return False
+    if other is None:
+        return fixed
+    return other[1].joint < 0 or _drives(other[0])
+
+
+def _drives(module: Module) -> bool:
+    return any(not joint.passive for joint in module.type.joints)

@@ -18,6 +18,8 @@ from ..checks.kinds import ANGLE, LENGTH, NUMBER, Kind
 from ..checks.names import Scope, names_in
 from ..checks.values import number
 
+DIMENSIONS = {ir.JointKind.REVOLUTE: (0, 1), ir.JointKind.PRISMATIC: (1, 0)}
+"""Length and angle in the value of a joint."""
 WORDS = {ir.JointKind.REVOLUTE: "turns", ir.JointKind.PRISMATIC: "slides"}
 
 
@@ -105,8 +107,6 @@ def text_couplings(
     if not complete:
         return None
     try:
-        for name, coupling in stated.items():
-            _check_kinds(known[name], known[coupling.leader])
         coupled = couple(joints, stated)
         valued = all(math.isfinite(s.factor + s.offset) for s in stated.values())
         return _at_home(context, couplings, coupled) if valued else None
@@ -114,13 +114,6 @@ def text_couplings(
         blamed = couplings.get(mistake.joint) or next(iter(couplings.values()))
         context.findings.report("E0521", blamed.span, str(mistake), help=mistake.help)
         return None
-
-
-def _check_kinds(joint: ir.Joint, leader: ir.Joint) -> None:
-    """A factor of a text is a plain number. Raises BadCoupling."""
-    if joint.kind != leader.kind:
-        message = f"joint `{joint.name}` {WORDS[joint.kind]}, and `{leader.name}`, which it follows,"
-        raise BadCoupling(joint.name, f"{message} {WORDS[leader.kind]}", "couple joints of one kind")
 
 
 def _at_home(
@@ -146,7 +139,8 @@ def _stated(
     if item.name not in joints:
         findings.unknown("E0119", "joint", item.name, findings.word(item.span, item.name), joints)
         return None
-    reader = _Linear(context, scope, joints, ANGLE if joints[item.name].kind == ir.JointKind.REVOLUTE else LENGTH)
+    joint = joints[item.name]
+    reader = _Linear(context, scope, joints, ANGLE if joint.kind == ir.JointKind.REVOLUTE else LENGTH)
     leader, factor, offset = reader.read(item.value)
     if reader.wrong:
         return None
@@ -159,7 +153,25 @@ def _stated(
         message = f"joint `{item.name}` does not move with `{leader}`: it follows it 0 times"
         findings.report("E0521", item.value.span, message)
         return None
+    if not _fits(context, item, joint, joints[leader], reader):
+        return None
     return StatedCoupling(leader, math.nan if factor is None else factor, math.nan if offset is None else offset)
+
+
+def _fits(context: Context, item: syntax.CouplingItem, joint: ir.Joint, leader: ir.Joint, reader: _Linear) -> bool:
+    """Whether the factor has the unit that makes the leader's value one of the follower; reports where not."""
+    ahead, own = DIMENSIONS[leader.kind], DIMENSIONS[joint.kind]
+    if reader.dimension == (own[0] - ahead[0], own[1] - ahead[1]):
+        return True
+    if joint.kind == leader.kind and reader.united is not None:
+        term, kind = reader.united
+        context.findings.report("E0203", term.span, f"the factor of a joint must be a plain number, not {kind}")
+        return False
+    message = f"joint `{joint.name}` {WORDS[joint.kind]}, and `{leader.name}`, which it follows, {WORDS[leader.kind]}"
+    ratio = "5 mm / 360 deg" if joint.kind == ir.JointKind.PRISMATIC else "360 deg / 5 mm"
+    help = f"say how far for how much, as in `joint {joint.name} = {leader.name} * {ratio}`"
+    context.findings.report("E0521", item.span, message, help=help)
+    return False
 
 
 Part = tuple[str | None, float | None, float | None]
@@ -172,6 +184,10 @@ class _Linear:
     def __init__(self, context: Context, scope: Scope, joints: Mapping[str, ir.Joint], kind: Kind) -> None:
         self.context, self.scope, self.joints, self.kind = context, scope, joints, kind
         self.wrong = False
+        self.dimension = (0, 0)
+        """How often the factor of the joint holds a length, and an angle."""
+        self.united: tuple[syntax.Term, Kind] | None = None
+        """A part of that factor that has a unit."""
 
     def read(self, term: syntax.Term) -> Part:
         match term:
@@ -213,12 +229,26 @@ class _Linear:
         if self._moves(right) and (operator == "/" or self._moves(left)):
             return self._refuse(term, "this is no multiple of one joint plus a value")
         moving, plain = (right, left) if self._moves(right) else (left, right)
-        by = number(self.context, self.scope, plain, NUMBER, "the factor of a joint")
+        by = self._factor(plain, 1 if operator == "*" else -1)
         if operator == "/" and by is not None:
             if by == 0:
                 return self._refuse(plain, "a joint cannot be divided by 0")
             by = 1 / by
         return self._scaled(self.read(moving), by)
+
+    def _factor(self, term: syntax.Term, sign: int) -> float | None:
+        """The value of what a joint is multiplied with, or divided by."""
+        kind = self.context.check_term(self.context, self.scope, term).kind
+        if not kind.known:
+            self.wrong = True
+            return None
+        if kind not in (LENGTH, ANGLE):
+            self.wrong = self.wrong or kind != NUMBER
+            return number(self.context, self.scope, term, NUMBER, "the factor of a joint")
+        length, angle = self.dimension
+        self.dimension = (length + sign, angle) if kind == LENGTH else (length, angle + sign)
+        self.united = self.united or (term, kind)
+        return number(self.context, self.scope, term, kind, "the factor of a joint")
 
     def _refuse(self, term: syntax.Term, message: str) -> Part:
         if not self.wrong:

@@ -36,9 +36,30 @@ def _loose(problem: ir.Problem) -> tuple[str, ...]:
 
 
 def _carried(problem: ir.Problem, mode: Mode) -> set[str]:
-    """What is kept to a fixed body, or follows something."""
+    """What follows something that takes its frame along; a fixed body always leads."""
     fixed = {b.name for b in problem.world.bodies.values() if not b.movable}
-    return {thing_of(problem, base if own in fixed else own) for base, own in kept(problem, mode)}
+    found = set()
+    for base, own in kept(problem, mode):
+        leader, follower = (own, base) if own in fixed else (base, own)
+        lifted = leader in fixed or (leader not in problem.world.bodies and _steady(problem, leader))
+        if _at_frame(problem, follower) or (lifted and _driven(problem, follower)):
+            found.add(thing_of(problem, follower))
+    return found
+
+
+def _steady(problem: ir.Problem, leader: str) -> bool:
+    """Whether no joints without drives alone lie between an end and what carries its module."""
+    return _at_frame(problem, leader) or _driven(problem, leader)
+
+
+def _at_frame(problem: ir.Problem, name: str) -> bool:
+    end = problem.world.effector(name)
+    return end is None or end[1].joint == -1
+
+
+def _driven(problem: ir.Problem, name: str) -> bool:
+    end = problem.world.effector(name)
+    return end is not None and not all(j.passive for j in end[0].type.joints)
 
 
 def _bound(bound: Mapping[str, str], node: ir.Term) -> str:

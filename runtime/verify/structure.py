@@ -217,11 +217,11 @@ def _check_module(module: ModuleRecord, findings: Findings) -> None:
 
 
 def _couples(module: ModuleRecord, index: int, coupling: CouplingRecord) -> bool:
-    """Whether a joint can follow another one: of its kind, that follows none itself."""
+    """Whether a joint can follow another one: that has a drive where it has one, and follows none itself."""
     if not 0 <= coupling.leader < len(module.joints) or not _finite(np.array([coupling.factor, coupling.offset])):
         return False
     leader = module.joints[coupling.leader]
-    same = (leader.kind, leader.passive) == (module.joints[index].kind, module.joints[index].passive)
+    same = leader.passive == module.joints[index].passive
     return leader.follows is None and same and coupling.factor != 0
 
 

@@ -18,6 +18,7 @@ TASK = HEAD + """task take() {
     goal (held ball)
 }
 """
+GUIDED = "import std.heuristics\n" + TASK.replace("goal (held", "guide climb(ball)\n    goal (held")
 RULE = """import std.rules
 
 rule lift(A: gripper, X: base) {
@@ -73,6 +74,8 @@ def repaired(text: str) -> str:
         (TASK, "at (0, 40 cm, 50 cm)", "at [0, 40 cm, 50 cm]", "E0001"),
         (TASK, "sphere(4 cm)", "sphere(1 cm * 2**2)", "E0001"),
         (TASK, "task take", "Task take", "E0004"),
+        (GUIDED, "guide climb", "heuristic climb", "E0001"),
+        (GUIDED, "guide climb", "guided by climb", "E0001"),
         (TASK, "fact (", "init (", "E0004"),
         (TASK, "goal (held", "goals (held", "E0004"),
         (TASK, "goal (held", "goal: (held", "E0001"),

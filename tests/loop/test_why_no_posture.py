@@ -149,3 +149,34 @@ def test_a_module_that_stands_head_down_is_told() -> None:
         tamplang.loads(text.replace("crawler c", "arm(1 rad) c"), "labels")
     (overlap,) = (d for d in found.value.diagnostics if d.code == "E0502")
     assert "hangs head down" in str(overlap.help)
+
+
+def test_what_a_literal_keeps_till_the_switch_is_not_called_out_of_reach() -> None:
+    """A cart lets go of where it is parked only at the switch at which it is to be elsewhere."""
+    text = """import std.logic
+type spot < object
+type body < effector
+module cart {
+    joint go: planar(x, y) in (-3 m, -3 m) .. (3 m, 3 m)
+    link 10 cm: cylinder(12 cm)
+    effector E: body sphere(2 cm)
+}
+predicate (at B: body, Y: spot) functional in B
+motion [parked B: body, Y: spot] {
+    at switch inside(B, Y) >= 0
+    keep pose(B, Y)
+}
+rule drive(B: body, X Y: spot) {
+    pre (at B X)
+    post not (at B X), not [parked B X], (at B Y), [parked B Y]
+}
+task t {
+    for i in 1 .. 2 { spot s[i]: box(10 cm, 10 cm, 1 mm) at (i * 1 m, 0, -1 mm) }
+    cart c: at (1 m, 0, 0)
+    fact (at c.E s[1])
+    fact [parked c.E s[1]]
+    goal (at c.E s[2])
+}"""
+    result = tamplang.loads(text, "t").solve(time=60.0)
+    assert result.plan is None
+    assert "[parked c.E s[1]] keeps what would have to move where it is" in result.explanation[0].message

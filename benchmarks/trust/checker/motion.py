@@ -47,8 +47,30 @@ class Recording:
         """The modules that nothing carries, neither at the start nor by `keeps`, pairs of leader and follower."""
         first = self.plan["phases"][0]["mode"] if self.plan["phases"] else []
         pairs = [*keeps, *(p for m in first for p in self._kept((m["predicate"], *m["args"])))]
-        carried = {a if not self.bodies.get(b, {"movable": True})["movable"] else b for a, b in pairs}
+        carried = set()
+        for pair in pairs:
+            leader, follower = pair[::-1] if self._is_still(pair[1]) else pair
+            joint, drives = self._end(follower)
+            if joint < 0 or (drives and self._can_carry(leader)):
+                carried.add(follower)
         return {n for n in self.modules if not any(c == n or c.rpartition(".")[0] == n for c in carried)}
+
+    def _is_still(self, name: str) -> bool:
+        return name in self.bodies and not self.bodies[name]["movable"]
+
+    def _can_carry(self, leader: str) -> bool:
+        """Whether a robot that is held behind its joints may hang on this: on the scene, a frame, or drives."""
+        joint, drives = self._end(leader)
+        return self._is_still(leader) or (leader not in self.bodies and (joint < 0 or drives))
+
+    def _end(self, name: str) -> tuple[int, bool]:
+        """The joint behind which a thing lies in its module, -1 for none, and whether that one has drives."""
+        module, _, end = name.rpartition(".")
+        record = self.modules.get(name) or self.modules.get(module)
+        if record is None:
+            return -1, False
+        joint = next((e["joint"] for e in record["effectors"] if e["name"] == end and name != record["name"]), -1)
+        return joint, any(not j.get("passive", False) for j in record["joints"])
 
     def _kept(self, fact: Fact) -> Iterator[tuple[str, str]]:
         motion = self.problem.motions[fact[0]]

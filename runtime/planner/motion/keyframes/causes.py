@@ -115,9 +115,23 @@ def cause(
         past = _past_limits(unbound, settings.tolerance)
         return Cause(Why.LIMIT, bound.missed, bound.posture, past) if past else None
     ring = looped(skeleton.problem, skeleton.phases[last].mode) & involved(skeleton, last)
-    held = _holding(skeleton.problem, skeleton.phases[last].mode)
-    why = Why.RING if ring else Why.HELD if held else Why.REACH
-    return Cause(why, bound.missed, bound.posture, names=tuple(sorted(ring)) or held)
+    mode = skeleton.phases[last].mode
+    still = _kept_still(skeleton.problem, mode, bound.missed.names[1:])
+    held = still or _holding(skeleton.problem, mode)
+    why = Why.HELD if still else Why.RING if ring else Why.HELD if held else Why.REACH
+    names = held if why == Why.HELD else tuple(sorted(ring))
+    return Cause(why, bound.missed, bound.posture, names=names)
+
+
+def _kept_still(problem: Problem, mode: frozenset[Fact], names: Sequence[str]) -> Fact:
+    """The first literal that keeps one of `names` to what rests, where nothing among these can move; else empty."""
+    resting = problem.world.bodies.keys() - followers(problem, mode)
+    keeping: dict[str, Fact] = {}
+    for literal in sorted(mode):
+        pair = keeps_pose(problem, literal) or ("", "")
+        keeping |= {own: literal for own, other in (pair, pair[::-1]) if other in resting}
+    moving = [name for name in names if name not in resting and name not in keeping]
+    return () if moving else next((keeping[name] for name in names if name in keeping), ())
 
 
 def _holding(problem: Problem, mode: frozenset[Fact]) -> Fact:
