@@ -71,9 +71,7 @@ class AttemptRequest(Question[tuple[BoundResult, BoundResult | None]]):
 
     @property
     def key(self) -> Hashable:
-        parts = (part for c in self.warm for part in (c.modules, own_poses(c.bodies)))
-        rows = [row.tobytes() for part in parts for row in part.values()]
-        return AttemptRequest, self.settings, self.draw, self.tries, self.motions, tuple(rows)
+        return AttemptRequest, self.settings, self.draw, self.tries, self.motions, _values(self.warm)
 
     def solved(self, skeleton: Skeleton, budget: Budget) -> tuple[BoundResult, BoundResult | None]:
         sequence = solve_sequence(skeleton, self.settings, self.draw, budget, warm=self.warm, tries=self.tries)
@@ -81,6 +79,46 @@ class AttemptRequest(Question[tuple[BoundResult, BoundResult | None]]):
             return sequence, None
         first = beginning(skeleton, self.motions)
         return sequence, sequence_path(first, sequence, self.settings, self.draw, budget)
+
+
+@dataclass(frozen=True, eq=False)
+class WarmRequest(Question[BoundResult]):
+    """P_seq from the switch configurations 1 … K in `warm`."""
+
+    settings: MotionSettings
+    seed: Seed
+    tries: int | None
+    warm: Sequence[Configuration]
+
+    @property
+    def key(self) -> Hashable:
+        return WarmRequest, self.settings, self.seed, self.tries, _values(self.warm)
+
+    def solved(self, skeleton: Skeleton, budget: Budget) -> BoundResult:
+        return solve_sequence(skeleton, self.settings, self.seed, budget, warm=self.warm, tries=self.tries)
+
+
+@dataclass(frozen=True, eq=False)
+class PathRequest(Question[BoundResult]):
+    """P_seqPath between the switch configurations of `sequence`, with nothing known of its phases."""
+
+    settings: MotionSettings
+    seed: Seed
+    thorough: bool
+    sequence: BoundResult
+
+    @property
+    def key(self) -> Hashable:
+        return PathRequest, self.settings, self.seed, self.thorough, _values(self.sequence.configurations)
+
+    def solved(self, skeleton: Skeleton, budget: Budget) -> BoundResult:
+        return sequence_path(skeleton, self.sequence, self.settings, self.seed, budget, self.thorough)
+
+
+def _values(configurations: Sequence[Configuration]) -> Hashable:
+    """What tells configurations of one scene apart."""
+    parts = (part for c in configurations for part in (c.modules, own_poses(c.bodies)))
+    return tuple((name, row.tobytes()) for part in parts for name, row in part.items())
 
 
 def sequence_path(

@@ -33,6 +33,15 @@ class BoundSettings:
         3, "pairs of poses",
         "Between how many pairs of poses a phase must fail before it is refused wherever it starts.",
     )
+    kept_answers: int = setting(
+        32_000_000, "bytes",
+        "What a process keeps of answers, to find them when it solves the same task again.",
+        "one of climb n=8 takes 5 to 30 kB, a whole solve 0.3 MB",
+    )
+    largest_answer: int = setting(
+        2_000_000, "bytes", "Larger answers are not kept: a few of them would push out all else.", "not measured"
+    )
+    kept_scenes: int = setting(64, "scenes", "Scenes whose answers are kept; a horizon has one for each window.")
     quick_starts: int = setting(3, "starts", "Starts of a span before a skeleton is refused for the first time.")
     redraws: int = setting(
         4, "times",

@@ -15,12 +15,11 @@ from ...seeds import Seed
 from ...skeleton import LOADS, Bound, BoundResult, Configuration, Skeleton, beginning
 from ..motion.keyframes.initial_guesses import guess
 from ..motion.keyframes.local_repair import MENDS, QUICK_MENDS, Mend, mended, resampled, unmoved
-from ..motion.keyframes.sequence import solve_sequence
 from ..motion.keyframes.settings import KEYFRAMES
 from ..motion.path.whole_path import solve_path
 from ..motion.settings import MotionSettings
 from ..statics import asked, borne, slowed
-from .requests import AttemptRequest, SequenceRequest, sequence_path
+from .requests import AttemptRequest, PathRequest, SequenceRequest, WarmRequest, sequence_path
 from .settings import BOUNDS
 from .speculation import Speculation
 from .verdicts import Conflict, Judgement, blame, with_motion
@@ -53,10 +52,9 @@ class Solves:
     ) -> BoundResult:
         self.tell("seq", f"P_seq of {counted(len(skeleton), 'action')}")
         with self.clock("seq"):
-            if warm is None:
-                result = self.ahead.answer(skeleton, SequenceRequest(self.settings, seed, tries), self.budget)
-            else:
-                result = solve_sequence(skeleton, self.settings, seed, self.budget, warm=warm, tries=tries)
+            plain = SequenceRequest(self.settings, seed, tries)
+            question = plain if warm is None else WarmRequest(self.settings, seed, tries, warm)
+            result = self.ahead.answer(skeleton, question, self.budget)
         self._count(Bound.SEQ, result.feasible)
         return result
 
@@ -193,7 +191,12 @@ class Solves:
         """P_seqPath of a skeleton, or of a beginning of that of `sequence`."""
         self.tell("seq-path", f"P_seqPath of {counted(len(skeleton), 'phase')}")
         with self.clock("seq_path"):
-            result = sequence_path(skeleton, sequence, self.settings, seed or self.seed, self.budget, thorough, known)
+            draw = seed or self.seed
+            if known is None:
+                question = PathRequest(self.settings, draw, thorough, sequence)
+                result = self.ahead.answer(skeleton, question, self.budget)
+            else:
+                result = sequence_path(skeleton, sequence, self.settings, draw, self.budget, thorough, known)
         self._count(Bound.SEQ_PATH, result.feasible)
         return result
 

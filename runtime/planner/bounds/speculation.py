@@ -22,6 +22,7 @@ from ...budget import Budget
 from ...parallel import ClusterUnavailable, Side, WorkerLost, WorkFailed, open_executor
 from ...parallel.processes import Processes
 from ...skeleton import Phase, Skeleton
+from .kept_answers import KEPT, KeptAnswers
 from .requests import Answer, Question, WindowRequest
 from .settings import BOUNDS
 
@@ -36,10 +37,11 @@ class _Work:
 
 
 class Speculation:
-    """Answers to questions, computed ahead by `side` where there is one. It never changes an answer."""
+    """Answers to questions, computed ahead by `side` where there is one, or `kept` from earlier. It never changes an
+    answer."""
 
-    def __init__(self, side: Side | None = None) -> None:
-        self._side = side
+    def __init__(self, side: Side | None = None, kept: KeptAnswers | None = None) -> None:
+        self._side, self._kept = side, KeptAnswers() if kept is None else kept
         self._prepared: list[Future[None]] = []
         self._under_way: dict[Hashable, _Work] = {}
         self._problem: Problem | None = None
@@ -61,7 +63,7 @@ class Speculation:
         if self._side is None:
             return False
         key = _key(skeleton, question)
-        if key in self._under_way:
+        if key in self._under_way or self._kept.answer(skeleton, question) is not None:
             return True
         ready = sum(future.done() for future in self._prepared)
         if sum(not work.future.done() for work in self._under_way.values()) >= BOUNDS.queued * ready:
@@ -84,6 +86,13 @@ class Speculation:
 
     def answer(self, skeleton: Skeleton, question: Question[Answer], budget: Budget) -> Answer:
         """The answer. Work that was lost with its process, or failed, is done here. Raises OutOfTime."""
+        found = self._kept.answer(skeleton, question)
+        if found is None:
+            found = self._answer(skeleton, question, budget)
+            self._kept.keep(skeleton, question, found)
+        return found
+
+    def _answer(self, skeleton: Skeleton, question: Question[Answer], budget: Budget) -> Answer:
         work = self._under_way.pop(_key(skeleton, question), None) if self._under_way else None
         if work is None or work.future.cancel():
             return question.solved(skeleton, budget)
@@ -124,14 +133,14 @@ def _key(skeleton: Skeleton, question: Question[Any]) -> Hashable:
 
 @contextmanager
 def opened(jobs: int = 1, cluster: str | None = None) -> Iterator[Speculation]:
-    """Answers from `jobs` processes, this one included, or from this one and the workers of a cluster. What is under
-    way at the end is dropped at once. Raises ClusterUnavailable."""
+    """Answers from `jobs` processes, this one included, or from this one and the workers of a cluster, or those that
+    this process has kept. What is under way at the end is dropped at once. Raises ClusterUnavailable."""
     if cluster is None and jobs == 1:
-        yield Speculation()
+        yield Speculation(kept=KEPT)
         return
     side = Processes(jobs - 1) if cluster is None else open_executor(cluster=cluster)
     try:
-        yield Speculation(side)
+        yield Speculation(side, KEPT)
     finally:
         side.kill()
         side.shutdown(wait=True, cancel_futures=True)
