@@ -7,8 +7,10 @@ import math
 from ...langs.frozen import dataclass
 from .. import ir
 from ..extents import box_sides
-from ..poses import between, effector_pose, make, orientation, position, product, rotate, yaw
+from ..poses import between, compose, effector_pose, make, orientation, position, product, rotate, yaw
 
+LEVEL = 1e-6
+"""By how much the upward part of a unit normal may be below 1: 0.08 degrees, far above what rounding turns a frame."""
 DOWN: ir.Vec3 = (0.0, 0.0, -1.0)
 
 
@@ -29,8 +31,8 @@ def has_flat_top(shape: ir.Shape) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Support:
-    """The top face of a body: the point of it above or below the middle of the body, in the world, the heading of its
-    x-axis, and the part of the body that has it, with its place in the body."""
+    """The top face of a body or of an end of a robot: the point of it above or below the middle, in the world, the
+    heading of its x-axis, and the part of the shape that has it, with its place in the shape."""
 
     name: str
     type: str
@@ -46,6 +48,22 @@ class Support:
         bearer = body.shape.solids[0]
         top = (x, y, z + bearer.at[2] + top_of(bearer.shape))
         return Support(body.name, body.type, top, math.atan2(axis[1], axis[0]), bearer.shape, bearer.at)
+
+    @staticmethod
+    def of_end(name: str, module: ir.Module, end: ir.Effector) -> Support | None:
+        """The top of an end of a robot, where its joints are at home; None where that is not level, or turned over and
+        of a shape that has no other flat side."""
+        assert end.shape is not None
+        frame = compose(module.pose, effector_pose(module.type, end.name, module.joints))
+        up, along = (rotate(orientation(frame), axis) for axis in ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0)))
+        bearer = end.shape.solids[0]
+        upright = up[2] > 1.0 - LEVEL
+        over = up[2] < LEVEL - 1.0 and bearer.shape.kind in (ir.ShapeKind.BOX, ir.ShapeKind.CYLINDER)
+        if not upright and not (over and len(end.shape.solids) == 1):
+            return None
+        x, y, z = position(frame)
+        top = (x, y, z + bearer.at[2] + top_of(bearer.shape))
+        return Support(name, end.type, top, math.atan2(along[1], along[0]), bearer.shape, bearer.at)
 
     def point(self, at: tuple[float, float]) -> ir.Vec3:
         """The point of the top face at `at`, measured from its centre along its own axes, in the world."""

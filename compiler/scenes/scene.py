@@ -264,7 +264,7 @@ class SceneBuilder:
         return make((x, y, z + top_of(form)), yaw(support.heading + heading)), support
 
     def support(self, scope: Scope, term: syntax.Term) -> Support | None:
-        """The body that carries something, with its top face."""
+        """What carries something, with its top face: a body, or an end of a robot."""
         typed = check_term(self.context, scope, term)
         if not typed.kind.known:
             return None
@@ -275,13 +275,33 @@ class SceneBuilder:
         if body is None:
             if typed.term.name in self.unplaced:
                 return None
+            module = self.built.modules.get(typed.term.name.rpartition(".")[0])
+            if module is not None:
+                return self.deck(term, module, typed.term.name)
             if scope.values_known or not self.context.library.is_a(typed.kind.type, "object"):
-                self.findings.report("E0501", term.span, f"`{typed.term.name}` is not a body that can carry something")
+                robot = self.context.library.modules.get(typed.kind.type)
+                named = [f"`{typed.term.name}.{e}`" for e in effector_types(robot)] if robot is not None else []
+                help = f"name one of its ends: {', '.join(named)}" if named else None
+                message = f"`{typed.term.name}` is not a body that can carry something"
+                self.findings.report("E0501", term.span, message, help=help)
             return None
         if not has_flat_top(body.shape):
             self.findings.report("E0501", term.span, f"`{body.name}` is a {body.shape.kind} and has no flat top")
             return None
         return Support.of(body)
+
+    def deck(self, term: syntax.Term, module: ir.Module, name: str) -> Support | None:
+        """The top of an end of a robot, as it is at the start."""
+        end = module.type.effector(name.rpartition(".")[2])
+        if end.shape is None or not has_flat_top(end.shape):
+            what = "has no shape" if end.shape is None else f"is a {end.shape.kind} and has no flat top"
+            self.findings.report("E0501", term.span, f"`{name}` {what}")
+            return None
+        support = Support.of_end(name, module, end)
+        if support is None:
+            help = "what lies on it is put there while its joints are at `home`: give them values at which it is level"
+            self.findings.report("E0501", term.span, f"the top of `{name}` is not level at the start", help=help)
+        return support
 
     def spot(self, scope: Scope, term: syntax.Term | None, support: Support | None) -> tuple[float, float] | None:
         if term is None:

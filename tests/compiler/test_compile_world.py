@@ -17,6 +17,7 @@ from tamplang.compiler.pipeline import compile_text
 from tamplang.compiler.poses import between, compose, effector_pose, joint_frames, orientation, position, rotate, yaw
 from tamplang.compiler.scenes.check_start import Volume, bounds, candidates, penetration
 from tamplang.compiler.scenes.placing import module_pose, top_of
+from tamplang.langs.diagnostics import SourceError
 
 HEAD = "import std.crawler\nimport std.rules\n"
 GROUND = "base ground: box(3 m, 2 m, 0.05 m) at (0, 0, 0)\n"
@@ -211,3 +212,40 @@ def test_resting_in_contact_is_no_overlap(height: float, overlap: int | None) ->
 def test_tops_of_shapes() -> None:
     shapes = [("box", (1, 2, 3), 1.5), ("sphere", (0.5,), 0.5), ("cylinder", (1, 2), 1), ("capsule", (1, 2), 2)]
     assert [top_of(ir.Shape(kind, size)) for kind, size, _ in shapes] == [top for *_, top in shapes]
+
+
+LIFT = """type deck < effector
+module lift(tilt: angle = 0 deg) {
+    effector foot: deck box(20 cm, 20 cm, 2 cm) at (0, 0, 1 cm) normal (0, 0, -1)
+    link 10 cm
+    joint up: prismatic(z) in 0 m .. 50 cm home 30 cm
+    joint tip: revolute(y) in -1 rad .. 1 rad home tilt
+    effector plate: deck box(40 cm, 30 cm, 2 cm) at (10 cm, 0, 0)
+}
+placement (A: deck) on (Y: object) { (on Y A), [stable Y A] }
+"""
+
+
+def test_things_and_robots_stand_on_ends_of_robots_where_these_are_at_home() -> None:
+    """Worked out by hand: the floor is at 2.5 cm, the plate's middle 40 cm above that and 10 cm to the side, turned."""
+    lift = "lift l: foot on ground at (1 m, 0) heading 90 deg\n"
+    things = "object cup: box(2 cm, 4 cm, 6 cm) on l.plate at (3 cm, 4 cm)\ncrawler c: A on l.plate at (-10 cm, 0)"
+    made = problem(lift + things, LIFT)
+    assert position(made.world.bodies["cup"].pose) == pytest.approx((0.96, 0.13, 0.025 + 0.4 + 0.01 + 0.03))
+    assert position(made.world.modules["c"].pose) == pytest.approx((1.0, 0.0, 0.025 + 0.4 + 0.01 + 0.05))
+    assert {("stable", "l.plate", "cup"), ("stable", "l.plate", "c.A")} <= made.init_motion
+
+
+@pytest.mark.parametrize(
+    ("items", "said", "hint"),
+    [
+        ("lift(tilt = 5 deg) l: foot on ground", "the top of `l.plate` is not level at the start", "`home`"),
+        ("lift plate: foot on ground", "`plate` is not a body that can carry", "`plate.foot`, `plate.plate`"),
+    ],
+)
+def test_what_cannot_carry_is_told(items: str, said: str, hint: str) -> None:
+    on = "plate" if "lift plate" in items else "l.plate"
+    with pytest.raises(SourceError) as told:
+        problem(f"{items}\nobject cup: box(2 cm, 4 cm, 6 cm) on {on}\ncrawler c: A on ground", LIFT)
+    (found,) = told.value.diagnostics
+    assert said in found.message and hint in (found.help or "")
