@@ -371,7 +371,7 @@ class _SolveRun:
 
 
 def motion_settings(problem: Problem, options: SolveOptions) -> MotionSettings:
-    settings = MotionSettings(solver=options.solver, brief=options.minimise != ACTIONS)
+    settings = MotionSettings(solver=options.solver, objective=options.minimise)
     slices = options.slices or problem.options.slices
     if slices is not None:
         settings = replace(settings, slices=slices)

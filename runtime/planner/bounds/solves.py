@@ -18,6 +18,7 @@ from ..motion.keyframes.local_repair import MENDS, QUICK_MENDS, Mend, mended, re
 from ..motion.keyframes.settings import KEYFRAMES
 from ..motion.path.whole_path import solve_path
 from ..motion.settings import MotionSettings
+from ..schedule.shorter_ways import with_shorter_ways
 from ..statics import asked, borne, slowed
 from .requests import AttemptRequest, PathRequest, SequenceRequest, WarmRequest, sequence_path
 from .settings import BOUNDS
@@ -67,6 +68,9 @@ class Solves:
         first = beginning(skeleton, len(skeleton) if motions is None else motions)
         if not first.phases:
             return Judgement(True, paths=[])
+        soon = self._shortened(skeleton, sequence, first)
+        if soon is not None:
+            return soon
         result = self._sequence_path(first, sequence, thorough=False)
         blamed = [{v.phase for v in result.violations}]
         held: set[frozenset[int]] = set()
@@ -105,6 +109,22 @@ class Solves:
                 return self._timed(first, free, [])
             bound = Bound.PATH
         return Judgement(False, conflicts=[blame(bound, result, blamed, len(first))])
+
+    def _shortened(self, skeleton: Skeleton, sequence: BoundResult, first: Skeleton) -> Judgement | None:
+        """Motion of the first phases between switches that were moved for the sake of the objective; None where these
+        are not better, or have no motion between them."""
+        if not self.settings.brief:
+            return None
+        self.tell("seq", f"shorter ways for {counted(len(skeleton), 'action')}")
+        with self.clock("seq"):
+            found = with_shorter_ways(skeleton, sequence, self.settings, self.seed, self.budget)
+        if found is None:
+            return None
+        result = self._sequence_path(first, found, thorough=False)
+        if not result.feasible:
+            return None
+        judgement = self._timed(first, result, found.configurations[len(first) + 1 :])
+        return judgement if judgement.accepted else None
 
     def _timed(self, skeleton: Skeleton, result: BoundResult, ahead: list[Configuration]) -> Judgement:
         """Accepted, with motions that begin and end gently and are as slow as their drives need."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from ....compiler.objectives import ACTIONS, Objective
 from ....compiler.settings import setting
 from ....langs.frozen import dataclass
 
@@ -13,8 +14,9 @@ class MotionSettings:
     """`slices` per phase on a path; `margin` wished for between surfaces along a path and `switch_margin` at switches,
     metres, and nothing is refused for less;
     `limit_margin` pulls joint limits in at switches, radians; `tolerance` is the largest violation of a single row
-    that still counts as feasible (metres or radians). With `polish`, motions become cheaper once they are feasible,
-    with `brief` robots that a switch does not concern rest again where it was found with all of them moving."""
+    that still counts as feasible (metres or radians). With `polish`, motions become cheaper once they are feasible.
+    What an `objective` adds up beside actions is looked at where switches are found: robots that a switch does not
+    concern rest again where it was found with all of them moving, and ways get shorter."""
 
     slices: int = 20
     margin: float = 0.02
@@ -24,7 +26,12 @@ class MotionSettings:
     solver: str = "algn"
     collisions: bool = True
     polish: bool = True
-    brief: bool = False
+    objective: Objective = ACTIONS
+
+    @property
+    def brief(self) -> bool:
+        """Whether anything but actions counts."""
+        return self.objective != ACTIONS
 
     def wider(self, by: float) -> MotionSettings:
         """The same with `by` metres more between surfaces, along paths and at switches."""

@@ -62,7 +62,9 @@ class SwitchProgram:
         if free:
             self._standing()
         self._literals()
-        self._groups = self._all_groups()
+        self._rows = self._all_rows()
+        self._costs = self._usual_costs()
+        self._tidied = self._tidy()
         self._free = free
         self._loads: list[RowGroup] = []
 
@@ -134,17 +136,28 @@ class SwitchProgram:
                 found += [(literal, "during", slice_, phase, mode) for literal in sorted(mode)]
         return [w for w in found if speaks(self.problem, w[0])]
 
-    def _all_groups(self) -> list[RowGroup]:
-        steps = [(t - 1, t) for t in range(1, len(self.layout.slices))]
+    def _all_rows(self) -> list[RowGroup]:
         return [
             *self._features.groups(),
             *loaded_groups(self.problem, self.layout, self._loaded()),
             norms(self.layout),
             *self._limits([self.phases[0], *self.phases]),
+        ]
+
+    def _usual_costs(self) -> list[LinearGroup]:
+        steps = [(t - 1, t) for t in range(1, len(self.layout.slices))]
+        return [
             homing(self.problem, self.layout, KEYFRAMES.homing_weight),
             differences(self.layout, self.layout.modules, steps, (-1.0, 1.0), KEYFRAMES.velocity_weight),
-            *self._tidy(),
         ]
+
+    def pull(self, costs: Sequence[LinearGroup]) -> None:
+        """From now on these costs stand in for those of joints away from home and of their ways."""
+        self._costs = list(costs)
+
+    @property
+    def _groups(self) -> list[RowGroup]:
+        return [*self._rows, *self._costs, *self._tidied]
 
     def _limits(self, phase_of: list[int]) -> list[LinearGroup]:
         return kept_limits(self.problem, self.layout, self.settings.limit_margin, phase_of)

@@ -110,7 +110,7 @@ class SpanSolver:
         reached = self._solve_loose(switches, slices)
         if reached.violations:
             return None
-        result = self._solve(switches, reached.configurations)
+        result = self.solve(switches, reached.configurations)
         return result if result.feasible else None
 
     def _after_walks(self) -> BoundResult | None:
@@ -127,7 +127,7 @@ class SpanSolver:
             tolerance = self.settings.tolerance
             x = project(switches.loose, switches.pack(slices), tolerance, self.budget, KEYFRAMES.walk_projections)
             if switches.loose.largest(x) <= tolerance:
-                result = self._solve(switches, switches.unpack(x), POLISH)
+                result = self.solve(switches, switches.unpack(x), POLISH)
                 if result.feasible:
                     found.append((_travel(result.configurations), result))
             if len(found) == KEYFRAMES.walks_found:
@@ -185,12 +185,12 @@ class SpanSolver:
                     continue
                 self.reached = True
                 slices = reached.configurations
-            result = self._solve(switches, slices)
+            result = self.solve(switches, slices)
             full.append(_worst(result))
             if best is None or full[-1] < _worst(best):
                 best = result
             if result.feasible and self.settings.brief and number % 2 == 1:
-                rested = self._solve(self._program(True), result.configurations)
+                rested = self.solve(self._program(True), result.configurations)
                 best = rested if rested.feasible else result
             if result.feasible or _alike(full, KEYFRAMES.alike) >= 3:
                 return best
@@ -208,7 +208,7 @@ class SpanSolver:
         configurations = switches.unpack(outcome.x)
         return BoundResult(Bound.SEQ, False, 0.0, 0.0, 0, configurations, [], violations, unobstructed=True)
 
-    def _solve(
+    def solve(
         self, switches: SwitchProgram, slices: Sequence[Configuration], options: SolverOptions | None = None
     ) -> BoundResult:
         """P_seq, projected where it is nearly feasible; else with what is violated."""
