@@ -49,7 +49,7 @@ task two() {
 def chosen() -> tuple[Result, list[Plan]]:
     """Two arms that touch two things, and all plans on the way."""
     met: list[Plan] = []
-    return loads(PRESS).solve(time=300, minimise="makespan", gap=0.3, found=met.append), met
+    return loads(PRESS).solve(time=300, minimise="makespan", gap=0.5, found=met.append), met
 
 
 @pytest.fixture(scope="module")
@@ -70,8 +70,9 @@ def test_what_nothing_keeps_apart_is_done_at_once(mounted: PlanRecord) -> None:
     objective = mounted.statistics.objective
     assert objective.value == pytest.approx(mounted.times[-1])
     assert objective.value == pytest.approx(objective.bounds["these actions"])
-    through = [s for s in mounted.splines if s.until > s.first]
-    assert len({s.module for s in through}) >= 2
+    assert any(s.until > s.first for s in mounted.splines)
+    soon = 0.5 * min(s.knots[-1] for s in mounted.splines)
+    assert len({s.module for s in mounted.splines if s.knots[0] < soon < s.knots[-1]}) == 4
     assert mounted.times[-1] < 3.0
 
 
@@ -190,8 +191,8 @@ def test_the_planner_chooses_who_does_what(chosen: tuple[Result, list[Plan]]) ->
     told = result.plan.record.statistics.objective
     alike = told.bounds["any actions, none below those here"]
     assert told.value == min(plan.record.statistics.objective.value for plan in met) and len(met) > 1
-    assert told.value - alike > 0.3 and [d.code for d in result.explanation] == ["S0002"]
-    assert f"a gap of {told.value - alike:.3g} instead of 0.3 s" in result.explanation[0].message
+    assert told.value - alike > 0.5 and [d.code for d in result.explanation] == ["S0002"]
+    assert f"a gap of {told.value - alike:.3g} instead of 0.5 s" in result.explanation[0].message
     assert 0.0 < alike <= told.value < 0.7 * sum(s.knots[-1] - s.knots[0] for s in result.plan.record.splines)
 
 
