@@ -1,7 +1,7 @@
 """Models and worlds of SDF: models with joints that move become modules, all others bodies.
 
-Poses are those of SDF 1.5 and later: relative to the model, or to what `relative_to` names; a joint lies at its child's
-frame unless it says otherwise; an axis is given in the frame of its joint, or of what `expressed_in` names.
+Poses are relative to the model, or to what `relative_to` names; a joint lies at its child's frame unless it says
+otherwise; an axis is given in the frame of its joint (before SDF 1.5 of its model), or of what `expressed_in` names.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from .models import (
     plain_ends,
 )
 from .names import STANDARD, GivenNames
+from .sdf_includes import MODEL_FRAME, SdfIncludes
 from .sdf_shapes import SdfShapes, pose_of
 from .xml_trees import Element, XmlFaults
 
@@ -74,6 +75,7 @@ class _SdfReading:
         root = self.faults.root()
         if root.tag not in ("sdf", "gazebo"):
             self.faults.fault(root, f"an SDF file is one `sdf`, not `{root.tag}`", code="E0019")
+        SdfIncludes(self.faults).put_in(root)
         for element in root:
             if element.tag == "world":
                 for inner in element:
@@ -88,8 +90,7 @@ class _SdfReading:
         if element.tag == "model":
             self._model(element)
         elif element.tag not in SILENT:
-            what = f" of `{(element.findtext('uri') or '').strip()}`" if element.tag == "include" else ""
-            self.faults.leave(element, f"`{element.tag}`{what} is left out")
+            self.faults.leave(element, f"`{element.tag}` is left out")
 
     def _model(self, element: Element) -> None:
         model = _Model(element)
@@ -110,8 +111,12 @@ class _SdfReading:
 
     def _collect(self, model: _Model, element: Element, scope: str) -> None:
         """All links, joints and frames of a model and of those nested in it."""
-        for child in element:
+        for child in sorted(element, key=lambda e: e.tag == "joint"):
             name = scope + child.get("name", "")
+            if child.tag == "joint" and name in model.frames and name not in model.joints:
+                told = f"joint `{name}` is called as another part is, and becomes `{name}_joint`"
+                self.faults.leave(child, told)
+                name += "_joint"
             if child.tag in ("link", "joint", "frame", "model"):
                 if not child.get("name") or '"' in name:
                     self.faults.fault(child, f"a `{child.tag}` has no name, or one with quotes in it")
@@ -135,7 +140,7 @@ class _SdfReading:
             relative = (child.findtext("child") or "").strip()
         if not relative and child.tag == "frame":
             relative = child.get("attached_to", "")
-        within = "" if relative in ("", "__model__") else scope + relative
+        within = _frame_of(scope, relative) if relative else ""
         found = pose_of(self.faults, pose)
         if found is not None:
             model.frames[name] = _Frame(child, within or scope.removesuffix("::"), found)
@@ -158,13 +163,30 @@ class _SdfReading:
             frame.place = compose(self._resolve(model, frame.relative), frame.pose)
         return frame.place
 
+    def _end(self, model: _Model, name: str, end: str) -> str:
+        """The link that an end of a joint names, or on which the frame or model that it names lies; the name where
+        there is none."""
+        scope, told = model.scopes[name], (model.joints[name].findtext(end) or "").strip()
+        if told == "world":
+            return scope + "world"
+        now, way = _frame_of(scope, told), set[str]()
+        while now not in model.links and now not in way and now in model.frames:
+            way.add(now)
+            element = model.frames[now].element
+            if element.tag == "model":
+                now = next((link for link in model.links if link.startswith(f"{now}::")), now)
+            else:
+                within = now.rpartition("::")[0]
+                key = element.get("attached_to") if element.tag == "frame" else element.findtext("child")
+                now = _frame_of(f"{within}::" if within else "", (key or "").strip()) if key else within
+        return now if now in model.links else scope + told
+
     def _check_tree(self, model: _Model) -> bool:
         """Whether links hang on each other as a tree; what closes a loop is left out."""
         above: dict[str, str] = {}
         for name, joint in list(model.joints.items()):
             scope = model.scopes[name]
-            ends = [scope + (joint.findtext(e) or "").strip() for e in ("parent", "child")]
-            ends = [scope + "world" if e in ("world", scope + "world") else e for e in ends]
+            ends = [self._end(model, name, end) for end in ("parent", "child")]
             for end in ends:
                 if end not in model.links and end != f"{scope}world":
                     self.faults.fault(joint, f"joint `{name}` names the link `{end}`, which is not there")
@@ -184,8 +206,8 @@ class _SdfReading:
         names, given = GivenNames(), model.element.get("name", "robot")
         places = {name: self._resolve(model, name) for name in model.links}
         hangs: dict[str, tuple[str, str]] = {}
-        for name, joint in model.joints.items():
-            parent, child = ((model.scopes[name] + (joint.findtext(e) or "").strip()) for e in ("parent", "child"))
+        for name in model.joints:
+            parent, child = (self._end(model, name, end) for end in ("parent", "child"))
             hangs[child] = (name, parent if parent in model.links else "world")
         roots = [n for n in model.links if n not in hangs]
         grounded = any(p == "world" for _, p in hangs.values())
@@ -264,12 +286,12 @@ class _SdfReading:
             self.faults.fault(joint, f"the axis of joint `{name}` is the zero vector")
         if axis is None or given is None:
             return axis
-        old = (joint.findtext("axis/use_parent_model_frame") or "").strip() in ("true", "1")
+        old = (joint.findtext(f"axis/{MODEL_FRAME}") or "").strip() in ("true", "1")
         frame = "__model__" if old else given.get("expressed_in", "")
         if not frame:
             return axis
         scope = model.scopes[name]
-        known = scope + frame if frame != "__model__" else scope.removesuffix("::")
+        known = _frame_of(scope, frame)
         if known and known not in model.frames:
             self.faults.fault(given, f"the axis of joint `{name}` is expressed in `{frame}`, which is not there")
             return None
@@ -358,11 +380,14 @@ class _SdfReading:
         scope = link.rpartition("::")[0]
 
         def frame(name: str) -> Pose | None:
-            known = f"{scope}::{name}" if scope else name
-            if name == "__model__":
-                return compose(inverse(self._resolve(model, link)), self._resolve(model, scope))
-            if known not in model.frames:
+            known = _frame_of(f"{scope}::" if scope else "", name)
+            if known and known not in model.frames:
                 return None
             return compose(inverse(self._resolve(model, link)), self._resolve(model, known))
 
         return self.shapes.forms(model.links[link], frame)
+
+
+def _frame_of(scope: str, name: str) -> str:
+    """What a frame named in the model `scope` is called in the outermost one, which itself is nothing."""
+    return scope.removesuffix("::") if name == "__model__" else scope + name.removesuffix("::__model__")
