@@ -18,14 +18,15 @@ from ..plan import Plan
 from .clearance import build_clearance
 from .ending import Ending
 from .loads import build_loads
+from .map import picture
 from .postures import posture_data
 from .rates import build_rates
 from .replay import replay_data
 from .support import build_support
-from .view import build_view, figure, measure_name
+from .view import asked, build_view, figure, measure_name
 
 FOLDER = Path(__file__).parent / "templates"
-SCRIPTS = ("scene.js", "player.js", "page.js")
+SCRIPTS = ("scene.js", "player.js", "pictures.js", "page.js")
 
 
 def script_json(data: Any) -> Markup:
@@ -76,6 +77,8 @@ def environment() -> Environment:
     )
     result.filters["figure"] = figure
     result.filters["measure_name"] = measure_name
+    result.filters["asked"] = asked
+    result.filters["picture"] = picture
     return result
 
 

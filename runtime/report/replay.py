@@ -18,7 +18,7 @@ from ..geometry.transforms import Array, rotate
 from ..plan import BodyRecord, PhaseRecord, Plan, ShapeRecord
 from ..tracks import body_rows
 from .kinematics import joint_frames, pose_rows
-from .robots import ACCENT, FIXED, PALETTE, group_modules, lighten, module_colours
+from .robots import ACCENT, BY_ITSELF, FIXED, PALETTE, group_modules, lighten, module_colours
 
 MOST_SAMPLES = 2400
 FOCUS_POINTS = 300
@@ -223,6 +223,7 @@ class Builder:
 
     def add_bodies(self) -> None:
         tracks = body_rows(self.plan)
+        alone = {course.body for course in self.plan.courses}
         touched = {a for p in self.plan.phases for literal in (*p.mode, *p.added) for a in literal.args}
         for index, body in enumerate(self.plan.bodies):
             path = f"body{index}"
@@ -232,7 +233,8 @@ class Builder:
             centre = pose_rows([(0, 0, 0, 0, 0, 0, 1)])[0]
             accent = body.movable or track is not None
             self.scene.corners += [box_corners(body, poses[0])] if body.name in touched and not accent else []
-            colour = ACCENT if accent else lighten(FIXED, SHADE * (index % 3))
+            still = ACCENT if accent else lighten(FIXED, SHADE * (index % 3))
+            colour = BY_ITSELF if body.name in alone else still
             self.add_shape(f"{path}/shape", body.shape, centre, colour)
             if accent:
                 self.add_frame(path, poses, extent(body.shape))

@@ -10,6 +10,7 @@ from ..plan import LiteralRecord, Plan
 PALETTE = ("#3f7fd0", "#e08a2c", "#2f9e77", "#a65fc4", "#c9506b", "#3aa6b9", "#8a9a2e", "#8d6e5a")
 ACCENT = "#e2b714"
 FIXED = "#9aa0a8"
+BY_ITSELF = "#1fb5a8"
 
 
 @dataclass(frozen=True, slots=True)

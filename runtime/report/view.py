@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+import re
+import shlex
 from collections.abc import Sequence
 from statistics import median
 
+from ...compiler.standard import EXTENSION
 from ...langs.frozen import dataclass
 from ..plan import LiteralRecord, MeasureRecord, ObjectiveRecord, PhaseRecord, Plan, WindowRecord
 from .robots import Robot, group_modules, literal_text
@@ -74,11 +77,13 @@ class View:
     checked: bool
     """Whether the verdict was made for this page, and not read from the file."""
     optimality: str
+    proof: str
+    command: str
     objective: str
     seconds: float
     duration: float
     phases: list[PhaseView]
-    final: list[LiteralView]
+    final: list[LiteralGroup]
     timeline: Timeline
     plots: list[ModulePlots]
     stages: list[tuple[str, float, float]]
@@ -157,10 +162,46 @@ def marked_lines(phase: PhaseRecord) -> set[int]:
     return {p.line for p in places if p and phase.place and p.file == phase.place.file}
 
 
+ASKED = {
+    "statics": "whether any posture could carry what the actions load; without motion",
+    "seq": "one posture for each switch, all together: a part of what motion must keep",
+    "seq-path": "the motion of each phase by itself, between the postures of its two switches",
+    "path": "the motion of all phases at once, with postures free",
+}
+"""What each bound asks, in a sentence."""
+
+
+def asked(bound: str) -> str:
+    return ASKED.get(bound, "")
+
+
+def proof(plan: Plan) -> str:
+    """The cost, the bound below it, and what proves that."""
+    statistics = plan.statistics
+    if not plan.complete or statistics.gap is None:
+        return ""
+    least = statistics.cost - statistics.gap
+    return (
+        f"The actions cost {statistics.cost:.4g}; no plan costs less than {least:.4g}: sequences below that do "
+        "not lead to the goal, or the bounds have refused them, as far as refusals by motion are right."
+    )
+
+
+def command(plan: Plan) -> str:
+    """What solves the same task, as far as a plan tells: not of runs, nor with options of the command line."""
+    task = plan.task
+    if plan.windows or not task.file.endswith(EXTENSION):
+        return ""
+    given = [word for name, value in task.parameters.items() for word in ("-p", f"{name}={value}")]
+    return shlex.join(["tamplang", "solve", task.file, task.name, *given, "--seed", str(task.seed)])
+
+
+_UNIT = re.compile(r"(?<=.)_(m|rad|s|ratio|(m|rad)_s[23]?)$")
+
+
 def measure_name(kind: str) -> str:
     """A kind of measure in words: `joint_limit_rad` is a joint limit, its unit stands beside the figure."""
-    words, _, unit = kind.rpartition("_")
-    return (words if words and unit in ("m", "rad", "s", "ratio") else kind).replace("_", " ")
+    return _UNIT.sub("", kind).replace("_", " ")
 
 
 def robot_text(plan: Plan, robot: Robot) -> str:
@@ -183,7 +224,32 @@ def _grouped(literals: Sequence[LiteralView]) -> list[LiteralGroup]:
     for literal in literals:
         key = ("", "") if literal.link is None else (literal.link.text, literal.link.title)
         groups.setdefault(key, LiteralGroup([], literal.link)).texts.append(literal.text)
-    return list(groups.values())
+    return [LiteralGroup(_in_ranges(group.texts), group.link) for group in groups.values()]
+
+
+_INDEX = re.compile(r"\[(\d+)\](?!.*\[\d+\])")
+"""The last index of a literal."""
+
+
+def _in_ranges(texts: Sequence[str]) -> list[str]:
+    """Literals that differ only by their last index as one: `(on source item[1…9, 12])`."""
+    found: dict[tuple[str, str], list[int]] = {}
+    for text in texts:
+        index = _INDEX.search(text)
+        key = (text, "") if index is None else (text[: index.start(1)], text[index.end(1) :])
+        found.setdefault(key, []).extend([] if index is None else [int(index[1])])
+    return [before + _ranges(numbers) + after for (before, after), numbers in found.items()]
+
+
+def _ranges(numbers: Sequence[int]) -> str:
+    """Ascending, three or more in a row as a range."""
+    runs: list[list[int]] = []
+    for number in sorted(numbers):
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    return ", ".join(f"{r[0]}…{r[-1]}" if len(r) > 2 else ", ".join(map(str, r)) for r in runs)
 
 
 def build_view(plan: Plan, checked: bool) -> View:
@@ -216,11 +282,13 @@ def build_view(plan: Plan, checked: bool) -> View:
         standing(plan),
         checked or verdict is None,
         optimality(plan),
+        proof(plan),
+        command(plan),
         minimised(plan),
         total,
         total_time(plan),
         phases,
-        literals(plan.final_mode, True),
+        _grouped(literals(plan.final_mode, True)),
         build_timeline(plan),
         build_plots(plan),
         times,

@@ -231,6 +231,43 @@ def test_everything_that_moves_is_in_the_picture(opened: Opened) -> None:
     assert max(abs(a - b) for a, b in zip(spread, end, strict=True)) > 0.6
 
 
+def test_names_and_views(opened: Opened) -> None:
+    """Names on request and under the pointer; from above, what lies higher is not drawn higher."""
+    page = opened.page
+    assert page.locator("#labels span:visible").count() == 0
+    page.check("#names")
+    shown = page.locator("#labels span:visible").all_inner_texts()
+    assert {"c[1]", "ground"} <= set(shown)
+    across, up = page.evaluate("tamplang.onScreen('c[1]')")
+    box = page.locator("#pane").bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + box["width"] * (across + 1) / 2, box["y"] + box["height"] * (1 - up) / 2)
+    assert page.inner_text("#tip") in page.evaluate("tamplang.names()")
+    page.uncheck("#names")
+    page.click("#above")
+    above = page.evaluate("tamplang.onScreen('c[1]')")
+    page.click("#side")
+    assert page.evaluate("tamplang.onScreen('c[1]')") != above != [across, up]
+    page.click("#whole")
+
+
+def test_pictures_are_saved_and_paper_gets_one_per_switch(opened: Opened) -> None:
+    page = opened.page
+    with page.expect_download() as saved:
+        page.click("#still")
+    assert saved.value.suggested_filename == "climb-0.00s.png"
+    assert Path(saved.value.path()).read_bytes().startswith(b"\x89PNG")
+    page.select_option("#speed", "32")
+    with page.expect_download() as film:
+        page.click("#film")
+    assert film.value.suggested_filename.startswith("climb.")
+    page.select_option("#speed", "1")
+    opened.seek(0.0)
+    page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    assert page.locator("#stills canvas").count() == len(climb_plan().phases)
+    assert opened.page.evaluate("tamplang.time()") == 0.0
+
+
 def test_following_keeps_the_robot_in_the_middle(opened: Opened) -> None:
     opened.page.locator("#follow").check()
     for time in (0.5, 2.5, 4.5):

@@ -30,7 +30,18 @@
       get("follow").checked = false;
       scene.follow(false);
     });
-    window.addEventListener("beforeprint", () => scene.viewer.render());
+    for (const side of ["above", "side"]) get(side).addEventListener("click", () => {
+      get("follow").checked = false;
+      scene.following = false;
+      scene.showFrom(side);
+    });
+    const names = new Names(scene, get("labels"), get("tip"));
+    get("names").addEventListener("change", (event) => { names.on = event.target.checked; names.draw(); });
+    player.listen(() => { if (names.on) names.draw(); });
+    startSaving(scene, player, get("still"), get("film"));
+    window.addEventListener("beforeprint", () => {
+      if (data.still) scene.viewer.render(); else drawStills(scene, player, get("stills"));
+    });
     const farAway = 6;  // metres: beyond this a module in the whole scene is too small to see
     if (scene.bounds().radius > farAway) {
       get("follow").checked = true;

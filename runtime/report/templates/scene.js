@@ -37,6 +37,8 @@ async function loadViewer() {
   if (typeof MeshCat === "undefined") throw new Error("the viewer did not start");
 }
 
+const TAIL_SECONDS = 3, TAIL_STEPS = 6;
+
 function mixWithWhite(colour, share) {
   const part = (at) => {
     const value = parseInt(colour.slice(at, at + 2), 16);
@@ -116,28 +118,46 @@ class ReplayScene {
     return { centre, radius: Math.max(0.5, Math.hypot(...low.map((value, k) => high[k] - value)) / 2) };
   }
 
+  /* The way of every effector: pale as a whole, and behind the effector the last seconds, fading in steps. */
   drawTraces() {
     const { THREE } = MeshCat;
     this.traces = new THREE.Group();
+    this.tails = [];
     const count = this.times.length;
-    const stride = Math.max(1, Math.floor(count / 1200));
+    this.stride = Math.max(1, Math.floor(count / 1200));
     for (const path of Object.values(this.data.names)) {
       const cut = path.lastIndexOf("/effector");
       const frame = cut < 0 ? -1 : this.data.frames.indexOf(path.slice(0, cut));
       if (frame < 0) continue;
       const offset = this.node(path).position;
       const points = [];
-      for (let i = 0; i < count; i += stride) {
+      for (let i = 0; i < count; i += this.stride) {
         const p = this.poses.subarray(7 * (frame * count + i));
         const turned = offset.clone().applyQuaternion(new THREE.Quaternion(p[3], p[4], p[5], p[6]));
         points.push(turned.add(new THREE.Vector3(p[0], p[1], p[2])));
       }
       const module = Number(path.slice(6, path.indexOf("/")));
-      const colour = this.data.palette[module % this.data.palette.length];
-      const material = new THREE.LineBasicMaterial({ color: colour, transparent: true, opacity: 0.75 });
-      this.traces.add(new THREE.Line(new THREE.BufferGeometry().setFromPoints(points), material));
+      const color = this.data.palette[module % this.data.palette.length];
+      const whole = new THREE.BufferGeometry().setFromPoints(points);
+      const line = (geometry, opacity) => new THREE.Line(geometry, new THREE.LineBasicMaterial({ color, transparent: true, opacity }));
+      this.traces.add(line(whole, 0.22));
+      for (let step = 0; step < TAIL_STEPS; step++) {
+        const part = new THREE.BufferGeometry();
+        part.setAttribute("position", whole.getAttribute("position"));
+        const tail = line(part, 0.22 + 0.78 * (1 - step / TAIL_STEPS));
+        tail.frustumCulled = false;
+        this.tails.push({ geometry: part, step });
+        this.traces.add(tail);
+      }
     }
     this.viewer.set_object(["meshcat", "traces"], this.traces);
+  }
+
+  /* Each piece of a tail covers its share of the last seconds. */
+  moveTails(time) {
+    const at = (moment) => Math.floor(locate(this.times, moment).low / this.stride);
+    const ends = Array.from({ length: TAIL_STEPS + 1 }, (_, k) => at(Math.max(0, time - (k * TAIL_SECONDS) / TAIL_STEPS)));
+    for (const { geometry, step } of this.tails) geometry.setDrawRange(ends[step + 1], ends[step] - ends[step + 1] + 1);
   }
 
   setBackground() {
@@ -170,10 +190,10 @@ class ReplayScene {
   }
 
   /* The nearest camera, from the given direction, that has every ball inside the picture. */
-  showWhole() {
+  showWhole(direction = this.data.view.direction) {
     const { THREE } = MeshCat;
     const { camera, controls } = this.viewer;
-    const back = new THREE.Vector3(...this.data.view.direction).normalize();
+    const back = new THREE.Vector3(...direction).normalize();
     const right = new THREE.Vector3(0, 0, 1).cross(back).normalize();
     const up = back.clone().cross(right);
     const slopeUp = Math.tan((camera.fov * Math.PI) / 360) * 0.92;
@@ -204,6 +224,12 @@ class ReplayScene {
     controls.update();
     this.moved = false;
     this.viewer.set_dirty();
+  }
+
+  showFrom(side) {
+    const [x, y] = this.data.view.direction;
+    this.showWhole(side === "above" ? [0, -0.001, 1] : [x, y, 0.02]);
+    this.moved = true;
   }
 
   follow(on) {
@@ -255,6 +281,7 @@ class ReplayScene {
       for (const part of this.painted) part.material.color.setHex(mixWithWhite(colours[part.module], part.share));
     }
     this.restore = mark ? this.markFault(...mark) : [];
+    if (this.tails) this.moveTails(time);
     this.viewer.set_dirty();
   }
 
