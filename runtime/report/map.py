@@ -22,7 +22,7 @@ class Dot:
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class Stroke:
     x: float
     y: float
     to_x: float
@@ -31,17 +31,17 @@ class Line:
 
 
 @dataclass(frozen=True, slots=True)
-class Map:
+class TreeMap:
     """In units of `WIDTH` across; `kind` is `chosen`, `refused` or nothing."""
 
     dots: list[Dot]
-    lines: list[Line]
+    lines: list[Stroke]
     height: float
     radius: float
     left_out: int
 
 
-def picture(branches: Sequence[Branch]) -> Map:
+def picture(branches: Sequence[Branch]) -> TreeMap:
     """Of the first branches, which stand depth first."""
     kept = branches[:MOST_DOTS]
     parents = _parents(kept)
@@ -59,12 +59,12 @@ def picture(branches: Sequence[Branch]) -> Map:
     row = min(MOST_ROW, max(LEAST_ROW, MOST_HEIGHT / max(deepest, 1)))
     dots = [Dot(x[i], row * b.depth, _kind(b), _text(b)) for i, b in enumerate(kept)]
     lines = [
-        Line(dots[k].x, dots[k].y, dot.x, dot.y, "chosen" if dot.kind == "chosen" else "")
+        Stroke(dots[k].x, dots[k].y, dot.x, dot.y, "chosen" if dot.kind == "chosen" else "")
         for dot, k in zip(dots, parents, strict=True)
         if k >= 0
     ]
     radius = min(5.0, max(1.5, 0.3 * WIDTH / max(leaves, 1)))
-    return Map(dots, lines, row * max(deepest, 1), radius, len(branches) - len(kept))
+    return TreeMap(dots, lines, row * max(deepest, 1), radius, len(branches) - len(kept))
 
 
 def _parents(branches: Sequence[Branch]) -> list[int]:
