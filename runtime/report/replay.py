@@ -15,7 +15,7 @@ from ...compiler.extents import box_sides
 from ...compiler.hulls import hull
 from ...compiler.ir import BreakdownKind, Shape, ShapeKind
 from ..geometry.transforms import Array, rotate
-from ..plan import BodyRecord, PhaseRecord, Plan, ShapeRecord
+from ..plan import BodyRecord, LinkRecord, PhaseRecord, Plan, ShapeRecord
 from ..tracks import body_rows
 from .kinematics import joint_frames, pose_rows
 from .robots import ACCENT, BY_ITSELF, FIXED, PALETTE, group_modules, lighten, module_colours
@@ -206,6 +206,7 @@ class Builder:
             path = f"{root}/frame{at}/link{number}"
             for part in self.add_shape(path, link.shape, pose_rows([link.placement])[0], colour):
                 self.scene.paint.append((part, index, 0.0))
+            self.scene.still.append(link_ends(link, frames[at]))
         for number, effector in enumerate(module.effectors):
             at = min(max(effector.joint + 1, 0), len(frames) - 1)
             used.add(at)
@@ -255,6 +256,17 @@ def box_corners(body: BodyRecord, pose: Array) -> Array:
         half = np.array(box_sides(Shape(ShapeKind(body.shape.kind), tuple(body.shape.size)))) / 2.0
     signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
     return pose[:3] + rotate(np.broadcast_to(pose[3:], (8, 4)), signs * half)
+
+
+def link_ends(link: LinkRecord, frames: Array) -> Array:
+    """Balls `(2 T, 4)` at both ends of a link along its z-axis, for the poses `(T, 7)` of what carries it."""
+    sides = box_sides(Shape(ShapeKind(link.shape.kind), tuple(link.shape.size)))
+    placement = pose_rows([link.placement])[0]
+    half = np.array([[0.0, 0.0, -sides[2] / 2.0], [0.0, 0.0, sides[2] / 2.0]])
+    ends = placement[:3] + rotate(np.broadcast_to(placement[3:], (2, 4)), half)
+    there = [frames[:, :3] + rotate(frames[:, 3:], np.broadcast_to(end, (len(frames), 3))) for end in ends]
+    points = np.concatenate(there)
+    return np.column_stack([points, np.full(len(points), max(sides[:2]) / 2.0)])
 
 
 def joint_rows(rows: Sequence[Sequence[float]], start: Sequence[float], count: int) -> Array:
