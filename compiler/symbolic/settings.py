@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ...langs.frozen import dataclass
 from ..settings import setting
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class SymbolicSettings:
     """The numbers that bound the compiled logic."""
 

@@ -11,9 +11,7 @@ a time: a compiled CasADi function must not be called from two threads.
 
 from __future__ import annotations
 
-from .cluster import Cluster, ClusterUnavailable
-from .processes import Processes
-from .side import InProcess, Side, WorkerLost, WorkFailed, as_finished
+from .side import ClusterUnavailable, InProcess, Side, WorkerLost, WorkFailed, as_finished
 
 __all__ = ["ClusterUnavailable", "Side", "WorkFailed", "WorkerLost", "as_finished", "open_executor"]
 
@@ -24,5 +22,11 @@ def open_executor(jobs: int = 1, cluster: str | None = None) -> Side:
 
     Raises ClusterUnavailable."""
     if cluster is not None:
+        from .cluster import Cluster
+
         return Cluster(cluster)
-    return InProcess() if jobs == 1 else Processes(jobs)
+    if jobs == 1:
+        return InProcess()
+    from .processes import Processes
+
+    return Processes(jobs)

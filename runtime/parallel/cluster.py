@@ -14,9 +14,8 @@ from importlib.util import find_spec
 from typing import Any, ParamSpec, TypeVar
 
 from ... import __version__
-from ...langs.diagnostics import Error
 from .processes import Processes
-from .side import Side, WorkerLost, WorkFailed, attempt, settle
+from .side import ClusterUnavailable, Side, WorkerLost, WorkFailed, attempt, settle
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -26,17 +25,6 @@ ANSWER_SECONDS = 4.0
 DEADLINE = 6.0
 """Seconds for all steps together."""
 START = "start it with `dask scheduler`, and give the address that it prints, such as tcp://127.0.0.1:8786"
-
-
-class ClusterUnavailable(Error):
-    """There is no cluster to work on; `hint` says what to do."""
-
-    def __init__(self, message: str, hint: str) -> None:
-        super().__init__(message, hint)
-        self.message, self.hint = message, hint
-
-    def __str__(self) -> str:
-        return self.message
 
 
 class Cluster(Side):

@@ -9,9 +9,22 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from types import TracebackType
 from typing import Any, ParamSpec, TypeVar
 
+from ...langs.diagnostics import Error
+
 P = ParamSpec("P")
 T = TypeVar("T")
 Item = TypeVar("Item")
+
+
+class ClusterUnavailable(Error):
+    """There is no cluster to work on; `hint` says what to do."""
+
+    def __init__(self, message: str, hint: str) -> None:
+        super().__init__(message, hint)
+        self.message, self.hint = message, hint
+
+    def __str__(self) -> str:
+        return self.message
 
 
 class WorkerLost(Exception):

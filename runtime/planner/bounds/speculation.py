@@ -20,7 +20,6 @@ from ....compiler.ir import Fact, Problem
 from ....langs.frozen import dataclass
 from ...budget import Budget
 from ...parallel import ClusterUnavailable, Side, WorkerLost, WorkFailed, open_executor
-from ...parallel.processes import Processes
 from ...skeleton import Phase, Skeleton
 from .kept_answers import KEPT, KeptAnswers
 from .requests import Answer, Question, WindowRequest
@@ -138,6 +137,8 @@ def opened(jobs: int = 1, cluster: str | None = None) -> Iterator[Speculation]:
     if cluster is None and jobs == 1:
         yield Speculation(kept=KEPT)
         return
+    from ...parallel.processes import Processes
+
     side = Processes(jobs - 1) if cluster is None else open_executor(cluster=cluster)
     try:
         yield Speculation(side, KEPT)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ....compiler.settings import setting
+from ....langs.frozen import dataclass
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class SearchSettings:
     """The numbers that steer the symbolic search."""
 

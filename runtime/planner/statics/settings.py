@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ....compiler.settings import setting
+from ....langs.frozen import dataclass
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class StaticsSettings:
     """The numbers that steer how robots are held to their strengths."""
 

@@ -128,9 +128,9 @@ class Clearances:
         their margin are made together, as their rows and their wishes ask for them."""
         found = self.measured(z)
         if self._slopes is None or self._slopes[0] is not found:
-            pushing = np.flatnonzero(found.value < self.pairs.wanted)
-            where = np.full(len(found.value), -1)
-            where[pushing] = np.arange(len(pushing))
+            missing = found.value < self.pairs.wanted
+            pushing = missing.nonzero()[0]
+            where = np.where(missing, missing.cumsum() - 1, -1)
             self._slopes = found, where, self._made(z, pushing)
         _, where, made = self._slopes
         at = where[chosen]

@@ -1,31 +1,33 @@
 """Cholesky factors of banded matrices, by LAPACK.
 
 The routines are SciPy's, taken from its compiled module alone: `scipy.linalg` around it takes longer to import than a
-short task takes to solve.
+short task takes to solve, and SciPy itself a twentieth of that.
 """
 
 from __future__ import annotations
 
 import os
 from importlib.machinery import PathFinder
-from importlib.util import module_from_spec
+from importlib.util import find_spec, module_from_spec
 from typing import Any
-
-import scipy
 
 from ....skeleton import Array
 
 
 def _routines() -> Any:
-    places = [os.path.join(place, "linalg") for place in scipy.__path__]
+    package = find_spec("scipy")
+    places = [os.path.join(place, "linalg") for place in (package and package.submodule_search_locations) or ()]
     spec = PathFinder.find_spec("scipy.linalg._flapack", places)
-    if spec is None or spec.loader is None:
-        from scipy.linalg import lapack
+    try:
+        if spec is not None and spec.loader is not None:
+            module = module_from_spec(spec)
+            spec.loader.exec_module(module)
+            return module
+    except ImportError:  # where SciPy has yet to say where its own libraries are
+        pass
+    from scipy.linalg import lapack
 
-        return lapack
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return lapack
 
 
 _LAPACK = _routines()

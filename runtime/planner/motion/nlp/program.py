@@ -126,13 +126,20 @@ class Program:
         for number, group in enumerate(self.groups[kind]):
             if among[number] == among[number + 1]:
                 continue
-            block = pull[bounds[number] : bounds[number + 1]].reshape(group.shape)
-            chosen = np.flatnonzero(block.any(1))
-            block = block[chosen]
-            jacobian, places = group.jacobians(z, chosen)
-            slope = np.matmul(block[:, None, :], jacobian)
-            jacobian = jacobian * (block > 0)[:, :, None]
-            square = np.matmul(jacobian.transpose(0, 2, 1), weight * jacobian)
+            if group.shape[1] == 1:
+                at = pushing[among[number] : among[number + 1]]
+                chosen, block = at - bounds[number], pull[at][:, None]
+                jacobian, places = group.jacobians(z, chosen)
+                slope = block * jacobian[:, 0]
+                square = jacobian.transpose(0, 2, 1) * (weight * jacobian)
+            else:
+                block = pull[bounds[number] : bounds[number + 1]].reshape(group.shape)
+                chosen = np.flatnonzero(block.any(1))
+                block = block[chosen]
+                jacobian, places = group.jacobians(z, chosen)
+                slope = np.matmul(block[:, None, :], jacobian)
+                jacobian = jacobian * (block > 0)[:, :, None]
+                square = np.matmul(jacobian.transpose(0, 2, 1), weight * jacobian)
             band, gradient = self._targets((kind, number), group, chosen, places)
             sums.add(band, square.ravel())
             sums.pull(gradient, slope.ravel())
