@@ -89,9 +89,9 @@ class Guess:
 
     def _above(self, base: str, lift: float, turn: tuple[float, float, float, float]) -> Pose:
         body = self.problem.world.bodies[base]
-        x, y, z = self.current.bodies[base][:3]
         bearer = body.shape.solids[0]
-        return (float(x), float(y), float(z) + bearer.at[2] + _height(bearer.shape) + lift, *turn)
+        x, y, z = poses.compose(to_tuple(self.current.bodies[base]), bearer.placement)[:3]
+        return (x, y, z + _height(bearer.shape) + lift, *turn)
 
     def _aside(self, base: str, phase: int, thing: str) -> Array:
         """Where on a base: as laid out, or shifted at random from its middle, as two things that lie in the very same
@@ -100,7 +100,8 @@ class Guess:
         if planned is not None:
             return planned
         side = outline(self.problem.world.bodies[base])
-        return self.current.bodies[base][:2] + KEYFRAMES.base_spread * self.random.uniform(-0.5, 0.5, 2) * side
+        middle = np.array(self._above(base, 0.0, IDENTITY[3:])[:2])
+        return middle + KEYFRAMES.base_spread * self.random.uniform(-0.5, 0.5, 2) * side
 
     def advance(self, phase: int) -> Configuration:
         """The guess for the switch of the next phase; call for rising phases."""

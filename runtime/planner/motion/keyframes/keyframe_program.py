@@ -191,20 +191,29 @@ class SwitchProgram:
         touching = contacts(self.skeleton)
         if self._free:
             contact = touching[self.phases[0]]
-            margins = self._margins(contact.during | contact.start, contact.beside)
+            margins = self._margins(contact.during, contact.start, contact.beside)
             collisions.add_slice(0, self.phases[0], margins)
         for slice_, phase in enumerate(self.phases, start=1):
             contact = touching[phase]
-            margins = self._margins(contact.during | contact.end, contact.beside)
+            margins = self._margins(contact.during, contact.end, contact.beside)
             collisions.add_slice(slice_, phase, margins, before=slice_ - 1)
         return collisions.clearances()
 
-    def _margins(self, touching: frozenset[Pair], beside: frozenset[Pair]) -> Margins:
-        """Contacts are free; what may touch need only not overlap."""
-        special: dict[Pair, float | None] = dict.fromkeys(sorted(beside), 0.0)
-        special.update(dict.fromkeys(sorted(touching)))
-        least = dict.fromkeys(sorted(beside - touching), -KEYFRAMES.pressed)
-        return Margins(self.settings.switch_margin, special, least, touching | beside)
+    def _margins(self, during: frozenset[Pair], meeting: frozenset[Pair], beside: frozenset[Pair]) -> Margins:
+        """Contacts are free, but for those of what has several parts, as rows bring only one or two of them together;
+        these and what may touch need only not overlap."""
+        several = frozenset(pair for pair in meeting if any(name in self._of_parts for name in pair)) - during
+        free = (during | meeting) - several
+        special: dict[Pair, float | None] = dict.fromkeys(sorted(beside | several), 0.0)
+        special.update(dict.fromkeys(sorted(free)))
+        least = dict.fromkeys(sorted(several), -KEYFRAMES.met)
+        least |= dict.fromkeys(sorted(beside - free), -KEYFRAMES.pressed)
+        return Margins(self.settings.switch_margin, special, least, during | meeting | beside)
+
+    @cached_property
+    def _of_parts(self) -> frozenset[str]:
+        """The bodies that are made of several parts."""
+        return frozenset(b.name for b in self.problem.world.bodies.values() if b.shape.parts)
 
     def program(self) -> Program:
         """The program over the pairs that take part at present."""

@@ -1,4 +1,8 @@
-"""Where things go that are put down on one body: a grid over its top, laid out for the whole skeleton at once."""
+"""Where things go that are put down on one body: a grid over its top, laid out for the whole skeleton at once.
+
+Where few go on a body, each finds room by itself, but for bodies of several parts: what ends at the wall of a bin
+without collisions is pushed out on its far side as soon as they count.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +14,7 @@ from .....compiler.extents import box_sides
 from .....compiler.ir import Body
 from .....compiler.kept_pairs import keeps_pose
 from .....compiler.motion.collision import bounding_radius
+from .....compiler.poses import compose, rotate
 from .....compiler.remembering import remembered
 from ....geometry.attachments import followers
 from ....skeleton import Array, Skeleton
@@ -20,8 +25,15 @@ Places = dict[tuple[int, str], Array]
 
 
 def outline(body: Body) -> Array:
-    """Lengths in x and y of the top of a body that lies in its own axes."""
-    return np.array(box_sides(body.shape)[:2])
+    """Lengths in x and y of the top on which things stand, of a body that lies in its own axes."""
+    return np.array(box_sides(body.shape.solids[0].shape)[:2])
+
+
+def _middle(body: Body) -> tuple[Array, Array]:
+    """The middle of the top on which things stand, x and y in the world, and the axes of the body there as columns."""
+    x, y, *_ = compose(body.pose, body.shape.solids[0].placement)
+    (a, b, _), (c, d, _) = (rotate(body.pose[3:], axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+    return np.array([x, y]), np.array([[a, c], [b, d]])
 
 
 def _put_down(skeleton: Skeleton) -> dict[str, list[tuple[int, str]]]:
@@ -69,25 +81,26 @@ def places(skeleton: Skeleton) -> Places:
     for base, put_down in _put_down(skeleton).items():
         later = [thing for body, thing in skeleton.coming if body == base]
         things = list(dict.fromkeys([*(name for _, name in put_down), *later]))
-        if len(things) < KEYFRAMES.laid_out_from:
+        if len(things) < KEYFRAMES.laid_out_from and not world.bodies[base].shape.parts:
             continue
-        middle = np.array(world.bodies[base].pose[:2])
+        middle, axes = _middle(world.bodies[base])
         resting = [
-            (np.array(body.pose[:2]) - middle, bounding_radius(body.shape))
+            ((np.array(body.pose[:2]) - middle) @ axes, bounding_radius(body.shape))
             for body in _resting(skeleton, base)
             if body.name not in things
         ]
         found = _lay_out(world.bodies[base], [world.bodies[name] for name in things], resting)
         order = sorted(found, key=lambda c: (-round(float(np.hypot(*c)), 6), *c))
         cells = dict(zip(things, order, strict=False))
-        result |= {(number, name): middle + cells[name] for number, name in put_down if name in cells}
+        result |= {(number, name): middle + axes @ cells[name] for number, name in put_down if name in cells}
     return result
 
 
 def _lay_out(base: Body, things: list[Body], resting: list[tuple[Array, float]]) -> list[Array]:
     """As many places on a base as there are things, from its middle: with room to turn them, else side by side."""
-    radius = max(float(np.hypot(*outline(thing))) / 2 for thing in things)
-    side = max(float(outline(thing).max()) for thing in things)
+    widths = [box_sides(thing.shape)[:2] for thing in things]
+    radius = max(float(np.hypot(*width)) / 2 for width in widths)
+    side = max(float(max(width)) for width in widths)
     wide = 2 * radius + KEYFRAMES.gap
     for edge, least in ((radius + KEYFRAMES.edge, wide), (KEYFRAMES.tight_edge, side + KEYFRAMES.tight_gap)):
         taken = [(place, least / 2 + KEYFRAMES.gap / 2 + around) for place, around in resting]

@@ -15,6 +15,11 @@ class KeyframeSettings:
         "How deep what may touch may press into each other at switches.",
         "a fifth of what the verifier forbids",
     )
+    met: float = setting(
+        4e-4, "m",
+        "The same of what comes together or parts at a switch, besides what rows ask of it.",
+        "paths take 0.5 mm there",
+    )
     most_redrawn: int = setting(
         24, "phases",
         "Phases of a stretch that are drawn anew at once; longer ones stay as they are.",

@@ -29,7 +29,8 @@ OUT_OF_SIGHT = 1e9
 
 @dataclass(frozen=True, slots=True)
 class MovingPart:
-    """A shape at `local` `(4, 4)` in its node; `tag` is the effector or body that contacts name, None for a link."""
+    """A shape at `local` `(4, 4)` in its node; `tag` is the effector or body that contacts name, None for a link. The
+    optimiser sees it as it is where it is `whole`."""
 
     node: int
     local: Array
@@ -37,6 +38,7 @@ class MovingPart:
     owner: str
     tag: str | None
     name: str
+    whole: bool
 
 
 @dataclass(slots=True)
@@ -51,7 +53,7 @@ class PhaseParts:
     @property
     def structure(self) -> tuple[object, ...]:
         """Phases with equal structures can be stacked."""
-        return tuple(p.node for p in self.parts), self.pairs
+        return tuple((p.node, p.whole) for p in self.parts), self.pairs
 
 
 def phase_parts(lineage: Lineage, world: World, obstacles: list[Obstacle]) -> PhaseParts:
@@ -68,11 +70,15 @@ def phase_parts(lineage: Lineage, world: World, obstacles: list[Obstacle]) -> Ph
         names = part_names(module, [tag or module for tag in tags])
         for part, tag, name in zip(own, tags, names, strict=True):
             node, local = links[part.joint]
-            parts.append(MovingPart(node, local @ pose_matrix(part.placement), part.shape, module, tag, name))
+            at, whole = local @ pose_matrix(part.placement), seen_whole(part.shape)
+            parts.append(MovingPart(node, at, part.shape, module, tag, name, whole))
     for name, (node, local) in tree.bodies.items():
         if world.bodies[name].collides:
-            for solid in world.bodies[name].shape.solids:
-                parts.append(MovingPart(node, local @ pose_matrix(solid.placement), solid.shape, name, name, name))
+            shape = world.bodies[name].shape
+            whole = seen_whole(shape)
+            for solid in shape.solids:
+                at = local @ pose_matrix(solid.placement)
+                parts.append(MovingPart(node, at, solid.shape, name, name, name, whole))
     pairs += [
         (i, k) for k in range(len(parts)) for i in range(k) if parts[i].owner != parts[k].owner
     ]  # fmt: skip
@@ -112,7 +118,7 @@ class ExactGeometry:
         ]).reshape(len(phases), -1, 4, 4)  # fmt: skip
         self.half = np.array([box_sides(s) for s in shapes]) / 2
         self.extent = np.einsum("koij,koj->koi", np.abs(self.at[..., :3, :3]), self.half[self.rest])
-        moving = [[seen_whole(p.shape) for p in phase.parts] for phase in phases]
+        moving = [[p.whole for p in phase.parts] for phase in phases]
         self._whole = np.array(moving, dtype=bool).reshape(len(phases), -1)
         self._rests_whole = np.array([s.kind == ShapeKind.CONVEX for s in shapes])[self.rest]
         self.wholes = bool(self._whole.any() or self._rests_whole.any())
@@ -291,17 +297,29 @@ def worst_clash(geometry: ExactGeometry, phase: int, values: Array) -> Clash:
     return worst
 
 
-def wholes_blocked(geometry: ExactGeometry, poses: Array) -> NDArray[np.bool_]:
-    """`(times,)` whether what is seen as it is misses the clearance that is required, in the one phase of `geometry`,
-    for joint values `(times, joints)`."""
+def poses_blocked(geometry: ExactGeometry, poses: Array, wholes: bool = False) -> NDArray[np.bool_]:
+    """`(times,)` whether the clearance that is required is missed, or with `wholes` that of what is seen as it is, in
+    the one phase of `geometry`, for joint values `(times, joints)`."""
     result = np.zeros(len(poses), bool)
     if not len(poses):
         return result
     frames = geometry.kinematics.frames(poses[None])
     for near in near_entries(geometry, frames, np.zeros((len(geometry.nodes), 1, len(poses)))):
-        entries = near.wholes(geometry)
+        entries = near.wholes(geometry) if wholes else near
         distance = entries.measured(geometry, frames, np.zeros(len(entries.first))).value
         result[entries.time[distance < REQUIRED[entries.kind]]] = True
+    return result
+
+
+def wholes_spare(geometry: ExactGeometry, poses: Array, most: float) -> Array:
+    """`(times,)` by how much what is seen as it is keeps clear by more than is required, metres, at most `most`, in the
+    one phase of `geometry`, for joint values `(times, joints)`."""
+    result = np.full(len(poses), most)
+    frames = geometry.kinematics.frames(poses[None])
+    for near in near_entries(geometry, frames, np.full((len(geometry.nodes), 1, len(poses)), most)):
+        entries = near.wholes(geometry)
+        distance = entries.measured(geometry, frames, np.full(len(entries.first), most)).value
+        np.minimum.at(result, entries.time, distance - REQUIRED[entries.kind])
     return result
 
 

@@ -8,36 +8,40 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
+from .....compiler.motion.collision import PATH_MARGIN
 from ....budget import Budget
 from ....skeleton import Array
 from .batch_kinematics import Indices
 from .contact_margins import REQUIRED
-from .exact_check import wholes_blocked
+from .exact_check import poses_blocked, wholes_spare
 from .phase_batch import Batch
 from .proximity import close
 from .settings import PHASES
+from .withdrawals import withdrawals
 
 
 class _Checker:
     """Whether poses of one phase are free, on what the optimiser sees, with the contacts of the phase exempt."""
 
     def __init__(self, batch: Batch, phase: int) -> None:
-        self.geometry, self.exact = batch.coarse.take(np.array([phase])), batch.exact.take(np.array([phase]))
+        self.batch = batch.take(np.array([phase]))
+        self.geometry, self.exact = self.batch.coarse, self.batch.exact
         low, high = batch.inner_limits()
         self.lower, self.upper = low[phase], high[phase]
 
-    def free(self, poses: Array) -> Array:
+    def free(self, poses: Array) -> NDArray[np.bool_]:
         """`(poses,)` whether joint values `(poses, joints)` are free."""
-        result = np.asarray(((poses >= self.lower) & (poses <= self.upper)).all(axis=1))
+        result: NDArray[np.bool_] = ((poses >= self.lower) & (poses <= self.upper)).all(axis=1)
         for found in close(self.geometry, poses[None], 0.0):
             result[found.time[found.clearance < REQUIRED[found.kind]]] = False
         if self.exact.wholes:
             left = np.flatnonzero(result)
-            result[left] = ~wholes_blocked(self.exact, poses[left])
+            result[left] = ~poses_blocked(self.exact, poses[left], wholes=True)
         return result
 
-    def advance(self, starts: Array, goals: Array) -> tuple[Array, Array]:
+    def advance(self, starts: Array, goals: Array) -> tuple[Array, NDArray[np.bool_]]:
         """How far straight edges `(m, joints)` are free: their last free poses `(m, joints)`, and whether those are
         the goals `(m,)`."""
         way = goals - starts
@@ -48,15 +52,59 @@ class _Checker:
         poses = starts[edge] + (number / count[edge])[:, None] * way[edge]
         blocked = np.where(self.free(poses), len(edge), number)
         until = np.minimum(np.minimum.reduceat(blocked, first) - 1, count)
+        if until.any():
+            until = self._looked_at_closely(starts, way / count[:, None], until)
         return starts + (until / count)[:, None] * way, until == count
+
+    def _looked_at_closely(self, starts: Array, steps: Array, until: Indices) -> Indices:
+        """Up to where edges of so many free steps are free, also between their poses: where what moves comes nearer to
+        something than it moves."""
+        first = np.cumsum(until) - until
+        edge = np.repeat(np.arange(len(until)), until)
+        number = np.arange(len(edge)) - first[edge]
+        lower = starts[edge] + number[:, None] * steps[edge]
+        way = self._moved(lower, lower + steps[edge])
+        spare = self._spare(np.concatenate([lower, lower + steps[edge]]), way.max()).reshape(2, -1).sum(axis=0)
+        looks = np.where(spare < way, np.ceil(way / PHASES.edge_look).astype(np.intp), 0)
+        if not looks.any():
+            return until
+        row = np.repeat(np.arange(len(edge)), looks)
+        ahead = np.cumsum(looks) - looks
+        share = (np.arange(len(row)) - ahead[row] + 1) / looks[row]
+        poses = lower[row] + share[:, None] * steps[edge[row]]
+        clear = self.free(poses)
+        clear[clear] = ~poses_blocked(self.exact, poses[clear])
+        bad = row[~clear]
+        result = until.copy()
+        np.minimum.at(result, edge[bad], number[bad])
+        return result
+
+    def _moved(self, poses: Array, others: Array) -> Array:
+        """How far `(poses,)` the farthest moving point gets from one pose to the other."""
+        kinematics, points = self.geometry.kinematics, self.geometry.points
+        both = points.placed(kinematics.frames(np.concatenate([poses, others])[None]))[:, :, 0]
+        apart = np.linalg.norm(both[..., : len(poses)] - both[..., len(poses) :], axis=1)
+        return np.asarray(apart.max(axis=0, initial=0.0))
+
+    def _spare(self, poses: Array, most: float) -> Array:
+        """How much more clearance `(poses,)` there is at least than is required, at most `most`."""
+        result = np.full(len(poses), most)
+        for found in close(self.geometry, poses[None], most + PATH_MARGIN):
+            np.minimum.at(result, found.time, found.clearance - REQUIRED[found.kind] - PATH_MARGIN)
+        if self.exact.wholes:
+            result = np.minimum(result, wholes_spare(self.exact, poses, most))
+        return result
 
 
 class _Tree:
-    """Poses that can be reached from a root."""
+    """Poses that can be reached from a root, first of all by `ways` from it."""
 
-    def __init__(self, root: Array) -> None:
+    def __init__(self, root: Array, ways: Sequence[Array]) -> None:
         self.poses = root[None]
         self.parents = [-1]
+        for way in ways:
+            first = len(self.poses)
+            self.add(way, np.array([0, *range(first, first + len(way) - 1)]))
 
     def nearest(self, poses: Array) -> Indices:
         """Of each pose `(m, joints)` the nearest node `(m,)`."""
@@ -89,7 +137,7 @@ def connect(
     checker: _Checker, start: Array, end: Array, random: np.random.Generator, budget: Budget, rounds: int
 ) -> Array | None:
     """A free polyline `(poses, joints)` from start to end, or None after so many rounds."""
-    trees = (_Tree(start), _Tree(end))
+    trees = [_Tree(root, withdrawals(checker.batch, root, checker.advance)) for root in (start, end)]
     for number in range(rounds):
         budget.check()
         own, other = trees[number % 2], trees[1 - number % 2]

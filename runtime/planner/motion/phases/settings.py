@@ -127,6 +127,11 @@ class PhaseSettings:
         0.05, "rad or m",
         "Largest change of a joint between checked poses on an edge of a tree.",
     )
+    edge_look: float = setting(
+        0.01, "m",
+        "How far anything moves at most between looks at an edge near to things.",
+        "a ring passed the wall of a bin 3 cm thick between poses 5 cm apart",
+    )
     edge_stride: float = setting(0.6, "rad or m", "Largest change of a joint along one edge.")
     edges: int = setting(8, "edges", "Edges that grow at a time.")
     shortest_edge: float = setting(0.1, "rad or m", "Edges that get less far are dropped.")
@@ -135,6 +140,18 @@ class PhaseSettings:
         "Share of the samples drawn around poses that were reached already.",
     )
     spread: float = setting(0.6, "rad or m", "How far from them.")
+    withdrawal_stride: float = setting(0.025, "m", "How far what moves is pushed along a straight way at a time.")
+    withdrawal_steps: int = setting(16, "steps", "And how often.", "out of what is 40 cm deep")
+    withdrawal_near: float = setting(0.05, "m", "The axes of what rests nearer than this are tried as directions.")
+    most_withdrawals: int = setting(24, "ways", "How many directions are tried for each outermost frame.")
+    withdrawal_alike: float = setting(0.999, "1", "The cosine of the angle within which two directions are one.")
+    withdrawal_arm: float = setting(
+        0.1, "m", "How far points are from the origin of a frame that are to move alike, which weighs its turning.",
+    )
+    withdrawal_damping: float = setting(1e-4, "m²", "Damping of the joints' change.")
+    withdrawal_miss: float = setting(
+        0.3, "1", "By what share of a step points may miss it; then a way ends.",
+    )
     cuts_at_once: int = setting(6, "cuts", "Cuts that are tried on a polyline at a time.")
     load_scale: float = setting(
         0.1, "m", "What a load that is more than is kept of a strength by as much again counts as, beside clearances."
