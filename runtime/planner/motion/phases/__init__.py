@@ -6,8 +6,8 @@
 `penalty` and `smoothing` optimise them, `bearing` has them give way to loads, `exact_check` measures the true shapes,
 by which `swept_check` accepts or refuses (`swept_clearance`: all along); `attempts` goes from straight starts over
 repair and bent or bumped ones to those of `rrt_connect`, which begin by `withdrawals`, and polishes; `phase_paths` ties
-them together, `relief` looks for other ways where something bears too much, `mounted` says where all is by joint values,
-`warm_starts` keeps what was found.
+them together, `relief` looks for other ways where something bears too much, `mounted` says where all is by joint
+values, `warm_starts` keeps what was found.
 """
 
 from .joint_forest import Reason, UnsupportedPhase
