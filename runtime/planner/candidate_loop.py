@@ -84,11 +84,13 @@ class CandidateLoop:
     def skeleton(self, candidate: Candidate) -> Skeleton:
         return build_skeleton(self.problem, candidate.actions, self.search.successors)
 
-    def judge(self, candidate: Candidate, skeleton: Skeleton, motions: int | None = None) -> Judgement:
-        """What the bounds say of a candidate, whose `skeleton` may be its beginning; refusals are learnt from. Raises
-        OutOfTime."""
+    def judge(
+        self, candidate: Candidate, skeleton: Skeleton, motions: int | None = None, brisk: bool = False
+    ) -> Judgement:
+        """What the bounds say of a candidate, whose `skeleton` may be its beginning; refusals are learnt from, but for
+        `brisk` ones. Raises OutOfTime."""
         strains = self.strain.along(candidate.numbers[: len(skeleton)])
-        judgement = self.bounds.judge(skeleton, strains, motions)
+        judgement = self.bounds.judge(skeleton, strains, motions, brisk)
         blamed = {conflict.last for conflict in judgement.conflicts}
         for conflict in judgement.conflicts:
             if conflict.bound != Bound.EXPECTED:

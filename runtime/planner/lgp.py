@@ -175,7 +175,8 @@ class _SolveRun:
         """Look for better plans behind those that stand, and tell below what none falls."""
         if not self.accepted:
             return
-        steps = Steps(partial(self._propose, loop), partial(self._take, loop), self._repeats, self._best_worth,
+        take = partial(self._take, loop, brisk=self.options.gap is None)
+        steps = Steps(partial(self._propose, loop), take, self._repeats, self._best_worth,
                       partial(self._promising, loop), partial(self._nearer, loop))  # fmt: skip
         try:
             with suppress(OutOfTime):
@@ -221,14 +222,14 @@ class _SolveRun:
         loop.search.status = Status.EXHAUSTED
         return None
 
-    def _take(self, loop: CandidateLoop, candidate: Candidate) -> bool:
+    def _take(self, loop: CandidateLoop, candidate: Candidate, brisk: bool = False) -> bool:
         """Take one candidate through the bounds; whatever comes of it, the search will not propose it again. Whether it
-        is accepted."""
+        is accepted. `brisk`: why it is not is not asked."""
         self.candidates += 1
         if self.first_bound is None:
             self.first_bound = candidate.lower_bound
         skeleton = loop.skeleton(candidate)
-        judgement = loop.judge(candidate, skeleton)
+        judgement = loop.judge(candidate, skeleton, brisk=brisk)
         if judgement.accepted:
             paths = None if judgement.paths is None else self._believed(skeleton, candidate, judgement)
             if judgement.paths is None or paths is not None:
@@ -239,12 +240,15 @@ class _SolveRun:
                 self._keep_distinct(candidate)
             else:
                 loop.search.forbid_plan(candidate)
+        elif not judgement.conflicts:
+            loop.search.forbid_plan(candidate)
         return candidate in self.accepted[-1:]
 
     def _keep_distinct(self, candidate: Candidate) -> None:
         """Drop what turns out to be a detour of the candidate that was accepted last, and forbid that in all its
         orders."""
-        if self.distinct is None or (self.options.solutions == 1 and self.options.minimise == ACTIONS):
+        alone = self.options.solutions == 1 and (self.options.minimise == ACTIONS or self.options.gap is None)
+        if self.distinct is None or alone:
             return
         self.distinct.found(candidate)
         for k in reversed(range(len(self.accepted) - 1)):

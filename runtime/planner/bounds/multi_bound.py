@@ -52,25 +52,34 @@ class MultiBound(Solves):
         self.scene, self.unit = problem, LengthUnit(problem)
         self.problem = self.unit.problem
 
-    def judge(self, skeleton: Skeleton, strains: Sequence[float], motions: int | None = None) -> Judgement:
+    def judge(
+        self, skeleton: Skeleton, strains: Sequence[float], motions: int | None = None, brisk: bool = False
+    ) -> Judgement:
         """Take a skeleton through the bounds; `strains` tells how close the conditions of each action are to their
         limits (`symbolic.strain`). With `motions` only so many phases get their motion, and P_seq looks farther ahead.
-        Raises OutOfTime."""
+        A `brisk` refusal of what only goes wrong together has no conflicts. Raises OutOfTime."""
         self.ahead.forget()
-        return self.unit.judgement(self._judged(self.unit.skeleton(skeleton), strains, motions))
+        return self.unit.judgement(self._judged(self.unit.skeleton(skeleton), strains, motions, brisk))
 
-    def _judged(self, skeleton: Skeleton, strains: Sequence[float], motions: int | None) -> Judgement:
+    def _judged(
+        self, skeleton: Skeleton, strains: Sequence[float], motions: int | None, brisk: bool
+    ) -> Judgement:
         expected = self.experience.expected_refusals(skeleton.phases, strains)
         if expected:
             return Judgement(False, conflicts=[Conflict(Bound.EXPECTED, *window, ()) for window in expected])
         heavy = [self._too_heavy(skeleton, k, told) for k, told in list(unbearable(skeleton).items())[:1]]
         conflicts = heavy or self._refused_actions(skeleton, strains)
         if not conflicts:
-            sequence, end = self._whole(skeleton)
+            if brisk:
+                sequence, end = self._sequence(skeleton, self.seed, None, tries=self.tries), len(skeleton)
+            else:
+                sequence, end = self._whole(skeleton)
             if sequence.feasible:
                 if self.finest == Bound.SEQ:
                     return Judgement(True)
                 return self.motion(skeleton, sequence, motions)
+            if brisk:
+                return Judgement(False)
             conflicts = [self._shrink(skeleton, sequence, end)]
         for c in conflicts:
             window = slice(c.first, c.last + 1)

@@ -15,14 +15,14 @@ from dataclasses import field
 
 import numpy as np
 
-from ....compiler.ir import Effect, Fact, Problem
+from ....compiler.ir import Fact, Problem
 from ....compiler.symbolic.estimate import Estimate
 from ....langs.frozen import dataclass
 from ...geometry.attachments import carrier
 from ...skeleton import Array, PhasePath, Skeleton
 from ..conflicts.forbidden_sequences import EMPTY
 from ..search.best_first import EQUAL, NOTHING, Candidate, Past, SkeletonSearch
-from ..search.skeleton_replay import motion_changes
+from ..search.skeleton_replay import has_plain_effects, motion_changes
 from ..search.stepper import left
 from .dependencies import bound_between, bound_by
 from .least_times import least_time
@@ -151,12 +151,14 @@ class ClockedSearch:
                 return Clocked(None, math.inf, min(refused, below))
             if self._successors.is_goal(node.state):
                 return Clocked(self._candidate(node, value), value, min(value, refused))
-            fresh += self._pace.ways is not None and self._successors.is_fresh(node.state)
-            if fresh > SCHEDULE.fresh_states or spent >= SCHEDULE.usual_children * most or search.budget.full:
+            if max(fresh / SCHEDULE.fresh_states, spent / most) >= SCHEDULE.usual_children or search.budget.full:
                 return Clocked(None, math.inf, min(value, refused), cut=not search.budget.full)
             search.budget.check()
+            is_fresh = self._pace.ways is not None and self._successors.is_fresh(node.state)
             children = self._successors.expand(node.state)
-            spent += max(len(children), SCHEDULE.usual_children)
+            counted = max(len(children), SCHEDULE.usual_children)
+            spent += counted
+            fresh += counted if is_fresh else 0
             search.budget.grown += len(children)
             for following, number in children:
                 step = self._step(node.state, node.mode, number)
@@ -239,7 +241,7 @@ class ClockedSearch:
             action = self._successors.action(number)
             deleted, added = motion_changes(self._problem, self._successors, state, action)
             known = deleted, frozenset(added)
-            if all(isinstance(item, Effect) for item in self._problem.rules[action.rule].effects):
+            if has_plain_effects(self._problem, action):
                 self._plain[number] = known
         return known
 

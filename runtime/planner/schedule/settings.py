@@ -39,9 +39,9 @@ class ScheduleSettings:
         3e-4, "m", "How much nearer than at the switches two things may come; the verifier forbids three times as much."
     )
     clocked_nodes: int = setting(
-        150, "nodes", "How many nodes the search with clocks expands at most behind a plan; with a gap more and more.",
+        80, "nodes", "How many nodes the search with clocks expands at most behind a plan; with a gap more and more.",
         "Two arms and four things take 60; with four arms 500 took 3 s of CPU, three quarters of the plan itself, when "
-        "a node took twice as long.",
+        "a node took twice as long; with eight modules that dock 150 took 1.9 s, a third of it.",
     )
     usual_children: int = setting(
         8, "nodes", "Nodes of more children count for more where nodes are counted: what takes time are children.",
@@ -51,9 +51,10 @@ class ScheduleSettings:
         300, "nodes", "The same of the search behind it, which goes by the ways between postures that are known."
     )
     fresh_states: int = setting(
-        30, "states", "And how many states it expands that no search has expanded before, up to numbers in them: each "
-        "takes some 10 ms.",
-        "With four modules that dock, whose names it tells apart, 300 nodes took 4 s of CPU, half of the solve.",
+        30, "states", "And how many states it expands that no search has expanded before, up to numbers in them, with "
+        "as many children as usual: each takes some 10 ms.",
+        "With four modules that dock, whose names it tells apart, 300 nodes took 4 s of CPU, half of the solve; 30 of "
+        "eight modules, with ten times the children, took 4 s, too.",
     )
     better: int = setting(
         4, "candidates", "How many candidates that may be better are taken to motion behind the first plan at most, "

@@ -66,7 +66,7 @@ class Scheduler:
             line = plan_order(found[0])
             done = [actions[k] for k in line]
             same = line == sorted(line)
-            other = skeleton if same else build_skeleton(self._problem, done, successors)
+            other = skeleton if same else build_skeleton(self._problem, done, successors, possible=True)
             plan = scheduled_plan(self._problem, done, other, found[1], found[0], tick, statistics)
             yield Timed(plan, found[0].end * tick, bound, True, seconds, tuple(line))
         plan = scheduled_plan(self._problem, actions, skeleton, order, sequence, tick, statistics)

@@ -15,20 +15,32 @@ from .stepper import WILDCARD, left
 
 
 def build_skeleton(
-    problem: Problem, actions: Sequence[Action], successors: Successors | None = None
+    problem: Problem, actions: Sequence[Action], successors: Successors | None = None, possible: bool = False
 ) -> Skeleton:
     """Replay the motion effects of `actions` from the start. Deletions come before additions, so that a literal that
-    is deleted and added again counts as added. Raises ValueError when an action cannot follow the ones before it."""
+    is deleted and added again counts as added. Raises ValueError when an action cannot follow the ones before it; where
+    they are known to be `possible`, states are only asked for where effects depend on them."""
     successors = successors or Successors(problem)
     mode = problem.init_motion
     state = successors.initial
-    phases = []
-    for action in actions:
+    phases: list[Phase] = []
+    behind = 0
+    for k, action in enumerate(actions):
+        if not (possible and has_plain_effects(problem, action)):
+            for done in actions[behind:k]:
+                state = _after(successors, state, done)
+            behind = k
         deleted, added = motion_changes(problem, successors, state, action)
         phases.append(Phase(action, mode, frozenset(added)))
         mode = left(problem.motions, mode, deleted) | frozenset(added)
-        state = _after(successors, state, action)
+    for done in () if possible else actions[behind:]:
+        state = _after(successors, state, done)
     return Skeleton(problem, tuple(phases), mode)
+
+
+def has_plain_effects(problem: Problem, action: Action) -> bool:
+    """Whether what an action changes is the same in all states: no effect has a condition or a quantifier."""
+    return all(isinstance(item, Effect) for item in problem.rules[action.rule].effects)
 
 
 def _after(successors: Successors, state: int, action: Action) -> int:
