@@ -7,7 +7,7 @@ from ..kept_pairs import keeps_pose
 from ..remembering import remembered
 
 
-@remembered(256)
+@remembered(8)
 def bolted(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     """The modules whose frames stay where they are at the start while `mode` holds: nothing carries them at the start,
     and nothing does now."""
@@ -17,8 +17,8 @@ def bolted(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
 
 def _carried(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     """What follows something by the poses that a mode keeps; what is fixed to the scene is always the leader."""
-    fixed = {b.name for b in problem.world.bodies.values() if not b.movable}
-    kept = [pair for pair in (keeps_pose(problem, literal) for literal in mode) if pair]
+    bodies, kept = problem.world.bodies, [pair for pair in (keeps_pose(problem, literal) for literal in mode) if pair]
+    fixed = {name for pair in kept for name in pair if name in bodies and not bodies[name].movable}
     pairs = [(b, a) if b in fixed else (a, b) for a, b in kept]
     return frozenset(_thing(problem, own) for leader, own in pairs if _carries(problem, leader, own, leader in fixed))
 

@@ -53,7 +53,7 @@ class Structure:
         return (*self.edges, *self.loops)
 
 
-@remembered(512)
+@remembered(8)
 def structure(problem: Problem, mode: frozenset[Fact]) -> Structure:
     """The structure while `mode` holds. What is joined to nothing at rest is left out: it lies where it lies."""
     still = {(name, -1): WORLD for name in bolted(problem, mode)}

@@ -22,11 +22,10 @@ def _keeps(problem: Problem, literal: Fact) -> bool:
     return any(row.when == "keep" for row in problem.motions[literal[0]].rows)
 
 
-@remembered(256)
+@remembered(8)
 def followers(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     """The bodies that move while `mode` holds: those that follow an effector, directly or through other bodies."""
     world = problem.world
-    movers = {name for name in problem.objects if name in world.modules or world.effector(name)}
     pairs: list[tuple[str, str]] = []
     for literal in mode:
         kept = keeps_pose(problem, literal)
@@ -40,13 +39,13 @@ def followers(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
         grew = False
         for leader, follower in pairs:
             movable = follower in world.bodies and world.bodies[follower].movable
-            if movable and follower not in found and (leader in movers or leader in found):
+            if movable and follower not in found and (world.owner(leader) in world.modules or leader in found):
                 found.add(follower)
                 grew = True
     return frozenset(found)
 
 
-@remembered(256)
+@remembered(8)
 def robots(problem: Problem, mode: frozenset[Fact]) -> Mapping[str, str]:
     """Module name to the first module, by name, of the robot that it is part of while `mode` holds: modules are one
     robot when a relation that is kept links them, directly or through a body that follows them."""
@@ -76,7 +75,7 @@ POSE = frozenset(range(7))
 """The entries of a module's slot that are the pose of its frame."""
 
 
-@remembered(256)
+@remembered(8)
 def still_entries(problem: Problem, mode: frozenset[Fact]) -> Mapping[str, frozenset[int]]:
     """By module, the entries of its slot `(7 + n,)` that keep their values while `mode` holds: the pose of what is
     bolted, and joints that brakes hold."""
@@ -84,7 +83,7 @@ def still_entries(problem: Problem, mode: frozenset[Fact]) -> Mapping[str, froze
     return found | {name: POSE | found.get(name, frozenset()) for name in bolted(problem, mode)}
 
 
-@remembered(256)
+@remembered(8)
 def looped(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     """The modules of robots that are fixed to what rests more than once while `mode` holds: their joints close a loop,
     in which none moves alone."""
@@ -99,7 +98,7 @@ def looped(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     return frozenset(name for name, first in robot.items() if len(anchors.get(first, ())) > 1)
 
 
-@remembered(256)
+@remembered(8)
 def clamped(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     """The modules that rest while `mode` holds whatever the others do, or may as well: those without joints that can
     move which are kept to something at rest, and those of which two ends, or an end and the frame, are."""
@@ -107,7 +106,7 @@ def clamped(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     stiff = {name for name, m in world.modules.items() if _stiff(m.type, braked(problem, mode).get(name))}
     facts = sorted(mode)
     carried = followers(problem, mode)
-    rest = {name for name in world.bodies if name not in carried}
+    rest = set[str]()
     pairs = [kept for kept in (keeps_pose(problem, literal) for literal in facts) if kept]
     found: set[str] = set()
     grew = True
@@ -115,7 +114,9 @@ def clamped(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
         ends: dict[str, set[str]] = {name: {name} for name in bolted(problem, mode)}
         for pair in pairs:
             for own, other in (pair, pair[::-1]):
-                if carrier(problem, own) in world.modules and carrier(problem, other) in rest:
+                base = carrier(problem, other)
+                resting = base in rest or (base in world.bodies and base not in carried)
+                if resting and carrier(problem, own) in world.modules:
                     ends.setdefault(carrier(problem, own), set()).add(own)
         held = {name for name, own in ends.items() if len(own) > 1 or name in stiff}
         grew = not held <= found

@@ -22,7 +22,7 @@ Edge = tuple[Part, Part]
 Joint = tuple[str, int]
 
 
-@remembered(256)
+@remembered(8)
 def braked(problem: Problem, mode: frozenset[Fact]) -> Mapping[str, frozenset[int]]:
     """By module, the joints without drives that keep their values while `mode` holds."""
     modules = [m for m in problem.world.modules.values() if any(j.passive for j in m.type.joints)]
@@ -41,7 +41,7 @@ def braked(problem: Problem, mode: frozenset[Fact]) -> Mapping[str, frozenset[in
     return found
 
 
-@remembered(256)
+@remembered(8)
 def ringed(problem: Problem, mode: frozenset[Fact]) -> Mapping[str, frozenset[int]]:
     """By module, the joints that lie on closed rings while `mode` holds: none of them moves alone. Where all of a ring
     keep their values, what hangs on it can move as if the ring were one rigid thing."""
@@ -72,7 +72,6 @@ def _holds(problem: Problem, mode: frozenset[Fact]) -> tuple[dict[Part, Part], l
     parts: dict[Part, Part] = {WORLD: WORLD}
     for name, module in world.modules.items():
         parts |= {(name, i): (name, i) for i in range(-1, len(module.type.joints))}
-    parts |= {(name, -1): (name, -1) if body.movable else WORLD for name, body in world.bodies.items()}
     parts |= {(name, -1): WORLD for name in bolted(problem, mode)}
 
     def root(part: Part) -> Part:
@@ -82,7 +81,10 @@ def _holds(problem: Problem, mode: frozenset[Fact]) -> tuple[dict[Part, Part], l
 
     def part_of(name: str) -> Part:
         end = world.effector(name)
-        return (name, -1) if end is None else (end[0].name, end[1].joint)
+        part = (name, -1) if end is None else (end[0].name, end[1].joint)
+        if name in world.bodies:
+            parts.setdefault(part, part if world.bodies[name].movable else WORLD)
+        return part
 
     loose: list[Edge] = []
     for literal in sorted(mode):

@@ -23,7 +23,7 @@ def effector_poses(module: Module, effector: str, joints: Array) -> Array:
     return compose(frames[end.joint + 1], np.asarray(end.placement))
 
 
-@remembered(256)
+@remembered(8)
 def kept_pairs(problem: Problem, mode: frozenset[Fact]) -> tuple[tuple[str, str], ...]:
     """Pairs of objects whose relative pose the literals of a mode keep, in a fixed order."""
     return tuple(pair for pair in (keeps_pose(problem, literal) for literal in sorted(mode)) if pair)

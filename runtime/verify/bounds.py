@@ -179,7 +179,7 @@ class Bounds:
     def _last(self, node: Node) -> tuple[StepBound, list[Node]]:
         """The last step to a frame, and the frame from which it starts; none where that is the world."""
         name, joint = node
-        hold = self._sampler.links[self._phase].holds.get(name)
+        hold = self._sampler.links[self._phase].hold(name)
         if hold is None:
             return StepBound((name, -1), 0.0, course=True), []
         thing, entry, _ = self._sampler.mount(hold.own)

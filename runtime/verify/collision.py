@@ -8,6 +8,8 @@ is halved, which makes m four times smaller; what is not decided in the end is r
 
 from __future__ import annotations
 
+from collections.abc import Set
+
 import numpy as np
 
 from ...langs.frozen import dataclass
@@ -17,11 +19,11 @@ from .findings import Findings
 from .geometry import Array, Frames
 from .happenings import Happenings
 from .kinematics import Motion
-from .sampler import Grid, Sampler
+from .sampler import Grid, Placement, Sampler
 from .settling import DEEPEST, MOST
 from .shapes import Ruler, transform
-from .solids import Solid, pairs, solids
-from .sweeps import Sweep, lower_bound, near_instants, near_pairs, relative_steps, sweep
+from .solids import Solid, moved, pairs, solids
+from .sweeps import Sweep, edges, lower_bound, near_instants, near_pairs, near_resting, relative_steps, sweep
 
 SAME = 1e-7
 """Metres that make no difference to a distance."""
@@ -36,29 +38,30 @@ def check_collisions(plan: Plan, motion: Motion, sampler: Sampler, findings: Fin
     nobody's fault."""
     found, happenings = solids(plan), sampler.happenings
     own = {b for b in happenings.courses if all(b in free for free in happenings.free)}
-    looked_at = np.array(pairs(plan, found, own, findings.check_time), dtype=np.intp).reshape(-1, 2)
     findings.measure("penetration_m", 0.0, "")
     fixed = {b.name for b in plan.bodies if not b.movable} - set(happenings.courses)
-    at_rest = _AtRest(frozenset(k for k, solid in enumerate(found) if solid.thing in fixed), {}, set())
+    at_rest = _AtRest(found, frozenset(k for k, solid in enumerate(found) if solid.thing in fixed))
+    looked_at = _LookedAt(plan, found, at_rest, own, findings)
     for phase in range(len(plan.phases)):
         begin = float(motion.times[motion.ranges[phase][0]])
-        gone = _away(found, happenings, begin) if happenings.gone else []
-        here = looked_at[~np.isin(looked_at, gone).any(axis=1)] if gone else looked_at
+        gone = _away(found, happenings, begin) if happenings.gone else frozenset()
         for grid in sampler.grid(phase).parts():
-            _check_part(_Part(sampler, phase, grid, found, at_rest), here, findings)
+            _check_part(_Part(sampler, phase, grid, found, at_rest), looked_at, gone, findings)
 
 
-def _away(found: list[Solid], happenings: Happenings, begin: float) -> list[int]:
-    return [k for k, solid in enumerate(found) if happenings.away(solid.thing, begin)]
+def _away(found: list[Solid], happenings: Happenings, begin: float) -> frozenset[int]:
+    return frozenset(k for k, solid in enumerate(found) if happenings.away(solid.thing, begin))
 
 
-def _check_part(part: _Part, looked_at: np.typing.NDArray[np.intp], findings: Findings) -> None:
-    for i, k in near_pairs(part.sweeps, looked_at):
+def _check_part(part: _Part, looked_at: _LookedAt, gone: frozenset[int], findings: Findings) -> None:
+    near = [pair for pair in looked_at.near(part) if gone.isdisjoint(pair)]
+    part.look_ahead(near)
+    for i, k in near:
         findings.check_time()
-        search = part.search(int(i), int(k), findings)
+        search = part.search(i, k, findings)
         if search is None:
             continue
-        names = [part.sweeps[int(n)].solid.name for n in (i, k)]
+        names = [part.sweep(n).solid.name for n in (i, k)]
         deepest = search.worst
         if deepest.depth > 0.0:
             message = f"{names[0]} and {names[1]} overlap"
@@ -68,14 +71,22 @@ def _check_part(part: _Part, looked_at: np.typing.NDArray[np.intp], findings: Fi
             findings.fail("undecided", message, time=search.undecided, between=names)
 
 
-@dataclass(frozen=True, slots=True)
 class _AtRest:
     """What is known of resting solids, by their places: which never move, of each the last sweep, and which pairs were
     measured."""
 
-    fixed: frozenset[int]
-    last: dict[int, tuple[bytes, Sweep]]
-    measured: set[tuple[int, bytes, int, bytes]]
+    def __init__(self, found: list[Solid], fixed: frozenset[int]) -> None:
+        self.fixed = fixed
+        self.loose = [k for k in range(len(found)) if k not in fixed]
+        """The solids that may move."""
+        self.last: dict[int, tuple[bytes, Sweep]] = {}
+        self._found = found
+        self._measured = set[tuple[int, bytes, int, bytes]]()
+
+    def place(self, placement: Placement) -> None:
+        """Take in where the solids are that never move, once."""
+        for k in self.fixed if not self.fixed <= self.last.keys() else ():
+            self.sweep(k, self._found[k], self._found[k].frames(placement))
 
     def sweep(self, index: int, solid: Solid, frames: Frames) -> Sweep:
         """The sweep of a solid that rests."""
@@ -87,10 +98,40 @@ class _AtRest:
     def is_new(self, i: int, k: int) -> bool:
         """Whether two resting solids were never asked about where they are now."""
         places = i, self.last[i][0], k, self.last[k][0]
-        if places in self.measured:
+        if places in self._measured:
             return False
-        self.measured.add(places)
+        self._measured.add(places)
         return True
+
+
+class _LookedAt:
+    """Which pairs of solids are looked at: all that could come to touch and may not."""
+
+    def __init__(
+        self, plan: Plan, found: list[Solid], at_rest: _AtRest, own: Set[str], findings: Findings
+    ) -> None:  # fmt: skip
+        self._at_rest, self._loose = at_rest, np.array(at_rest.loose, dtype=np.intp)
+        some = [found[k] for k in at_rest.loose]
+        self._among = np.array(pairs(plan, some, own, findings.check_time), dtype=np.intp).reshape(-1, 2)
+        things = moved(plan, own)
+        self._movers = np.array([k for k, solid in enumerate(some) if solid.thing in things], dtype=np.intp)
+        self._fixed = np.array(sorted(at_rest.fixed), dtype=np.intp)
+        self._edges: tuple[Array, Array] | None = None
+
+    def near(self, part: _Part) -> list[tuple[int, int]]:
+        """Those whose boxes around a part of a phase overlap, in order."""
+        low, high = edges([part.sweep(k) for k in self._loose.tolist()])
+        among = self._loose[self._among[near_pairs(low, high, self._among)]]
+        if self._edges is None:
+            self._edges = edges([part.sweep(k) for k in self._fixed.tolist()])
+        apart = np.zeros((len(self._movers), len(self._fixed)), dtype=bool)
+        for k in range(3):
+            apart |= low[self._movers, k, None] > self._edges[1][:, k]
+            apart |= high[self._movers, k, None] < self._edges[0][:, k]
+        mover, other = np.nonzero(~apart)
+        beside = np.column_stack([self._loose[self._movers[mover]], self._fixed[other]])
+        found = np.sort(np.concatenate([among, beside]), axis=1)
+        return [(i, k) for i, k in found[np.lexsort((found[:, 1], found[:, 0]))].tolist()]
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,15 +151,29 @@ class _Part:
         placement = sampler.at(phase, grid.times)
         self.bounds = Bounds(sampler, phase, grid, placement)
         self._at_rest = at_rest
-        self.sweeps = []
-        for index, solid in enumerate(found):
-            if index in at_rest.fixed and index in at_rest.last:
-                self.sweeps.append(at_rest.last[index][1])
-                continue
-            frames = solid.frames(placement)
+        self._sweeps: dict[int, Sweep] = {}
+        self._near: dict[tuple[int, int], tuple[int, int] | None] = {}
+        at_rest.place(placement)
+        for index in at_rest.loose:
+            frames = found[index].frames(placement)
             rests = len(frames) == 1
-            made = at_rest.sweep(index, solid, frames) if rests else self._moving(solid, frames)
-            self.sweeps.append(made)
+            made = at_rest.sweep(index, found[index], frames) if rests else self._moving(found[index], frames)
+            self._sweeps[index] = made
+
+    def sweep(self, index: int) -> Sweep:
+        """What a solid sweeps."""
+        return self._sweeps[index] if index in self._sweeps else self._at_rest.last[index][1]
+
+    def look_ahead(self, pairs: list[tuple[int, int]]) -> None:
+        """Find for pairs of a solid that moves and one that rests when they may come near, for all of one at once."""
+        partners: dict[int, list[int]] = {}
+        for i, k in pairs:
+            if self.sweep(i).rests != self.sweep(k).rests:
+                mover, other = (k, i) if self.sweep(i).rests else (i, k)
+                partners.setdefault(mover, []).append(other)
+        for mover, others in partners.items():
+            found = near_resting(self.sweep(mover), *edges([self.sweep(k) for k in others]))
+            self._near |= {(mover, k): near for k, near in zip(others, found, strict=True)}
 
     def _moving(self, solid: Solid, frames: Frames) -> Sweep:
         return sweep(solid, frames, self.bounds.bend(solid.node, solid.reach))
@@ -126,10 +181,11 @@ class _Part:
     def search(self, i: int, k: int, findings: Findings) -> _Search | None:
         """The search for the deepest penetration of two solids, carried out; None where they are not near, or where
         both rest and their distance is known."""
-        a, b = self.sweeps[i], self.sweeps[k]
+        a, b = self.sweep(i), self.sweep(k)
         if a.rests and b.rests:
             return _Search(self, a, b, findings).at_rest() if self._at_rest.is_new(i, k) else None
-        near = near_instants(a, b)
+        known = (i, k) if b.rests else (k, i)
+        near = self._near[known] if a.rests or b.rests else near_instants(a, b)
         if near is None:
             return None
         search = _Search(self, *_ordered(a, b), findings)

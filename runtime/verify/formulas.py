@@ -58,7 +58,7 @@ def values(state: State, kind: ir.Type, environment: Environment) -> Sequence[Va
     raise ReplayError(f"a variable cannot range over {kind.name}")
 
 
-@remembered(64)
+@remembered(8)
 def _of_type(problem: ir.Problem, name: str) -> tuple[str, ...]:
     return problem.of_type(name)
 

@@ -37,9 +37,9 @@ def _loose(problem: ir.Problem) -> tuple[str, ...]:
 
 def _carried(problem: ir.Problem, mode: Mode) -> set[str]:
     """What follows something that takes its frame along; a fixed body always leads."""
-    fixed = {b.name for b in problem.world.bodies.values() if not b.movable}
-    found = set()
-    for base, own in kept(problem, mode):
+    bodies, found, pairs = problem.world.bodies, set[str](), [*kept(problem, mode)]
+    fixed = {name for pair in pairs for name in pair if name in bodies and not bodies[name].movable}
+    for base, own in pairs:
         leader, follower = (own, base) if own in fixed else (base, own)
         lifted = leader in fixed or (leader not in problem.world.bodies and _steady(problem, leader))
         if _at_frame(problem, follower) or (lifted and _driven(problem, follower)):

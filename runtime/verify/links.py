@@ -7,10 +7,12 @@ from the holds found here; `docs/plan-format.md` gives the rule, so that every c
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import field
 
 import numpy as np
 
 from ...compiler import ir
+from ...compiler.remembering import remembered
 from ...langs.frozen import dataclass
 from .geometry import Array, Frames, frames_each
 from .happenings import Happenings
@@ -43,12 +45,18 @@ class Rest:
 
 @dataclass(frozen=True, slots=True)
 class Links:
-    """The holds of one phase, each after that of its base; bodies on their courses have none."""
+    """The holds of one phase, each after that of its base; bodies on their courses have none. All phases share the
+    holds of bodies that are `fixed` to the scene, as these may be many."""
 
-    holds: dict[str, Hold]
+    holds: Mapping[str, Hold]
     rests: tuple[Rest, ...]
     pairs: tuple[tuple[str, str], ...]
     """Pairs (carrying, carried) of objects whose relative pose the mode keeps, in order."""
+    fixed: Mapping[str, Hold] = field(default_factory=dict)
+
+    def hold(self, thing: str) -> Hold | None:
+        """How a thing moves; None of what is on its course."""
+        return self.holds.get(thing) or self.fixed.get(thing)
 
     def explain(self, base: str, own: str) -> bool:
         """Whether a kept pair holds because the motion is made so."""
@@ -69,7 +77,8 @@ def links_of(
         if facts not in known:
             known[facts] = tuple(kept(problem, facts))
         rest, free = bolted(problem, facts), happenings.free[index]
-        found.append(_Linker(problem, fixed, rest, known[facts], motion, index, free, still).links())
+        kept_there = fixed if not free else {name: hold for name, hold in fixed.items() if name not in free}
+        found.append(_Linker(problem, kept_there, rest, known[facts], motion, index, free, still).links())
     return found
 
 
@@ -82,8 +91,8 @@ class _Linker:
         self._problem, self._motion, self._still = problem, motion, still
         self._first, self._last = motion.ranges[phase]
         self._pairs = pairs
-        self._holds = {name: hold for name, hold in fixed.items() if name not in free}
-        self._known = {*free, *self._holds}
+        self._fixed, self._holds = fixed, dict[str, Hold]()
+        self._known = {*free}
         self._rests: list[Rest] = []
         for name in rest:
             self._rests.append(Rest((name,), name, *self._movement(name), ()))
@@ -93,11 +102,14 @@ class _Linker:
         """Everything in the world, by the first of these that says where it is: a fixed body, a course, what is bolted,
         a kept pose, a frame that rests."""
         self._follow()
-        for thing in (*self._problem.world.modules, *self._problem.world.bodies):
-            if thing not in self._known:
+        for thing in _loose(self._problem):
+            if not self._is_known(thing):
                 self._rest(thing)
                 self._follow()
-        return Links(self._holds, tuple(self._rests), self._pairs)
+        return Links(self._holds, tuple(self._rests), self._pairs, self._fixed)
+
+    def _is_known(self, thing: str) -> bool:
+        return thing in self._known or thing in self._fixed
 
     def _follow(self) -> None:
         """Take each pair of which one side is known, in order, again and again until nothing is new."""
@@ -107,11 +119,11 @@ class _Linker:
             grew = False
             left: list[tuple[str, str, str, str]] = []
             for base, own, carrier, carried in open_pairs:
-                if carrier in self._known and carried in self._known:
+                if self._is_known(carrier) and self._is_known(carried):
                     continue
-                if carrier in self._known:
+                if self._is_known(carrier):
                     self._hold(carried, own, base)
-                elif carried in self._known:
+                elif self._is_known(carried):
                     self._hold(carrier, base, own)
                 else:
                     left.append((base, own, carrier, carried))
@@ -147,7 +159,7 @@ class _Linker:
             more = {name for pair in ends if found & set(pair) for name in pair} - found
             found |= more
             grew = bool(more)
-        return [n for n in (*self._problem.world.modules, *self._problem.world.bodies) if n in found]
+        return [n for n in _loose(self._problem) if n in found]
 
     def _frames_of(self, thing: str) -> list[str]:
         module = self._problem.world.modules.get(thing)
@@ -158,6 +170,12 @@ class _Linker:
         if self._motion.rests(name, self._first, self._last):
             return 0.0, 0.0
         return movement(self._motion.frames[name][self._first : self._last + 1])
+
+
+@remembered(4)
+def _loose(problem: ir.Problem) -> tuple[str, ...]:
+    """The modules, and the bodies that may move, in the order of the scene."""
+    return *problem.world.modules, *(b.name for b in problem.world.bodies.values() if b.movable)
 
 
 def movement(moved: Frames) -> tuple[float, float]:

@@ -130,7 +130,7 @@ class Sampler:
         key = thing, phase
         if key not in self._followed:
             found = [thing]
-            while (hold := self.links[phase].holds.get(found[-1])) is not None and hold.base:
+            while (hold := self.links[phase].hold(found[-1])) is not None and hold.base:
                 found.append(self.mount(hold.base)[0])
             self._followed[key] = tuple(found[::-1])
         return self._followed[key]
@@ -140,7 +140,7 @@ class Sampler:
         key = thing, phase
         if key not in self._still:
             line = self.line(thing, phase)
-            on_course = line[0] not in self.links[phase].holds
+            on_course = self.links[phase].hold(line[0]) is None
             self._still[key] = not on_course and all(self.curve(name, phase) is None for name in line)
         return self._still[key]
 
@@ -173,7 +173,7 @@ class Sampler:
 
     def place(self, placement: Placement, phase: int, name: str) -> Mapping[int, Frames]:
         """The frames of a thing at the times of a placement, from those of what it holds on to."""
-        hold = self.links[phase].holds.get(name)
+        hold = self.links[phase].hold(name)
         if hold is None:
             return {-1: self.happenings.placed(self._world.bodies[name], placement.times)}
         end = hold.relative if not hold.base else placement.frame(hold.base).compose(hold.relative)

@@ -16,7 +16,8 @@ from .sampler import Sampler
 def check_samples(motion: Motion, sampler: Sampler, findings: Findings) -> None:
     """Measure joints against splines, kept frames against those that keep them, and what must rest."""
     for phase, links in enumerate(sampler.links):
-        for hold in links.holds.values():
+        moving = (links.fixed[name] for name in sorted(motion.moving) if name in links.fixed)
+        for hold in (*moving, *links.holds.values()):
             _check_hold(motion, phase, hold, findings)
         _check_rest(motion, sampler, phase, links, findings)
         for name, kinematics in sampler.kinematics.items():

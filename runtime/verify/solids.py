@@ -105,21 +105,26 @@ def _hull(kind: str, size: tuple[float, ...]) -> tuple[Array, float]:
     return np.array(list(itertools.product(*((-h, h) for h in half)))), 0.0
 
 
+def moved(plan: Plan, own: Set[str] = frozenset()) -> frozenset[str]:
+    """The modules, and the bodies that are moved, other than those, `own`, which move by themselves."""
+    return frozenset({m.name for m in plan.modules} | {t.name for t in plan.body_tracks} - own)
+
+
 def pairs(
     plan: Plan, found: Sequence[Solid], own: Set[str] = frozenset(), check_time: Callable[[], None] | None = None
 ) -> list[tuple[int, int]]:  # fmt: skip
     """Indices of all pairs of solids that could come to touch and may not: at least one of them is moved, other than
     the bodies `own`, which move by themselves; and they are not neighbouring parts of one module. `check_time` is asked
     before each solid."""
-    moving = {m.name for m in plan.modules} | {t.name for t in plan.body_tracks} - own
+    moving = moved(plan, own)
     modules = {m.name: m for m in plan.modules}
     neighbours = {name: _Neighbours(module, found) for name, module in modules.items()}
-    moved = [k for k, solid in enumerate(found) if solid.thing in moving]
+    movers = [k for k, solid in enumerate(found) if solid.thing in moving]
     result = []
     for i, a in enumerate(found):
         if check_time is not None:
             check_time()
-        partners = range(i + 1, len(found)) if a.thing in moving else moved[bisect_right(moved, i) :]
+        partners = range(i + 1, len(found)) if a.thing in moving else movers[bisect_right(movers, i) :]
         for k in partners:
             b = found[k]
             if a.thing == b.thing and (a.joint is None or neighbours[a.thing].include(a, b)):

@@ -55,13 +55,26 @@ def sweep(solid: Solid, frames: Frames, bend: Array) -> Sweep:
     return Sweep(solid, frames, low, high, low.min(axis=0), high.max(axis=0))
 
 
-def near_pairs(sweeps: list[Sweep], looked_at: Indices) -> Indices:
-    """Those of the pairs `(P, 2)` whose boxes around the whole phase overlap."""
+def edges(sweeps: list[Sweep]) -> tuple[Array, Array]:
+    """The corners `(S, 3)` of boxes around the whole phase."""
     low = np.array([s.lowest for s in sweeps]).reshape(-1, 3)
-    high = np.array([s.highest for s in sweeps]).reshape(-1, 3)
+    return low, np.array([s.highest for s in sweeps]).reshape(-1, 3)
+
+
+def near_pairs(low: Array, high: Array, looked_at: Indices) -> Indices:
+    """Which of the pairs `(P, 2)` of boxes, by their corners `(S, 3)`, overlap."""
     first, second = looked_at[:, 0], looked_at[:, 1]
     apart = (low[first] > high[second]) | (low[second] > high[first])
-    return np.asarray(looked_at[~apart.any(axis=1)], dtype=np.intp)
+    return np.asarray(np.flatnonzero(~apart.any(axis=1)), dtype=np.intp)
+
+
+def near_resting(moving: Sweep, low: Array, high: Array) -> list[tuple[int, int] | None]:
+    """As `near_instants`, for a solid that moves and boxes `(K, 3)` around others that rest."""
+    overlap = np.ones((len(low), len(moving.low)), dtype=bool)
+    for k in range(3):
+        overlap &= (moving.low[:, k] <= high[:, k, None]) & (low[:, k, None] <= moving.high[:, k])
+    first, after = overlap.argmax(axis=1), overlap.shape[1] - overlap[:, ::-1].argmax(axis=1)
+    return [(int(first[k]), int(after[k])) if overlap[k].any() else None for k in range(len(low))]
 
 
 def near_instants(a: Sweep, b: Sweep) -> tuple[int, int] | None:

@@ -13,7 +13,15 @@ from tamplang.runtime.verify.geometry import Array, Frames
 from tamplang.runtime.verify.sampler import IDENTITY
 from tamplang.runtime.verify.shapes import Ruler, transform
 from tamplang.runtime.verify.solids import Solid, _solid
-from tamplang.runtime.verify.sweeps import lower_bound, near_instants, near_pairs, relative_steps, sweep
+from tamplang.runtime.verify.sweeps import (
+    edges,
+    lower_bound,
+    near_instants,
+    near_pairs,
+    near_resting,
+    relative_steps,
+    sweep,
+)
 
 SHAPES = {"box": [0.3, 0.1, 0.2], "sphere": [0.1], "capsule": [0.05, 0.3], "cylinder": [0.1, 0.2]}
 FINE = 20
@@ -52,7 +60,9 @@ def test_bounds_hold(seed: int, resting: bool) -> None:
     if near is None:
         assert not len(touching)
         return
-    assert len(near_pairs([a, b], np.array([[0, 1]]))) == 1
+    assert len(near_pairs(*edges([a, b]), np.array([[0, 1]]))) == 1
+    if resting:
+        assert near_resting(a, *edges([b, b])) == [near, near]
     assert all(near[0] <= t <= near[1] for t in touching)
     assert (lower_bound(a, b, *near) <= distances[near[0] : near[1] + 1] + 1e-6).all()
     assert (np.abs(np.diff(distances[near[0] : near[1] + 1])) <= relative_steps(a, b, *near) + 1e-6).all()

@@ -21,12 +21,11 @@ from .....compiler.motion.collision import (
     cover,
     module_spheres,
     pose_matrix,
-    shape_distance,
 )
 from .....langs.frozen import dataclass
 from ....skeleton import Array
 from .joint_forest import Mount, PhaseTree
-from .resting_shapes import Obstacle
+from .resting_shapes import Obstacle, Point
 from .settings import PHASES
 
 Indices = NDArray[np.intp]
@@ -263,11 +262,8 @@ def obstacles_near(tree: PhaseTree, lineage: Lineage, balls: tuple[Ball, ...], m
     for k, length in zip(moving, lengths.tolist(), strict=True):
         root = lineage.root[balls[k].node]
         reach[root] = max(reach.get(root, 0.0), length + balls[k].radius + tree.slides[root])
-    centres = np.array([o.pose[:3, 3] for o in tree.obstacles]).reshape(-1, 3)
-    around = np.array([bounding_radius(o.shape) for o in tree.obstacles])
-    near = np.zeros(len(around), dtype=bool)
+    reaches: dict[Point, float] = {}
     for root, length in reach.items():
-        at = tree.before[root][:3, 3]
-        for k in np.flatnonzero(~near & (np.linalg.norm(centres - at, axis=1) - around <= length + margin)).tolist():
-            near[k] = shape_distance(tree.obstacles[k].shape, tree.obstacles[k].pose, at) <= length + margin
-    return [o for o, close in zip(tree.obstacles, near.tolist(), strict=True) if close]
+        x, y, z = tree.before[root][:3, 3].tolist()
+        reaches[x, y, z] = max(reaches.get((x, y, z), 0.0), length + margin)
+    return [] if tree.surroundings is None else tree.surroundings.near(reaches)

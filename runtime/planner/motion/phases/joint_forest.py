@@ -24,8 +24,8 @@ from .....compiler.motion.collision import pose_matrix
 from .....langs.frozen import dataclass
 from ....geometry.drives import braked, ringed
 from ....geometry.transforms import quaternions
-from ....skeleton import Array, Configuration, Phase, fixed_poses, movable
-from .resting_shapes import Obstacle, obstacles
+from ....skeleton import Array, Configuration, Phase, movable
+from .resting_shapes import AtRest, Surroundings, places
 
 STILL = 1e-6
 """A robot whose joint values differ by less between two switches stays still."""
@@ -67,7 +67,7 @@ class PhaseTree:
     variables: list[tuple[str, int]] = field(default_factory=list)
     links: dict[str, dict[int, Mount]] = field(default_factory=dict)
     bodies: dict[str, Mount] = field(default_factory=dict)
-    obstacles: list[Obstacle] = field(default_factory=list)
+    surroundings: Surroundings | None = None
 
 
 def pose_vector(matrix: Array) -> Array:
@@ -246,29 +246,29 @@ class Scene:
             self._poses[body] = pose_matrix(self.start.bodies[body])
         return self._poses[body]
 
-    def _find_rest(self) -> set[str]:
+    def _find_rest(self) -> AtRest:
         """Everything that rests: bodies fixed to the scene, robots whose joints keep their values."""
-        rest = {*fixed_poses(self.world), *(name for name in movable(self.world) if name not in self.edges)}
+        rest = AtRest(self.world, {name for name in movable(self.world) if name not in self.edges})
         self._spread(rest)
         self._spread(rest)
         while any(still := [self._still_part(robot, rest) for robot in self._robots(rest)]):
-            rest.update(*still)
+            rest.others.update(*still)
             self._spread(rest)
         return rest
 
-    def _spread(self, rest: set[str]) -> None:
+    def _spread(self, rest: AtRest) -> None:
         """Bodies that hold to bodies at rest are at rest."""
         queue = deque(sorted(name for name in self.edges if name in rest and name in self.world.bodies))
         while queue:
             for _, _, other in self.edges.get(queue.popleft(), []):
                 if other in self.world.bodies and other not in rest:
-                    rest.add(other)
+                    rest.others.add(other)
                     queue.append(other)
 
-    def _robots(self, rest: set[str]) -> list[list[str]]:
+    def _robots(self, rest: AtRest) -> list[list[str]]:
         """The connected parts of what does not rest, in declaration order."""
         parts: list[list[str]] = []
-        seen = set(rest)
+        seen = set(rest.others)
         for name in [*self.world.modules, *movable(self.world)]:
             if name in seen:
                 continue
@@ -277,13 +277,13 @@ class Scene:
             while queue:
                 part.append(queue.popleft())
                 for _, _, other in self.edges.get(part[-1], []):
-                    if other not in seen:
+                    if other not in seen and other not in rest:
                         seen.add(other)
                         queue.append(other)
             parts.append(part)
         return parts
 
-    def _still_part(self, robot: list[str], rest: set[str]) -> set[str]:
+    def _still_part(self, robot: list[str], rest: AtRest) -> set[str]:
         """The part of a robot that rests: all of it when no joint moves, or the loops of a closed chain."""
         if not any(self.moves.get(name, False) for name in robot):
             return set(robot)
@@ -323,8 +323,9 @@ def phase_tree(problem: Problem, index: int, phase: Phase, start: Configuration,
 
     mounts: dict[str, dict[int, Mount]] = {}
     queue: deque[tuple[str, str]] = deque()
-    for name in [*scene.world.modules, *scene.world.bodies]:
-        if name in scene.edges and name in scene.rest:
+    place = places(scene.world)
+    for name in sorted(scene.edges, key=place.__getitem__):
+        if name in scene.rest:
             queue.extend((own, other) for own, other, owner in scene.edges[name] if owner not in scene.rest)
     for name in scene.world.modules:
         if name in scene.bolted and name not in scene.rest:
@@ -347,7 +348,7 @@ def phase_tree(problem: Problem, index: int, phase: Phase, start: Configuration,
             mount_module(tree, owner, scene.world.modules[owner].type, scene.joint(name), mount, held(owner))
             mounts[owner] = tree.links[owner]
         queue.extend((own, other) for own, other, to in scene.edges[owner] if to not in scene.rest)
-    tree.obstacles = obstacles(scene.world, scene.rest, start, scene.frames)
+    tree.surroundings = Surroundings(scene.world, scene.rest, start, scene.frames)
     return tree
 
 

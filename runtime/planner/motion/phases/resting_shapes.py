@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from collections.abc import Set as AbstractSet
+import math
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
 
 from .....compiler.ir import Body, Shape, World
-from .....compiler.motion.collision import pose_matrix
+from .....compiler.motion.collision import bounding_radius, pose_matrix, shape_distance
 from .....compiler.remembering import remembered
 from .....langs.frozen import dataclass
 from ....skeleton import Array, BodyPoses, Configuration, fixed_poses
+
+Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,36 +29,109 @@ class Obstacle:
 
 
 @remembered(4)
-def _resting(world: World) -> dict[str, list[Obstacle]]:
-    """The parts of solid bodies that never move, where they are at time 0."""
+def places(world: World) -> Mapping[str, int]:
+    """The places of modules and bodies in the order of the scene: modules come first."""
+    return {name: place for place, name in enumerate([*world.modules, *world.bodies])}
+
+
+class AtRest:
+    """The names of what rests in a phase: bodies that never move, and `others`."""
+
+    __slots__ = ("_bodies", "others")
+
+    def __init__(self, world: World, others: set[str]) -> None:
+        self._bodies, self.others = world.bodies, others
+
+    def __contains__(self, name: object) -> bool:
+        body = self._bodies.get(name) if isinstance(name, str) else None
+        return (body is not None and not body.movable) or name in self.others
+
+
+class Obstacles:
+    """Shapes that rest, each with the place of its owner in the scene, and spheres around them: their middles `(O, 3)`
+    and radii `(O,)`."""
+
+    def __init__(self, shapes: Sequence[tuple[int, Obstacle]]) -> None:
+        self.shapes = shapes
+        self._middles = np.array([o.pose[:3, 3] for _, o in shapes]).reshape(-1, 3)
+        self._radii = np.array([bounding_radius(o.shape) for _, o in shapes])
+
+    def near(self, reaches: Mapping[Point, float]) -> list[tuple[int, Obstacle]]:
+        """Those that come as near to one of the points as it reaches."""
+        close = (self.shapes[k] for k in np.flatnonzero(_close(self._middles, self._radii, reaches)).tolist())
+        return [
+            (place, o) for place, o in close
+            if any(shape_distance(o.shape, o.pose, np.array(at)) <= reach for at, reach in reaches.items())
+        ]  # fmt: skip
+
+
+@remembered(4)
+def _fixed(world: World) -> Obstacles:
+    """The solid bodies that never move, where they are at time 0."""
     poses = fixed_poses(world)
-    return {b.name: _parts(b, pose_matrix(poses[b.name])) for b in world.solids if not b.movable}
+    return Obstacles([item for b in world.solids if not b.movable for item in _parts(world, b, poses[b.name])])
 
 
-def _parts(body: Body, pose: Array) -> list[Obstacle]:
-    return [Obstacle(p.shape, pose @ pose_matrix(p.placement), body.name, body.name) for p in body.shape.solids]
+@remembered(4)
+def _movable(world: World) -> list[Body]:
+    """The solid bodies that may move."""
+    return [b for b in world.solids if b.movable]
 
 
-def obstacles(
-    world: World, rest: AbstractSet[str], start: Configuration, frames: Mapping[str, Mapping[int, Array]]
-) -> list[Obstacle]:
-    """The shapes of what rests in a phase that begins at `start`, modules by the `frames` `(4, 4)` of their joints."""
-    bodies = start.bodies
-    known = _resting(world) if isinstance(bodies, BodyPoses) and bodies.shared is fixed_poses(world) else {}
-    found: list[Obstacle] = []
-    for body in world.solids:
-        if body.name in known:
-            found += known[body.name]
-        elif body.name in rest:
-            found += _parts(body, pose_matrix(bodies[body.name]))
-    for module in world.modules.values():
-        if module.name not in rest:
-            continue
-        own = frames[module.name]
-        for e in module.type.effectors:
-            if e.shape is not None:
-                pose = own[e.joint] @ pose_matrix(e.placement)
-                found.append(Obstacle(e.shape, pose, module.name, f"{module.name}.{e.name}"))
-        for link in module.type.links:
-            found.append(Obstacle(link.shape, own[link.joint] @ pose_matrix(link.placement), module.name, None))
+def _parts(world: World, body: Body, at: Array) -> list[tuple[int, Obstacle]]:
+    place, pose = places(world)[body.name], pose_matrix(at)
+    return [
+        (place, Obstacle(p.shape, pose @ pose_matrix(p.placement), body.name, body.name)) for p in body.shape.solids
+    ]
+
+
+class Surroundings:
+    """What rests in a phase that begins at `start`, modules by the `frames` `(4, 4)` of their joints."""
+
+    def __init__(
+        self, world: World, rest: AtRest, start: Configuration, frames: Mapping[str, Mapping[int, Array]]
+    ) -> None:
+        self._world, self._rest, self._start, self._frames = world, rest, start, frames
+
+    def near(self, reaches: Mapping[Point, float]) -> list[Obstacle]:
+        """The shapes that come as near to one of some points as it reaches, in the order of the scene: bodies, then
+        modules."""
+        world, bodies = self._world, self._start.bodies
+        shared = isinstance(bodies, BodyPoses) and bodies.shared is fixed_poses(world)
+        found = _fixed(world).near(reaches) if shared else []
+        loose = [b for b in (_movable(world) if shared else world.solids) if b.name in self._rest]
+        at = np.array([bodies[b.name][:3] for b in loose]).reshape(-1, 3)
+        close = _close(at, np.array([_reach(b.shape) for b in loose]), reaches)
+        own = [item for k in np.flatnonzero(close) for item in _parts(world, loose[k], bodies[loose[k].name])]
+        found += Obstacles(own).near(reaches)
+        found.sort(key=lambda item: item[0])
+        return [obstacle for _, obstacle in [*found, *Obstacles(self._modules()).near(reaches)]]
+
+    def _modules(self) -> list[tuple[int, Obstacle]]:
+        found: list[tuple[int, Obstacle]] = []
+        for place, module in enumerate(self._world.modules.values()):
+            if module.name not in self._rest:
+                continue
+            own = self._frames[module.name]
+            for e in module.type.effectors:
+                if e.shape is not None:
+                    pose = own[e.joint] @ pose_matrix(e.placement)
+                    found.append((place, Obstacle(e.shape, pose, module.name, f"{module.name}.{e.name}")))
+            for link in module.type.links:
+                pose = own[link.joint] @ pose_matrix(link.placement)
+                found.append((place, Obstacle(link.shape, pose, module.name, None)))
+        return found
+
+
+@lru_cache(maxsize=512)
+def _reach(shape: Shape) -> float:
+    """How far the parts of a body come from its origin, in metres."""
+    return max((math.hypot(*p.placement[:3]) + bounding_radius(p.shape) for p in shape.solids), default=0.0)
+
+
+def _close(middles: Array, radii: Array, reaches: Mapping[Point, float]) -> NDArray[np.bool_]:
+    """Which spheres, of `middles` `(O, 3)` and `radii` `(O,)`, come as near to one of the points as it reaches."""
+    found = np.zeros(len(middles), dtype=bool)
+    for at, reach in reaches.items():
+        found |= np.linalg.norm(middles - at, axis=1) - radii <= reach
     return found
