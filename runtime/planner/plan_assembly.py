@@ -18,7 +18,7 @@ from ...compiler.printing_terms import format_formula
 from ...langs.source import Span
 from .. import plan as record
 from ..feed_forward import with_statics
-from ..geometry.resampling import Resampled, resample
+from ..geometry.resampling import Resampled, resample_all
 from ..native import MissingLibrary, load_native
 from ..skeleton import Array, Phase, PhasePath, Skeleton, start_configuration
 from .motion.settings import ACCEPTANCE
@@ -119,12 +119,8 @@ def _versions() -> dict[str, str]:
 
 
 def _resampled(problem: ir.Problem, skeleton: Skeleton, paths: Sequence[PhasePath]) -> list[Resampled]:
-    now, begin = start_configuration(problem), 0.0
-    result = []
-    for phase, path in zip(skeleton.phases, paths, strict=True):
-        result.append(resample(problem, phase.mode, path, now, begin, ACCEPTANCE.stored_density))
-        now, begin = result[-1].end(now), float(result[-1].times[-1])
-    return result
+    modes, start = [phase.mode for phase in skeleton.phases], start_configuration(problem)
+    return resample_all(problem, modes, paths, start, ACCEPTANCE.stored_density)
 
 
 def _rounded_row(values: np.typing.NDArray[np.float64]) -> list[float]:
