@@ -224,7 +224,8 @@ class BoundResult:
     """What one bound says about a skeleton. `configurations` are the K + 1 switch configurations, start included
     (P_seq and above); `paths` the K phase motions (P_seqPath and P_path). `violations` is largest first. `cost_before`
     is the cost before feasible motions were polished, None when they were not; `unobstructed` tells that P_seq refuses
-    even though nothing counts as in the way."""
+    even though nothing counts as in the way; `window` are the first and last of phases that it refuses by themselves,
+    where it knows them, wherever they start unless the first is that of all."""
 
     bound: Bound
     feasible: bool
@@ -236,6 +237,7 @@ class BoundResult:
     violations: list[Violation]
     cost_before: float | None = None
     unobstructed: bool = False
+    window: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True, slots=True)

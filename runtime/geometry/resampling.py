@@ -12,6 +12,7 @@ from ...compiler.kept_pairs import keeps_pose
 from ...compiler.motion.bolted import bolted
 from ...compiler.remembering import remembered
 from ..skeleton import Configuration, PhasePath
+from .attachments import followers
 from .splines import ClampedSpline
 from .transforms import Array, compose, inverse, joint_frames
 
@@ -116,6 +117,21 @@ def _followed(
         joints,
         {b: p if p is not None else between(knots, path.bodies[b], times) for b, p in bodies.items()},
     )
+
+
+def followed(problem: Problem, mode: frozenset[Fact], start: Configuration, end: Configuration) -> Configuration:
+    """A configuration at the `end` of a phase in which a mode holds, with what it keeps exactly where it was at its
+    `start`: where solvers are right to some digits only, nothing adds up so from phase to phase."""
+    joints = {name: slot[None, 7:] for name, slot in end.modules.items()}
+    named = (b for pair in kept_pairs(problem, mode) for b in pair if b in problem.world.bodies)
+    own = {b: end.bodies[b][None, :] for b in named if b not in followers(problem, mode)}
+    linker = Linker(problem, joints, start, own, 1)
+    linker.follow(mode)
+    modules = {
+        name: np.concatenate([linker.poses[name][0], slot[7:]]) if name in linker.poses else slot
+        for name, slot in end.modules.items()
+    }
+    return end.then(modules, {b: linker.poses[b][0] for b in followers(problem, mode) if b in linker.poses})
 
 
 def between(knots: Array, poses: Array, times: Array) -> Array:

@@ -251,6 +251,8 @@ class MultiBound(Solves):
         found: BoundResult | None = None
         certain = end > KEYFRAMES.longest_whole
         refused = self._sequence(skeleton, self.seed, None, tries=self.tries if certain else BOUNDS.first_starts)
+        if refused.window is not None:
+            return refused, refused.window[1] + 1
         if certain and refused.violations:
             worst = refused.violations[0].phase
             far = worst + BOUNDS.conflict_reach > KEYFRAMES.longest_whole
@@ -293,7 +295,12 @@ class MultiBound(Solves):
             window = self._window(skeleton, first, end - 1)
             if not window.feasible:
                 return self._missed(skeleton, window, first, end - 1)
-        return missed(refused, 0, end - 1, True)
+        if refused.window is None or not refused.window[0]:
+            return missed(refused, 0, end - 1, True)
+        first, last = refused.window
+        while last > first and not (shorter := self._window(skeleton, first, last - 1)).feasible:
+            refused, last = shorter, last - 1
+        return self._missed(skeleton, refused, first, last)
 
     # --- what is probably asked next ------------------------------------------------------------------------------
 

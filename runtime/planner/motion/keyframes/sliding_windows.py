@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from .....compiler.kept_pairs import keeps_pose
 from ....budget import Budget
 from ....geometry.attachments import followers
+from ....geometry.resampling import followed
 from ....seeds import Seed
 from ....skeleton import Array, Bound, BoundResult, Configuration, Skeleton, may_differ, start_configuration
 from ..settings import MotionSettings
@@ -93,6 +95,7 @@ class _Alone:
         self.skeleton, self.settings, self.seed, self.budget, self.tries = skeleton, settings, seed, budget, tries
         self.iterations = 0
         self._done: set[int] = set()
+        self._windows: set[tuple[int, int]] = set()
 
     def refused(self, phase: int) -> BoundResult | None:
         """The refusal of a phase; None where it can be done, was asked for before, or cannot be judged alone."""
@@ -104,7 +107,19 @@ class _Alone:
             self.skeleton, phase, phase, self.settings, random, self.budget, origin, free=True, tries=self.tries
         )  # fmt: skip
         self.iterations += result.iterations
-        return None if result.feasible else result
+        return None if result.feasible else replace(result, window=(phase, phase))
+
+    def window(self, first: int, last: int) -> BoundResult | None:
+        """The refusal of the phases of a window that failed, without what comes before; None as above."""
+        if (first, last) in self._windows or not judged_alone(self.skeleton, first):
+            return None
+        self._windows.add((first, last))
+        origin, random = start_configuration(self.skeleton.problem), self.seed.child(first, last).random()
+        result = solve_span(
+            self.skeleton, first, last, self.settings, random, self.budget, origin, free=True, tries=self.tries
+        )  # fmt: skip
+        self.iterations += result.iterations
+        return None if result.feasible else replace(result, window=(first, last))
 
 
 def led_around(
@@ -134,10 +149,11 @@ def solve_windows(
     skeleton: Skeleton, settings: MotionSettings, seed: Seed, budget: Budget, start: Configuration,
     tries: int | None = None, patient: bool = False,
 ) -> BoundResult:  # fmt: skip
-    """Windows of four phases that commit two, each started from what the one before has found ahead, and then from the
+    """Windows that commit their first phases, each started from what the one before has found ahead, and then from the
     slice two phases back moved along with its supports. On failure the search goes back further each time, to start
-    anew, until it comes farther than before; `tries` bounds the starts of a window, and with `patient` not how often it
-    goes back. Phases that span the most, and those that a window blames, are tried alone first. Raises OutOfTime."""
+    anew up to where it failed, until it comes farther than before; `tries` bounds the starts of a window, and with
+    `patient` not how often it goes back. Phases that span the most, and those that a window blames, are tried alone
+    first; where `tries` are bounded, so are windows that failed. Raises OutOfTime."""
     alone = _Alone(skeleton, settings, seed.child("alone"), budget, tries)
     random = seed.child("windows").random()
     for phase in _outliers(skeleton):
@@ -149,21 +165,24 @@ def solve_windows(
     known = [start]
     ahead: list[Configuration] = []
     most = max(KEYFRAMES.patience, tries or KEYFRAMES.backtracks) if patient else tries or KEYFRAMES.backtracks
-    iterations = setbacks = farthest = 0
+    iterations = setbacks = farthest = again = 0
     while len(known) <= len(skeleton):
         first = len(known) - 1
-        last = min(first + KEYFRAMES.window, len(skeleton)) - 1
+        last = max(again, min(first + KEYFRAMES.window, len(skeleton)) - 1)
         warm = None if setbacks and not ahead else _continue(skeleton, last, known, ahead, random)
         result = solve_span(skeleton, first, last, settings, random, budget, known[-1], warm, tries=tries)
         iterations += result.iterations
         if result.feasible:
             result, spent = led_around(skeleton, first, last, settings, random, budget, result)
             iterations += spent
-            kept = last - first + 1 if last == len(skeleton) - 1 else KEYFRAMES.commit
-            known += result.configurations[1 : kept + 1]
-            ahead = result.configurations[kept + 1 :]
+            kept = last - first + 1 - (0 if last == len(skeleton) - 1 else KEYFRAMES.window - KEYFRAMES.commit)
+            for phase, found in enumerate(result.configurations[1 : kept + 1], first):
+                known.append(followed(skeleton.problem, skeleton.phases[phase].mode, known[-1], found))
+            ahead, again = result.configurations[kept + 1 :], 0
             continue
         refusal = alone.refused(result.violations[0].phase) if result.violations else None
+        if refusal is None and tries is not None:
+            refusal = alone.window(first, last) if first else replace(result, window=(0, last))
         if refusal is not None:
             refusal.iterations = iterations + alone.iterations
             return refusal
@@ -174,7 +193,7 @@ def solve_windows(
             result.iterations = iterations + alone.iterations
             return result
         del known[max(1, first + 1 - KEYFRAMES.commit * (1 + setbacks // 2)) :]
-        ahead = []
+        ahead, again = [], last if last - len(known) + 2 <= KEYFRAMES.longest_whole else 0
     whole = SwitchProgram(skeleton, 0, len(skeleton) - 1, start, settings, frozen=False)
     cost = whole.loose.cost(whole.pack(known))
     return BoundResult(Bound.SEQ, True, cost, 0.0, iterations + alone.iterations, known, [], [])
