@@ -47,7 +47,7 @@ class AtRest:
         return (body is not None and not body.movable) or name in self.others
 
 
-class Obstacles:
+class RestingShapes:
     """Shapes that rest, each with the place of its owner in the scene, and spheres around them: their middles `(O, 3)`
     and radii `(O,)`."""
 
@@ -66,10 +66,10 @@ class Obstacles:
 
 
 @remembered(4)
-def _fixed(world: World) -> Obstacles:
+def _fixed(world: World) -> RestingShapes:
     """The solid bodies that never move, where they are at time 0."""
     poses = fixed_poses(world)
-    return Obstacles([item for b in world.solids if not b.movable for item in _parts(world, b, poses[b.name])])
+    return RestingShapes([item for b in world.solids if not b.movable for item in _parts(world, b, poses[b.name])])
 
 
 @remembered(4)
@@ -103,9 +103,9 @@ class Surroundings:
         at = np.array([bodies[b.name][:3] for b in loose]).reshape(-1, 3)
         close = _close(at, np.array([_reach(b.shape) for b in loose]), reaches)
         own = [item for k in np.flatnonzero(close) for item in _parts(world, loose[k], bodies[loose[k].name])]
-        found += Obstacles(own).near(reaches)
+        found += RestingShapes(own).near(reaches)
         found.sort(key=lambda item: item[0])
-        return [obstacle for _, obstacle in [*found, *Obstacles(self._modules()).near(reaches)]]
+        return [obstacle for _, obstacle in [*found, *RestingShapes(self._modules()).near(reaches)]]
 
     def _modules(self) -> list[tuple[int, Obstacle]]:
         found: list[tuple[int, Obstacle]] = []
