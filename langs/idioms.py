@@ -119,6 +119,8 @@ IDIOMS = (
            "the type stands before the name", r"\3 \2: ", code="E0003"),
     _idiom(r"(?P<x>at[ \t]*(\([^()\n]*\))[ \t]+(\w+[ \t]+on[ \t]+[\w.\[\]]+))", "`at` stands behind what it stands on",
            r"\3 at \2"),
+    _idiom(r"\b(?:force|shear|moment|twist|friction)[ \t]*(?P<x>[=:])(?=[ \t]*[\w.(-])",
+           "strengths stand behind their names, as in `force 90 N`"),
     _idiom(rf"(?P<x>\b({NAME}|[0-9.]+)[ \t]*(?:\*\*|\^)[ \t]*2)\b", "there are no powers", r"\2 * \2"),
     _idiom(r"(?P<x>[ \t]*(?:\*\*|\^)[ \t]*[\w.]+)", "there are no powers", help="a product says the same: `x * x * x`"),
     _idiom(rf"(?P<x>({LITERAL})[ \t]*(?:->|=>|==>|implies\b)[ \t]*)(?=[(\[n])", "there is no implication",

@@ -120,6 +120,7 @@ def repaired(text: str) -> str:
         (MODULE, "revolute(y)", "continuous(y)", "E0508"),
         (MODULE, " normal (0, 0, -1)", "", "W0017"),
         (MODULE, "effector A", "efector A", "E0004"),
+        (MODULE, "B: gripper sphere(5 cm)", "B: gripper sphere(5 cm) holds grip(force = 90 N)", "E0001"),
         (MOTION, "= 0", "== 0", "E0001"),
         (MOTION, "= 0", "< 1 cm", "E0402"),
         (MOTION, "at switch gap", "gap", "E0001"),
