@@ -18,7 +18,7 @@ from write_pictures import FOLDER, ROOT, STIFF
 from tamplang.runtime.report.pictures import ARGUMENTS, BROWSERS
 
 EXAMPLES = ROOT / "examples"
-COLOURS = 64
+COLOURS = 192
 """Of a picture: a palette keeps text sharp and files below 150 kB."""
 
 

@@ -13,6 +13,7 @@ from ...langs.writer import write_atomically
 from ..plan import Plan
 from .clearance import build_clearance
 from .render import FOLDER, environment, render_report, script_hash, script_text
+from .view import figure, measure_name
 
 NOISE = 1e-3
 """What part of its limit a figure has to be, to be told."""
@@ -59,7 +60,7 @@ def figures(first: Plan, second: Plan) -> list[Difference]:
         Difference("Search tree", f"{first.statistics.tree_nodes} nodes", f"{second.statistics.tree_nodes} nodes"),
     ]
     left, right = (_measured(plan) for plan in (first, second))
-    return rows + [Difference(kind.replace("_", " "), left[kind], right[kind]) for kind in left if kind in right]
+    return rows + [Difference(measure_name(kind), left[kind], right[kind]) for kind in left if kind in right]
 
 
 def actions(first: Plan, second: Plan) -> list[Difference]:
@@ -76,7 +77,7 @@ def actions(first: Plan, second: Plan) -> list[Difference]:
 def _measured(plan: Plan) -> dict[str, str]:
     """The worst figure of each kind; what is far below its limit is rounding, and counts as 0."""
     measures = [] if plan.verdict is None else plan.verdict.measures
-    return {m.kind: f"{m.amount:.3g}" if abs(m.amount) > NOISE * m.limit else "0" for m in measures}
+    return {m.kind: figure(m.amount if abs(m.amount) > NOISE * m.limit else 0.0, m.unit) for m in measures}
 
 
 def _parameters(plan: Plan) -> str:
