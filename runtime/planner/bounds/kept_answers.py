@@ -13,6 +13,7 @@ import pickle
 from collections import OrderedDict
 from collections.abc import Hashable
 from dataclasses import replace
+from itertools import count
 from threading import Lock
 from typing import Any
 
@@ -48,8 +49,10 @@ class KeptAnswers:
     """Pickled answers by scene, skeleton and question; those that were asked for least lately make room."""
 
     def __init__(self) -> None:
-        self._scenes: list[tuple[Problem, str | None, int]] = []
-        """Problems that were asked about, what tells whether they are the same, and the number of the scene."""
+        self._recent: list[tuple[Problem, int]] = []
+        """The problems that were asked about last, and the numbers of their scenes."""
+        self._scenes: OrderedDict[str, int] = OrderedDict()
+        """The numbers of scenes by what tells them apart."""
         self._count = 0
         self._answers: OrderedDict[Hashable, bytes] = OrderedDict()
         self._bytes = 0
@@ -88,24 +91,31 @@ class KeptAnswers:
 
     def _scene(self, problem: Problem) -> int:
         """The number of the scene of a problem. As long as a process has met one alone, nothing is compared."""
-        for known, _, number in reversed(self._scenes):
+        for known, number in reversed(self._recent):
             if known is problem:
                 return number
-        digest = None
-        if self._scenes:
-            self._scenes = [(known, told or _digest(known), number) for known, told, number in self._scenes]
-            digest = _digest(problem)
-        same = (number for _, told, number in self._scenes if told == digest)
-        number = next(same, self._count) if digest else self._count
+        if len(self._recent) == 1 and not self._scenes:
+            self._scenes[_digest(self._recent[0][0])] = self._recent[0][1]
+        digest = _digest(problem) if self._recent else None
+        number = self._count if digest is None else self._scenes.setdefault(digest, self._count)
         self._count = max(self._count, number + 1)
-        self._scenes = [*self._scenes[-BOUNDS.kept_scenes :], (problem, digest, number)]
+        self._recent = [*self._recent[1 - BOUNDS.recent_problems :], (problem, number)]
+        while len(self._scenes) > BOUNDS.kept_scenes:
+            self._scenes.popitem(last=False)
         return number
 
 
+_DEEP = count()
+
+
 def _digest(problem: Problem) -> str:
-    """What tells problems apart whose answers may differ: all but where they come from, and what guides the search."""
+    """What tells problems apart whose answers may differ: all but where they come from, and what guides the search. Of
+    one that is nested too deeply nothing equal is found."""
     bare = replace(problem, task="", file="", seed=0, heuristic=None, sources=(), files={}, names={})
-    return hashlib.sha256(pickle.dumps(bare, protocol=5)).hexdigest()
+    try:
+        return hashlib.sha256(pickle.dumps(bare, protocol=5)).hexdigest()
+    except RecursionError:
+        return f"nested too deeply, {next(_DEEP)}"
 
 
 KEPT = KeptAnswers()

@@ -40,7 +40,13 @@ class BoundSettings:
     largest_answer: int = setting(
         2_000_000, "bytes", "Larger answers are not kept: a few of them would push out all else.", "not measured"
     )
-    kept_scenes: int = setting(64, "scenes", "Scenes whose answers are kept; a horizon has one for each window.")
+    kept_scenes: int = setting(256, "scenes", "Scenes whose answers are kept; a horizon has one for each window.")
+    recent_problems: int = setting(
+        4, "problems",
+        "So many problems are told apart without looking at them; those before are dropped, and found again by what"
+        " they say.",
+        "a solve has one, or two where its unit of length is not the metre",
+    )
     quick_starts: int = setting(3, "starts", "Starts of a span before a skeleton is refused for the first time.")
     redraws: int = setting(
         4, "times",
