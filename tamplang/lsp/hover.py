@@ -7,6 +7,7 @@ from lsprotocol import types
 from ..compiler.builtins import FUNCTIONS
 from ..compiler.mentions import Mention
 from ..compiler.naming import Place
+from ..compiler.objectives import MEASURES
 from ..compiler.options import OPTIONS
 from ..langs.parser import parse_tokens
 from ..langs.source import Source
@@ -58,6 +59,11 @@ def built_in(mention: Mention) -> str | None:
         return f"`.{name}`: {ATTRIBUTES[name]}"
     if mention.kind == "option" and name in OPTIONS:
         return f"`{name}`: {OPTIONS[name].help}"
+    taking = [o for o in OPTIONS.values() if mention.kind == "word" and name.replace("_", "-") in o.choices]
+    if taking:
+        return f"`{name}`: a value of the option `{taking[0].name}`. {taking[0].help}"
+    if mention.kind == "word" and name in MEASURES:
+        return f"`{name}`: a measure of plans, for the option `minimise`"
     return "`prune`: cuts the branch of the search off" if name == "prune" else None
 
 

@@ -128,6 +128,7 @@ def test_errors_of_an_import_are_shown_there_and_at_the_import(session: Session)
         ("std.rules", 5, None),
         ("stairs", 2, "scene stairs("),
         ("bound", 1, "finest motion bound"),
+        ("seq }", 1, "a value of the option `bound`"),
         ("sphere", 1, "a ball"),
         ("int =", 1, "a whole number"),
     ],
