@@ -44,37 +44,48 @@ class StatedCoupling:
 
 def couple(joints: Sequence[ir.Joint], stated: Mapping[str, StatedCoupling]) -> tuple[ir.Joint, ...]:
     """The joints of a module with what is `stated` of followers, by name. Raises BadCoupling."""
-    names = [j.name for j in joints]
-    made = list(joints)
+    names, made = [j.name for j in joints], list(joints)
+    at = {name: index for index, name in enumerate(names)}
     known = [(j.name, j.follows) for j in joints]
     stated = {n: StatedCoupling(names[f.leader], f.factor, f.offset) for n, f in known if f is not None} | {**stated}
-    resolved = {name: _resolved(name, stated) for name in stated}
+    resolved = _resolved(stated)
     for name, found in resolved.items():
-        joint, leader = made[names.index(name)], made[names.index(found.leader)]
+        joint, leader = made[at[name]], made[at[found.leader]]
         if leader.passive != joint.passive:
-            made[names.index(name)] = replace(joint, passive=leader.passive)
-        made[names.index(found.leader)] = _narrowed(leader, joint, found)
+            made[at[name]] = replace(joint, passive=leader.passive)
+        made[at[found.leader]] = _narrowed(leader, joint, found)
     for name, found in resolved.items():
-        at, ahead = names.index(name), names.index(found.leader)
+        ahead = at[found.leader]
         home = found.factor * made[ahead].home + found.offset
-        made[at] = replace(made[at], home=home, follows=ir.Coupling(ahead, found.factor, found.offset))
+        made[at[name]] = replace(made[at[name]], home=home, follows=ir.Coupling(ahead, found.factor, found.offset))
     return tuple(made)
 
 
-def _resolved(name: str, stated: Mapping[str, StatedCoupling]) -> StatedCoupling:
-    """The coupling of a joint to one that follows none."""
-    found, passed = stated[name], [name]
-    while found.leader in stated:
-        if found.leader in passed:
-            ring = " follows ".join(f"`{n}`" for n in [*passed[passed.index(found.leader) :], found.leader])
-            message = f"joints follow each other in a circle: {ring}"
-            if len(passed) == 1:
-                message = f"joint `{name}` follows itself"
-            raise BadCoupling(name, message, "one of them must be free to move")
-        passed.append(found.leader)
-        ahead = stated[found.leader]
-        found = StatedCoupling(ahead.leader, found.factor * ahead.factor, found.factor * ahead.offset + found.offset)
-    return found
+def _resolved(stated: Mapping[str, StatedCoupling]) -> dict[str, StatedCoupling]:
+    """The coupling of each joint to one that follows none."""
+    found: dict[str, StatedCoupling] = {}
+    for name in stated:
+        way = {name: None}
+        now = stated[name].leader
+        while now in stated and now not in found:
+            if now in way:
+                passed = list(way)
+                ring = " follows ".join(f"`{n}`" for n in [*passed[passed.index(now) :], now])
+                message = f"joints follow each other in a circle: {ring}"
+                if len(passed) == 1:
+                    message = f"joint `{name}` follows itself"
+                raise BadCoupling(name, message, "one of them must be free to move")
+            way[now] = None
+            now = stated[now].leader
+        for follower in reversed(way):
+            own = stated[follower]
+            ahead = found.get(own.leader, StatedCoupling(own.leader, 1.0, 0.0))
+            factor, offset = own.factor * ahead.factor, own.factor * ahead.offset + own.offset
+            if factor == 0.0 or math.isinf(factor) or math.isinf(offset):
+                message = f"joint `{follower}` follows `{ahead.leader}` {factor:g} times as far, {offset:g} apart"
+                raise BadCoupling(follower, message, "it must be a number other than 0 and infinity")
+            found[follower] = StatedCoupling(ahead.leader, factor, offset)
+    return {name: found[name] for name in stated}
 
 
 def _narrowed(leader: ir.Joint, follower: ir.Joint, coupling: StatedCoupling) -> ir.Joint:

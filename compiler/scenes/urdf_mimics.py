@@ -77,10 +77,10 @@ def _within_leader(joint: ir.Joint, joints: Sequence[ir.Joint]) -> ir.Joint:
 def settled(reading: Reading, declared: Sequence[UrdfJoint], limited: Collection[str]) -> list[UrdfJoint]:
     """The joints, of which those that `mimic` one that stands still are fixed where that puts them. The module itself
     says what `limited` joints may do."""
-    known = {joint.name: joint for joint in declared}
+    values = _stills({joint.name: joint for joint in declared}, limited)
     found = []
     for joint in declared:
-        value = None if joint.kind not in SCALAR else _still(joint, known, limited, ())
+        value = None if joint.kind not in SCALAR else values[joint.name]
         if value is None or joint.element.find("mimic") is None:
             found.append(joint)
             continue
@@ -92,27 +92,44 @@ def settled(reading: Reading, declared: Sequence[UrdfJoint], limited: Collection
     return found
 
 
-def _still(
-    joint: UrdfJoint, known: Mapping[str, UrdfJoint], limited: Collection[str], way: tuple[str, ...]
-) -> float | None:
-    """The value at which a joint stands still; None where it moves."""
-    mimic, limit = joint.element.find("mimic"), joint.element.find("limit")
+def _stills(known: Mapping[str, UrdfJoint], limited: Collection[str]) -> dict[str, float | None]:
+    """The value at which each joint stands still; None where it moves."""
+    values: dict[str, float | None] = {}
+    for name in known:
+        way: list[str] = []
+        while name in known and name not in values:
+            values[name] = None  # what follows itself moves
+            way.append(name)
+            leader = _followed(known[name])
+            name = "" if leader is None else leader[0]
+        for follower in reversed(way):
+            values[follower] = _still(known[follower], values, limited)
+    return values
+
+
+def _followed(joint: UrdfJoint) -> tuple[str, float, float] | None:
+    """The leader of a joint that follows one, with factor and offset; a factor of 0 follows nothing."""
+    mimic = None if joint.kind == "fixed" else joint.element.find("mimic")
+    if mimic is None:
+        return None
+    factor, offset = _number(mimic, "multiplier", "1"), _number(mimic, "offset", "0")
+    return None if factor is None or offset is None else (mimic.get("joint", "") if factor else "", factor, offset)
+
+
+def _still(joint: UrdfJoint, values: Mapping[str, float | None], limited: Collection[str]) -> float | None:
+    """The value at which a joint stands still, where those of leaders are known; None where it moves."""
+    mimic, limit, followed = joint.element.find("mimic"), joint.element.find("limit"), _followed(joint)
     if joint.kind == "fixed":
         return 0.0
-    if mimic is None:
-        told = limit is not None and joint.kind != "continuous" and joint.name not in limited
-        if limit is None or not told or (limit.get("lower") is None and limit.get("upper") is None):
-            return None
-        lower, upper = _number(limit, "lower", "0"), _number(limit, "upper", "0")
-        return lower if lower == upper else None
-    factor, offset = _number(mimic, "multiplier", "1"), _number(mimic, "offset", "0")
-    leader = known.get(mimic.get("joint", ""))
-    if factor == 0.0:
-        return offset
-    if factor is None or offset is None or leader is None or leader.name in way:
+    if followed is not None:
+        leader, factor, offset = followed
+        value = values.get(leader) if factor else 0.0
+        return None if value is None else factor * value + offset
+    told = limit is not None and joint.kind != "continuous" and joint.name not in limited
+    if mimic is not None or limit is None or not told or (limit.get("lower") is None and limit.get("upper") is None):
         return None
-    value = _still(leader, known, limited, (*way, joint.name))
-    return None if value is None else factor * value + offset
+    lower, upper = _number(limit, "lower", "0"), _number(limit, "upper", "0")
+    return lower if lower == upper else None
 
 
 def _number(element: ElementTree.Element, name: str, default: str) -> float | None:
