@@ -55,8 +55,8 @@ class KeyframeSettings:
     )
     window: int = setting(
         4, "phases", "Phases of a window.",
-        "climb n=512 takes 24.0 CPU s with windows of 4 phases, of which 2 are kept, 27.9 with 6 and 4, whose paths cost "
-        "8 % less; with 12 and 8 the n=256 one takes twice the steps, 16 objects of mobile_manipulator as many",
+        "climb n=512 takes 24.0 CPU s with windows of 4 phases, of which 2 are kept, 27.9 with 6 and 4, whose paths "
+        "cost 8 % less; with 12 and 8 that of n=256 takes twice the steps",
     )
     commit: int = setting(2, "phases", "Phases that a window keeps.")
     backtracks: int = setting(10, "times", "How often windows go back, where nothing else is said.")
