@@ -32,6 +32,7 @@ __all__ = ["Plan", "Result", "RunResult", "Task", "load", "loads", "read_plan", 
 
 BESIDE_OPTIONS = ("horizon", "jobs", "cluster", "progress", "found")
 """What `Task.solve` takes besides the planner's options."""
+RUN_OPTIONS = ("plan", "horizon", "noise", "latency", "time", "seed", "engine", "minimise", "progress")
 
 
 def load(path: str | PathLike[str], /, task: str | None = None, seed: int = 0, **parameters: str | float) -> Task:
@@ -130,6 +131,8 @@ class Task:
             "slices": slices, "minimise": minimise, "gap": gap,
         }  # fmt: skip
         check_given("python", chosen | unknown, BESIDE_OPTIONS)
+        _check_count("horizon", horizon, "auto")
+        _check_count("jobs", jobs)
         from .bars import callback
         from .runtime.planner.bounds.speculation import opened
         from .runtime.planner.lgp import options_of
@@ -168,6 +171,7 @@ class Task:
         engine: str | None = None,
         minimise: str | None = None,
         progress: Callable[[RunProgress], None] | Any = None,
+        **unknown: object,
     ) -> RunResult:
         """Carry the task out in the simulated world, planning on the way; `plan`, a plan or the name of its file, is
         followed as long as the world allows it. `horizon` actions get their motion in one window, whose planning takes
@@ -175,18 +179,34 @@ class Task:
         `engine` "mujoco" joints go where that lets them, and docks and feet break beyond their strength; only scenes
         that rest can be carried out so
         (`tamplang.runtime.simulation.execution.StillOnly`). `progress` is as in `solve`. Raises
-        `tamplang.langs.diagnostics.UsageError` for an objective that is none, and
+        `tamplang.langs.diagnostics.UsageError` for an option that is `unknown` or does not take its value, and
         `tamplang.runtime.native.MissingLibrary` when a system library, or the engine, is missing.
         """
         from .bars import run_callback
         from .compiler.options import check_given
         from .runtime.simulation.execution import execute
 
+        for name in unknown:
+            from .langs.diagnostics import UsageError, did_you_mean
+
+            raise UsageError(f"there is no option `{name}`", help=did_you_mean(name, RUN_OPTIONS))
         check_given("python", {"minimise": minimise, "time": time})
+        _check_count("horizon", horizon, "auto")
         record = None if plan is None else record_of(plan)
         told = run_callback(progress)
         found = execute(self.problem, record, horizon, noise, time, seed, latency, told, engine, minimise)
         return RunResult(*found)
+
+
+def _check_count(name: str, value: object, word: str | None = None) -> None:
+    """Raises UsageError unless an option is None, a whole number from 1, or the `word`."""
+    if value is None or value == word or (isinstance(value, int) and not isinstance(value, bool) and value >= 1):
+        return
+    from .langs.diagnostics import UsageError, did_you_mean
+
+    near = did_you_mean(value, [word]) if isinstance(value, str) and word else None
+    known = "a whole number from 1" + (f" or {word}" if word else "")
+    raise UsageError(f"option `{name}` is {known}, not {value!r}", help=near)
 
 
 def _solved(

@@ -50,6 +50,14 @@ def test_what_users_can_mend_has_one_base(tmp_path: Path) -> None:
 def test_a_wrong_value_of_an_option_is_told_with_the_near_ones() -> None:
     with pytest.raises(tamplang.UsageError, match="did you mean `path`"):
         tamplang.loads(LAMP).solve(bound="paht")
+    lamp = tamplang.loads(LAMP)
+    for wrong, word in (
+        (lambda: lamp.solve(horizon="atuo"), "did you mean `auto`"),
+        (lambda: lamp.solve(jobs=0), "whole number from 1"), (lambda: lamp.run(bound="path"), "no option `bound`"),
+        (lambda: lamp.run(horizn=3), "did you mean `horizon`"), (lambda: lamp.run(horizon=0), "whole number from 1"),
+    ):  # fmt: skip
+        with pytest.raises(tamplang.UsageError, match=word):
+            wrong()
 
 
 @pytest.mark.parametrize(("before", "after"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")])
