@@ -3,15 +3,23 @@ robot in mid-run that has just let go."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from ...compiler import ir
 from ...compiler.motion.collision import Pair, bounding_radius, pair
 from ...compiler.poses import compose, joint_frames
+from ...compiler.remembering import remembered
+from ...compiler.scenes.check_start import TOLERANCE, penetration, volumes
 from ...compiler.symbolic.geometry import Placed, shape_distance
 
 TOUCHING = 0.02
 """Metres: what is nearer when a phase starts may be so, and is not asked for the margin of paths at once."""
+
+
+ROUNDING = 1e-5
+"""Metres by which what touches may seem to overlap."""
 
 
 def touching(world: ir.World, within: float = TOUCHING) -> frozenset[Pair]:
@@ -30,6 +38,26 @@ def touching(world: ir.World, within: float = TOUCHING) -> frozenset[Pair]:
             if world.owner(name) != world.owner(other) and _near(placed, shape, within):
                 found.add(pair(name, other))
     return frozenset(found)
+
+
+@remembered(4)
+def pressed_in(world: ir.World) -> Mapping[Pair, float]:
+    """How deep, metres, parts of modules overlap with bodies at the start: what `check` lets pass, no switch may
+    refuse. A link goes by the name of its module."""
+    found: dict[Pair, float] = {}
+    solid = {body.name for body in world.solids}
+    known = list(volumes(world))
+    others = [v for v in known if v.owner in solid]
+    edges = np.array([v.bounds for v in others]).reshape(-1, 6)
+    for part in known:
+        if part.owner not in world.modules:
+            continue
+        low, high = part.bounds[:3], part.bounds[3:]
+        for index in np.flatnonzero(((edges[:, :3] < high) & (edges[:, 3:] > low)).all(axis=1)).tolist():
+            depth, name = penetration(part, others[index]), pair(part.name, others[index].name)
+            if ROUNDING < depth <= TOLERANCE:
+                found[name] = max(depth, found.get(name, 0.0))
+    return found
 
 
 def _movers(world: ir.World) -> list[tuple[str, Placed]]:

@@ -124,3 +124,35 @@ def test_scenery_that_never_moves_may_be_built_into_itself() -> None:
     _, found = compile_text(f"{HEAD}\ntask t() {{\n{body}\n}}")
     assert [d.code for d in found] == ["W0012"]
     solved(body, 0)
+
+
+def test_a_base_that_is_sunk_as_far_as_check_lets_it_pass_refuses_no_switch() -> None:
+    problem, _ = compile_text("""
+import std.rules
+module arm {
+    effector A: gripper box(10 cm, 10 cm, 1 cm) at (0, 0, 5 mm) normal (0, 0, -1)
+    branch {
+        link (0, 12 cm, -0.6 mm)
+        link 5 cm: box(6 cm, 6 cm)
+    }
+    link 30 cm: cylinder(3 cm)
+    joint q1: revolute(z) in -170 deg .. 170 deg
+    joint q2: revolute(y) in -100 deg .. 100 deg
+    link 25 cm: capsule(2 cm)
+    joint q3: revolute(y) in -150 deg .. 150 deg home 60 deg
+    link 25 cm: capsule(2 cm)
+    effector B: gripper sphere(2 cm)
+    fact (linked A B)
+}
+task t {
+    base pad: box(50 cm, 50 cm, 4 cm) at (0, 0, -2 cm)
+    object ball: sphere(3 cm) at (40 cm, 10 cm, 30 cm)
+    fact (grippable ball)
+    arm a: A on pad
+    goal (held ball)
+}
+""")
+    outcome = solve(problem, SolveOptions(time=60.0))
+    assert outcome.status == "solved"
+    verdict = outcome.plans[0].verdict
+    assert verdict is not None and verdict.verified

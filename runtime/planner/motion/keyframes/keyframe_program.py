@@ -15,6 +15,7 @@ from .....compiler.motion.permanent import permanent
 from ....budget import Budget
 from ....geometry.attachments import POSE, carrier, followers, involved, next_mode, still_entries
 from ....geometry.drives import ringed
+from ....geometry.start_contacts import pressed_in
 from ....skeleton import Array, Configuration, Skeleton
 from ..collision.clearance_rows import Clearances
 from ..collision.pairs_in_phases import Collisions, Margins, refresh, rows
@@ -32,6 +33,8 @@ from .settings import KEYFRAMES
 
 VERTICAL = frozenset({"top", "bottom", "inside"})
 """Functions that know where up is."""
+ACCURACY = 1e-6
+"""Metres by which distances of boxes and hulls may be wrong."""
 POLISH = SolverOptions(mu=1e4, damping=1e-3, iterations=60)
 
 
@@ -208,6 +211,9 @@ class SwitchProgram:
         special.update(dict.fromkeys(sorted(free)))
         least = dict.fromkeys(sorted(several), -KEYFRAMES.met)
         least |= dict.fromkeys(sorted(beside - free), -KEYFRAMES.pressed)
+        for pair, depth in pressed_in(self.problem.world).items():
+            special.setdefault(pair, 0.0)
+            least[pair] = min(least.get(pair, 0.0), -depth - ACCURACY)
         return Margins(self.settings.switch_margin, special, least, during | meeting | beside)
 
     @cached_property
