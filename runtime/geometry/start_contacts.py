@@ -56,7 +56,7 @@ def pressed_in(world: ir.World) -> Mapping[Pair, float]:
         for index in np.flatnonzero(((edges[:, :3] < high) & (edges[:, 3:] > low)).all(axis=1)).tolist():
             depth, name = penetration(part, others[index]), pair(part.name, others[index].name)
             if ROUNDING < depth <= TOLERANCE:
-                found[name] = max(depth, found.get(name, 0.0))
+                found[name] = max(depth + ROUNDING, found.get(name, 0.0))
     return found
 
 

@@ -33,8 +33,6 @@ from .settings import KEYFRAMES
 
 VERTICAL = frozenset({"top", "bottom", "inside"})
 """Functions that know where up is."""
-ACCURACY = 1e-6
-"""Metres by which distances of boxes and hulls may be wrong."""
 POLISH = SolverOptions(mu=1e4, damping=1e-3, iterations=60)
 
 
@@ -213,7 +211,7 @@ class SwitchProgram:
         least |= dict.fromkeys(sorted(beside - free), -KEYFRAMES.pressed)
         for pair, depth in pressed_in(self.problem.world).items():
             special.setdefault(pair, 0.0)
-            least[pair] = min(least.get(pair, 0.0), -depth - ACCURACY)
+            least[pair] = min(least.get(pair, 0.0), -depth)
         return Margins(self.settings.switch_margin, special, least, during | meeting | beside)
 
     @cached_property
