@@ -38,6 +38,9 @@ BEARS = {
     "planar": ("mass", "force", "brake"),
 }
 FULL_TURN = 2 * math.pi
+DAY = 86_400.0
+SLOWEST = 1e7
+"""Seconds for 1 rad or 1 m that a limit may lead to: plans of some 1e7 s are verified, of ten times as much not."""
 STRAIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
@@ -237,4 +240,22 @@ def joint_rate(context: Context, scope: Scope, item: syntax.JointItem, what: str
     if typed.value is not None and typed.value <= 0:
         context.findings.report("E0508", term.span, f"the {what} of a joint must be positive")
         return None
+    if typed.value is not None and _seconds(what, typed.value) > SLOWEST:
+        unit = unit_text.split("/")[0]
+        long = f"{SLOWEST / DAY:.0f} days or more for 1 {unit}"
+        message = f"at a {what} of {typed.value:g} {unit_text} joint `{item.name}` takes {long}"
+        help = f"times are not exact then; without `{what}` the usual one counts"
+        context.findings.report("E0508", term.span, message, help=help)
+        return None
     return typed.value
+
+
+def _seconds(what: str, limit: float) -> float:
+    """How long a way of 1 rad or 1 m takes from rest to rest with this limit alone."""
+    match what:
+        case "speed":
+            return 1.0 / limit
+        case "acceleration":
+            return 2.0 * math.sqrt(1.0 / limit)
+        case _:
+            return math.cbrt(32.0 / limit)

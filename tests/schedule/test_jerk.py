@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from msgspec.structs import replace
 
 from benchmarks.trust.checker import judge, read
 from tamplang.api import Plan, loads
+from tamplang.cli import run
 from tamplang.compiler.pipeline import compile_text
 from tamplang.langs.diagnostics import SourceError
 from tamplang.runtime.verify import verify
@@ -76,6 +78,24 @@ def test_a_jerk_that_makes_no_sense_is_told(limit: str, code: str) -> None:
     with pytest.raises(SourceError) as caught:
         compile_text(ARM.format(limit))
     assert code in {d.code for d in caught.value.diagnostics}
+
+
+@pytest.mark.parametrize("what", ["speed 1e-30 rad/s", "acceleration 1e-20 rad/s^2", "jerk 1e-24 rad/s^3"])
+def test_a_limit_that_no_plan_can_keep_is_refused_before_it_is_tried(
+    what: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "slow.tamp"
+    file.write_text(ARM.format(f" {what}").replace("{{", "{").replace("}}", "}"), encoding="utf-8")
+    assert run(["solve", str(file), "--minimise", "makespan", "--out", str(tmp_path / "slow.plan.json")]) == 1
+    told = capsys.readouterr().err
+    assert "E0508" in told and "116 days or more for 1 rad" in " ".join(told.split())
+    assert not (tmp_path / "slow.plan.json").exists()
+
+
+def test_a_jerk_that_is_kept_only_slowly_is_kept() -> None:
+    plan = loads(ARM.format(" jerk 1e-6 rad/s^3")).solve(time=120).plan
+    assert plan is not None and plan.record.times[-1] > 300.0
+    assert greatest(plan) <= 1e-6 * 1.001
 
 
 def test_without_a_statement_there_is_no_limit() -> None:
