@@ -17,7 +17,7 @@ from .....compiler.motion.collision import bounding_radius
 from ....geometry.attachments import followers, looped
 from ....geometry.drives import braked
 from ....skeleton import Array, Configuration, Skeleton
-from .clear_postures import clear_posture
+from .clear_postures import clear_carry, clear_posture
 from .placement_samples import outline, places
 from .posture_samples import Aim, Stance, closing, freedom, meeting, reaching, rooms
 from .settings import KEYFRAMES
@@ -62,6 +62,8 @@ class Guess:
         self.wide = wide
         self.steady = steady
         self.clear = clear
+        self.obstructed = 0.0
+        """What is in the way of clear postures, and what these miss, all together; metres."""
         self.current = start.copy()
         self.feet: dict[str, Pose] = {}
         self.places = places(skeleton)
@@ -113,7 +115,7 @@ class Guess:
         stances = self._stand(mode, carried, before)
         placed = set(stances)
         feet = self._set_down(phase, carried, before, list(stances.values()), placed)
-        self._turn_to(self._aims(phase, feet, before), stances, feet)
+        self._turn_to(self._aims(phase, feet, before), stances, feet, self._grasps(mode, before))
         self._meet(phase, stances)
         self._dock(mode, placed)
         for leader, follower in self._relations(mode):
@@ -191,7 +193,15 @@ class Guess:
         found = self.problem.world.effector(name)
         return found if found and any(j.passive for j in found[0].type.joints) else None
 
-    def _turn_to(self, aims: dict[str, Aim], stances: dict[str, Stance], feet: dict[str, Pose]) -> None:
+    def _grasps(self, mode: frozenset[Fact], before: dict[str, Pose]) -> dict[str, Array]:
+        """By effector, where it is `(3,)` from what it holds, in the world, at the switch before."""
+        bodies = self.problem.world.bodies
+        pairs = [(hand, thing) for hand, thing in self._relations(mode) if hand not in bodies and thing in bodies]
+        return {hand: np.subtract(before[hand][:3], before[thing][:3]) for hand, thing in pairs}
+
+    def _turn_to(
+        self, aims: dict[str, Aim], stances: dict[str, Stance], feet: dict[str, Pose], grasps: dict[str, Array]
+    ) -> None:
         """Joint values from which modules that stand on their own and cannot turn as they like come near to their aims.
         A foot that is set down gets there, and is turned as this posture turns it: the next one starts from there."""
         for name, stance in stances.items():
@@ -201,9 +211,14 @@ class Guess:
             if not self.wide and freedom(module.type, stance[0], aim.effector) >= KEYFRAMES.free_directions:
                 continue
             foot = f"{name}.{aim.effector}"
-            if self.clear and foot not in feet and aim.upright is None:
+            if self.clear and aim.upright is not None and foot in grasps:
+                carried = slot[7:], stance, aim, grasps[foot], KEYFRAMES.limit_inset, self.random
+                slot[7:], obstructed = clear_carry(module, *carried, self._solids())
+                self.obstructed += obstructed
+            elif self.clear and foot not in feet:
                 values = slot[7:], stance, aim, KEYFRAMES.limit_inset, self.random
-                slot[7:] = clear_posture(module, *values, self._solids())
+                slot[7:], obstructed = clear_posture(module, *values, self._solids())
+                self.obstructed += obstructed
             else:
                 slot[7:] = reaching(module, slot[7:], stance, aim, KEYFRAMES.limit_inset, self.random)
             if foot in feet:
@@ -265,9 +280,14 @@ def guess(
     on their own and cannot turn as they like, with `wide` all that stand on their own, take postures from anywhere
     within their limits that come near to what they are to meet. With `steady` modules that close a loop stay as they
     are: noise opens it, and what closes it again is often a posture to which no path leads. With `clear` hands come to
-    things from sides that are free."""
-    maker = Guess(skeleton, start, random, noise, wide, steady, clear)
-    return [maker.advance(phase) for phase in phases]
+    things from sides that are free, such as also leave room where these are put down: the best of several guesses."""
+    drawn = []
+    for _ in range(KEYFRAMES.clear_draws if clear else 1):
+        maker = Guess(skeleton, start, random, noise, wide, steady, clear)
+        drawn.append(([maker.advance(phase) for phase in phases], maker.obstructed))
+        if maker.obstructed < KEYFRAMES.clear_enough:
+            break
+    return min(drawn, key=lambda g: g[1])[0]
 
 
 def shake(

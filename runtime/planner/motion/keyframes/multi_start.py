@@ -168,7 +168,7 @@ class SpanSolver:
             switches = self._program(number % 2 == 0)
             given = warm is not None and number == 0
             period = KEYFRAMES.repair_period
-            collided = self.reached and best is not None and number % period == 0
+            collided = self.reached and best is not None and number >= period
             slices = [self.start, *(warm or ())] if given else self.guess(bool(loose), number < period, collided)
             if best is not None and number % period == 1:
                 slices = _repair(switches, best.configurations, slices)
