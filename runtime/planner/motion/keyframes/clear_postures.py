@@ -102,7 +102,7 @@ def _in_the_way(module: Module, stance: Stance, values: Array, solids: Solids) -
 
 
 def _within(points: Array, radius: Array | float, solids: Solids) -> Array:
-    """How deep spheres of one or each its own radius around points `(N, 3)` are in the solid in which they are deepest, metres; 0 where in none."""
+    """How deep spheres around points `(N, 3)` are in the solid in which they are deepest, metres; 0 where in none."""
     deepest = np.zeros(len(points))
     for shape, pose in solids:
         half, rounding, turned = half_sizes(shape)
