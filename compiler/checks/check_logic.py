@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from ...langs import syntax
 from ...langs.frozen import dataclass
@@ -28,6 +28,14 @@ class PlacementChoice:
     support: ir.Variable
     literals: tuple[ir.Literal, ...]
     span: Span
+
+    @property
+    def types(self) -> tuple[str, str]:
+        """The types of what stands and of what it stands on."""
+        one, other = (
+            v.type.name if isinstance(v.type, ir.ObjectType) else "object" for v in (self.subject, self.support)
+        )
+        return one, other
 
 
 def lower_predicates(context: Context) -> dict[str, ir.Predicate]:
@@ -143,7 +151,22 @@ def _check_values(context: Context, rule: ir.Rule) -> None:
 
 def check_placements(context: Context) -> tuple[PlacementChoice, ...]:
     """All placements; they list literals without conditions."""
-    return tuple(_check_placement(context, p) for p in context.library.placements)
+    choices = tuple(_check_placement(context, p) for p in context.library.placements)
+    _tell_twice(context, choices)
+    return choices
+
+
+def _tell_twice(context: Context, choices: Iterable[PlacementChoice]) -> None:
+    """Two placements of one file for the same types: only one of them could count."""
+    first: dict[tuple[str, ...], PlacementChoice] = {}
+    for choice in choices:
+        known = first.setdefault((choice.span.file, *choice.types), choice)
+        if known is not choice:
+            subject, support = choice.types
+            context.findings.report(
+                "E0110", choice.span, f"the placement of `{subject}` on `{support}` is declared twice",
+                help="put the literals of both into one", labels=[(known.span, "first declared here")],
+            )  # fmt: skip
 
 
 def _check_placement(context: Context, placement: syntax.PlacementDecl) -> PlacementChoice:

@@ -94,17 +94,18 @@ def _placed(context: Context, placements: Iterable[PlacementChoice], standing: S
 
 
 def _chosen(context: Context, placements: Iterable[PlacementChoice], standing: Standing) -> PlacementChoice | None:
-    """The placement that says most exactly what holds."""
+    """The placement that says most exactly what holds; of several for the same types that of the importing file."""
     library = context.library
     fitting = [
         p
         for p in placements
-        if library.is_a(standing.subject_type, _type(p.subject))
-        and library.is_a(standing.support_type, _type(p.support))
+        if library.is_a(standing.subject_type, p.types[0]) and library.is_a(standing.support_type, p.types[1])
     ]
-    return max(
-        fitting, key=lambda p: (_depth(context, _type(p.subject)), _depth(context, _type(p.support))), default=None
-    )
+    def depths(choice: PlacementChoice) -> tuple[int, int]:
+        subject, support = choice.types
+        return _depth(context, subject), _depth(context, support)
+
+    return max(reversed(fitting), key=depths, default=None)
 
 
 def _literals(chosen: PlacementChoice, standing: Standing) -> list[ir.Literal]:
@@ -118,10 +119,6 @@ def _literals(chosen: PlacementChoice, standing: Standing) -> list[ir.Literal]:
         )
         for literal in chosen.literals
     ]
-
-
-def _type(variable: ir.Variable) -> str:
-    return variable.type.name if isinstance(variable.type, ir.ObjectType) else "object"
 
 
 def _depth(context: Context, name: str) -> int:

@@ -249,3 +249,13 @@ def test_what_cannot_carry_is_told(items: str, said: str, hint: str) -> None:
         problem(f"{items}\nobject cup: box(2 cm, 4 cm, 6 cm) on {on}\ncrawler c: A on ground", LIFT)
     (found,) = told.value.diagnostics
     assert said in found.message and hint in (found.help or "")
+
+
+def test_a_placement_of_the_program_counts_before_one_that_it_imports() -> None:
+    own = "predicate (lies X: object, Y: object)\nplacement (X: object) on (Y: object) { (lies X Y) }\n"
+    made = problem("object cup: box(2 cm, 4 cm, 6 cm) on ground\ncrawler c: A on ground at (0, 50 cm)", own)
+    assert ("lies", "cup", "ground") in made.init
+    with pytest.raises(SourceError) as told:
+        problem("crawler c: A on ground", own + "placement (X: object) on (Y: object) { (on Y X) }\n")
+    (found,) = told.value.diagnostics
+    assert found.code == "E0110" and "the placement of `object` on `object` is declared twice" in found.message
