@@ -94,18 +94,20 @@ def _placed(context: Context, placements: Iterable[PlacementChoice], standing: S
 
 
 def _chosen(context: Context, placements: Iterable[PlacementChoice], standing: Standing) -> PlacementChoice | None:
-    """The placement that says most exactly what holds; of several for the same types that of the importing file."""
+    """The placement that says most exactly what holds; of several for the same types that of the program itself, then
+    of its own files, then of the standard library."""
     library = context.library
     fitting = [
         p
         for p in placements
         if library.is_a(standing.subject_type, p.types[0]) and library.is_a(standing.support_type, p.types[1])
     ]
-    def depths(choice: PlacementChoice) -> tuple[int, int]:
+    def rank(choice: PlacementChoice) -> tuple[int, int, bool, bool]:
         subject, support = choice.types
-        return _depth(context, subject), _depth(context, support)
+        path = choice.span.file
+        return _depth(context, subject), _depth(context, support), path == library.path, not path.startswith("std/")
 
-    return max(reversed(fitting), key=depths, default=None)
+    return max(fitting, key=rank, default=None)
 
 
 def _literals(chosen: PlacementChoice, standing: Standing) -> list[ir.Literal]:
