@@ -255,11 +255,22 @@ class StatisticsRecord(Record, frozen=True):
     objective: ObjectiveRecord | msgspec.UnsetType = msgspec.UNSET
 
 
+class MachineRecord(Record, frozen=True):
+    """What computed: the model of its processor ("" where the system does not tell), its architecture, the cores that
+    the process could use, and the operating system with its release."""
+
+    processor: str
+    architecture: str
+    cores: int
+    system: str
+
+
 class TimingRecord(Record, frozen=True):
-    """Seconds of computing, which differ from one time to the next: per stage, and per window."""
+    """Seconds of computing, which differ from one time to the next: per stage, and per window; and on which machine."""
 
     seconds: dict[str, float] = {}
     windows: list[float] = []
+    machine: MachineRecord | None = None
 
 
 class SourceRecord(Record, frozen=True):

@@ -26,6 +26,7 @@ from ...langs.diagnostics import Diagnostic
 from ...langs.frozen import dataclass
 from ..budget import ASIDE, SECONDS, Budget, OutOfTime, Status, ending
 from ..geometry.start_contacts import touching
+from ..machine import this_machine
 from ..plan import ObjectiveRecord, Plan, StatisticsRecord, TimingRecord
 from ..seeds import Seed
 from ..skeleton import Bound, NearestMiss, PhasePath, Skeleton
@@ -320,7 +321,7 @@ class _SolveRun:
         )
 
     def _timing(self) -> TimingRecord:
-        return TimingRecord({"total": self.budget.elapsed, **self.bounds.clock.seconds})
+        return TimingRecord({"total": self.budget.elapsed, **self.bounds.clock.seconds}, machine=this_machine())
 
     def _outcome(self, status: Status) -> Outcome:
         statistics, timing, apart = self._statistics(), self._timing(), self._apart(status)

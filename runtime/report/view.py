@@ -79,6 +79,7 @@ class View:
     optimality: str
     proof: str
     command: str
+    machine: str
     objective: str
     seconds: float
     duration: float
@@ -196,6 +197,15 @@ def command(plan: Plan) -> str:
     return shlex.join(["tamplang", "solve", task.file, task.name, *given, "--seed", str(task.seed)])
 
 
+def machine(plan: Plan) -> str:
+    """The machine on which the seconds of computing were spent."""
+    told = plan.timing.machine if plan.timing is not None else None
+    if told is None:
+        return ""
+    processor = f"{told.processor} ({told.architecture})" if told.processor else told.architecture
+    return f"{processor}, {told.cores} core{'' if told.cores == 1 else 's'}, {told.system}"
+
+
 _UNIT = re.compile(r"(?<=.)_(m|rad|s|ratio|(m|rad)_s[23]?)$")
 
 
@@ -284,6 +294,7 @@ def build_view(plan: Plan, checked: bool) -> View:
         optimality(plan),
         proof(plan),
         command(plan),
+        machine(plan),
         minimised(plan),
         total,
         total_time(plan),

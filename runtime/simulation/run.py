@@ -20,6 +20,7 @@ from ...compiler.printing_terms import format_formula
 from ...langs.diagnostics import Diagnostic
 from ...langs.source import Span
 from ..budget import ASIDE, Budget, Status, ending, unless_spent
+from ..machine import this_machine
 from ..plan import StatisticsRecord, TimingRecord, WindowRecord
 from ..planner.conflicts.infeasibility import ENDINGS, distrust, ended, unverified
 from ..planner.motion.settings import ACCEPTANCE
@@ -75,9 +76,7 @@ class Run:
         self._trail: list[PhasePath] = []
         self._left: float | None = None
         self._waits = 0
-        self._steered = 0.0
-        self._asked = 0.0
-        self._cost = 0.0
+        self._steered = self._asked = self._cost = 0.0
         self._first = first
         self._explanation: list[Diagnostic] = []
 
@@ -388,7 +387,7 @@ class Run:
         elif not verdict.verified:
             status = status if status == Status.INTERRUPTED else Status.REFUSED
             self._explanation = [*self._explanation, *distrust(verdict)]
-        timing = TimingRecord({"total": self.budget.elapsed}, self.seconds)
+        timing = TimingRecord({"total": self.budget.elapsed}, self.seconds, this_machine())
         plan = msgspec.structs.replace(plan, verdict=verdict, timing=timing)
         told, done = joint_rows(self.problem, self.steps)
         return RunOutcome(status, plan, self._explanation, told, done, self.world.result)

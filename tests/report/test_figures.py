@@ -11,6 +11,7 @@ import pytest
 from tamplang.runtime.plan import (
     FailureRecord,
     JointRecord,
+    MachineRecord,
     MeasureRecord,
     PhaseRecord,
     Plan,
@@ -46,6 +47,8 @@ class Sections(HTMLParser):
         self._silent = tag in IDLE
         if tag == "section":
             self._at = values.get("id") or ""
+        if tag == "footer":
+            self._at = "footer"
         if tag == "tr":
             self.rows.setdefault(self._at, []).append([])
         if tag in ("td", "th"):
@@ -172,6 +175,16 @@ def test_a_total_is_summed_where_none_is_stored() -> None:
     found = page(climb_plan(), timing=TimingRecord({"search": 1.0, "path": 3.0}))
     assert "Computed in 4 s" in found.text["top"]
     assert found.bars[-2:] == ["25 %", "75 %"]
+
+
+def test_the_machine_stands_beside_the_command() -> None:
+    machine = MachineRecord("Abacus <5>", "x86_64", 4, "Linux 6.1")
+    found = page(climb_plan(), timing=TimingRecord({"total": 3.0}, machine=machine))
+    assert "Computed on Abacus <5> (x86_64), 4 cores, Linux 6.1." in found.text["footer"]
+    machine = MachineRecord("", "arm64", 1, "Darwin 24")
+    unknown = page(climb_plan(), timing=TimingRecord({"total": 3.0}, machine=machine))
+    assert "Computed on arm64, 1 core, Darwin 24." in unknown.text["footer"]
+    assert "Computed on" not in page(climb_plan(), timing=TimingRecord({"total": 3.0})).text["footer"]
 
 
 def test_phases_tell_their_times() -> None:

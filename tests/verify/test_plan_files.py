@@ -249,6 +249,7 @@ def test_seconds_of_computing_stand_in_timing_alone(tmp_path: Path) -> None:
         assert run("solve", tmp_path / "tiny.tamp", "--out", tmp_path / name).exit_code == 0
         plans.append(json.loads((tmp_path / name).read_text()))
     assert all(plan["timing"]["seconds"]["total"] > 0.0 for plan in plans)
+    assert all(plan["timing"]["machine"]["cores"] >= 1 and plan["timing"]["machine"]["system"] for plan in plans)
     texts = [json.dumps({**plan, "timing": None}) for plan in plans]
     assert texts[0] == texts[1] and '"seconds"' not in texts[0]
 

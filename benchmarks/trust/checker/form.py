@@ -72,7 +72,7 @@ KNOWN = {
         "refusals", "tree", "seconds", "objective",
     },
     "verdict": {"verified", "worst", "measures", "failures", "residuals", "goal_reached", "unmet", "at_rest"},
-    "timing": {"seconds", "windows"},
+    "timing": {"seconds", "windows", "machine"},
 }  # fmt: skip
 
 

@@ -21,6 +21,7 @@ from ....langs.counting import counted
 from ....langs.diagnostics import Diagnostic
 from ....langs.frozen import dataclass
 from ...budget import ASIDE, Budget, Status, ending, unless_spent
+from ...machine import this_machine
 from ...plan import Plan, StatisticsRecord, TimingRecord, WindowRecord
 from ...seeds import Seed
 from ...skeleton import PhasePath, Skeleton
@@ -256,7 +257,7 @@ class _HorizonRun:
     def _timing(self) -> TimingRecord:
         first = {} if self.first_motion is None else {"first_motion": self.first_motion}
         seconds = {"total": self.budget.elapsed, **self.memory.bounds.clock.seconds, **first}
-        return TimingRecord(seconds, [round(kept.window.seconds, 4) for kept in self.kept])
+        return TimingRecord(seconds, [round(kept.window.seconds, 4) for kept in self.kept], this_machine())
 
     def _statistics(self) -> StatisticsRecord:
         return StatisticsRecord(
