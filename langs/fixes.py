@@ -52,7 +52,7 @@ def _fixes(diagnostic: Diagnostic, text: str, start: int, end: int) -> Iterator[
     elif hint.startswith("did you mean `("):
         inner = text[start:end].strip("[]()")
         yield Fix("Put it in parentheses", ((start, end, f"({inner})"),))
-    elif hint.startswith("name one of its ends: "):
+    elif hint.startswith(("name one of its ends: ", "known here: ")):
         yield from (Fix(f"Write `{q}`", ((start, end, q),)) for q in quoted)
     elif hint.startswith(("did you mean ", "give it a unit, such as ", "write ")) and quoted:
         yield from (Fix(f"Write `{q}`", ((start, end, q),)) for q in quoted if not hint.startswith("write both"))

@@ -11,6 +11,7 @@ from tamplang.langs.source import Source
 
 RULES = "import std.rules\n\n"
 TASK = "import std.rules\n\ntask t() {{\n    object b: sphere(4 cm) at (0, 0, 0)\n    fact (grippable b)\n    {}\n}}\n"
+CRAWLER = "import std.crawler\nimport std.rules\n\ntask t() {\n    base ground: box(2 m, 2 m, 5 cm) at (0, 0, 0)\n"
 
 
 def checked(text: str) -> list[Diagnostic]:
@@ -34,6 +35,7 @@ def checked(text: str) -> list[Diagnostic]:
         (TASK.format("goal (held b)\n    object c: sphere(5 cm) at (1 m, 0, 0) heading 90 degrees"), "90 deg"),
         (TASK.format("goal (held b)\n    // a remark"), "# a remark"),
         (TASK.format("goal (held b)\n    object c: sphere(5 cm) at (1 m, 0, 0) heading 90"), "heading 90 "),
+        (CRAWLER + "    crawler c: C on ground\n    goal (held ground)\n}\n", "crawler c: A on"),
         ("predicate (p A: gripper)\n", "import std.logic"),
         ("import std.rule\n", "import std.rules"),
         ("import rules\n", "import std.rules"),
