@@ -16,7 +16,8 @@ from .lanes import Motion, critical, motions, works_at_once
 from .replay import joint_rows, pick_samples
 from .robots import ACCENT, Robot, effector_owners, group_modules, module_colours
 
-RULE_COLOURS = ("#5b6ee1", "#c7683c", "#3c9a5f", "#b04a8f", "#6d8a1f", "#2b8fa3", "#a0522d", "#7a6bb5")
+RULE_COLOURS = ("#566adf", "#b45a30", "#2f8050", "#b04a8f", "#5f791b", "#257d8f", "#a0522d", "#7a6bb5")
+"""White stands on them."""
 PLOT_POINTS = 260
 WAITED = 0.015
 """Seconds: less is no wait, as switches follow each other a hundredth apart."""
