@@ -11,7 +11,7 @@ import numpy as np
 from ...langs.frozen import dataclass
 from ..hulls import Array, Hull, hull, top_edges
 from ..ir import Shape, ShapeKind, SolidPart
-from ..physics.masses import DENSITY
+from ..physics.masses import DENSITY, parts_volume
 from .kinematics import Expression, Frame, axis, compose, unrotate
 
 SMOOTH = 1e-10
@@ -216,7 +216,7 @@ def radius(solid: DistanceShape) -> Expression:
 def mass(solid: DistanceShape) -> Expression:
     """Kilograms of a solid shape at the density of water."""
     if solid.parts:
-        return sum(mass(part) for part in solid.solids)
+        return ca.SX(DENSITY * parts_volume(solid.parts))
     size = solid.size
     if solid.kind == ShapeKind.CONVEX:
         return ca.SX(DENSITY * _hull(solid).volume)

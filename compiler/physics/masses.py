@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import pairwise
 
-from ..ir import Body, ModuleType, Pose, Shape, ShapeKind
+from ..ir import Body, ModuleType, Pose, Shape, ShapeKind, SolidPart
 
 GRAVITY = 9.81
 """Metres per second squared."""
@@ -15,9 +16,9 @@ DENSITY = 1000.0
 
 
 def shape_mass(shape: Shape, density: float = DENSITY) -> float:
-    """Kilograms of a solid shape; where its parts overlap, they count twice."""
+    """Kilograms of a solid shape; where boxes that it is made of overlap, they count once."""
     if shape.parts:
-        return sum(shape_mass(part.shape, density) for part in shape.parts)
+        return density * parts_volume(shape.parts)
     size = shape.size
     if shape.kind == ShapeKind.CONVEX:
         from ..hulls import hull
@@ -33,13 +34,16 @@ def shape_mass(shape: Shape, density: float = DENSITY) -> float:
 
 
 def shape_volume(shape: Shape) -> float:
-    """Cubic metres of a solid shape; where boxes that it is made of overlap, they count once."""
-    boxes = [p for p in shape.parts if p.shape.kind == ShapeKind.BOX]
-    if len(boxes) < 2:
-        return shape_mass(shape, 1.0)
+    """Cubic metres of a solid shape."""
+    return shape_mass(shape, 1.0)
+
+
+@lru_cache(maxsize=256)
+def parts_volume(parts: tuple[SolidPart, ...]) -> float:
+    """Cubic metres of the parts of a shape together; where boxes among them overlap, they count once."""
+    boxes = [p for p in parts if p.shape.kind == ShapeKind.BOX]
     spans = [tuple((c - s / 2, c + s / 2) for c, s in zip(p.at, p.shape.size, strict=True)) for p in boxes]
-    others = sum(shape_mass(p.shape, 1.0) for p in shape.parts if p.shape.kind != ShapeKind.BOX)
-    return others + _covered(spans)
+    return sum(shape_volume(p.shape) for p in parts if p.shape.kind != ShapeKind.BOX) + _covered(spans)
 
 
 def _covered(boxes: Sequence[tuple[tuple[float, float], ...]]) -> float:
@@ -66,7 +70,7 @@ def body_mass(body: Body) -> float:
 
 def module_masses(module: ModuleType) -> tuple[tuple[int, Pose, float], ...]:
     """Per weight of a module: the joint that carries it (-1: the module frame), where its centre is there, its mass in
-    kilograms. The drive of a joint sits where the joint is, on what carries it. Overlaps count twice."""
+    kilograms. The drive of a joint sits where the joint is, on what carries it. Where parts overlap, both count."""
     found = [
         (e.joint, e.placement, part_mass(e.shape, e.mass)) for e in module.effectors if e.shape is not None
     ]

@@ -17,8 +17,9 @@ Node = tuple[str, int]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Weights:
-    """What is fixed to each node that states a mass, in its own frame, and the greatest torque of joints that state
-    one, by module and joint, N m (N). The nodes of a module of which any part states one are all here, by `modules`."""
+    """What is fixed to each node that states a mass or is a body of several parts, in its own frame, and the greatest
+    torque of joints that state one, by module and joint, N m (N). The nodes of a module of which any part states one
+    are all here, by `modules`."""
 
     solids: dict[Node, Solid]
     torques: dict[tuple[str, str], float]
@@ -66,7 +67,7 @@ def _stated(plan: Plan) -> Weights:
             named.add(name)
             for joint, w in module_weights(kind).items():
                 solids[name, joint] = Solid(w.mass, w.centre, w.inertia)
-    bodies = [(name, -1) for name, body in problem.world.bodies.items() if body.mass is not None]
+    bodies = [(name, -1) for name, b in problem.world.bodies.items() if b.mass is not None or b.shape.parts]
     for node, w in node_weights(problem, bodies).items():
         solids[node] = Solid(w.mass, w.centre, w.inertia)
     return Weights(solids, torques, frozenset(named))

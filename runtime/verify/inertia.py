@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,7 +17,9 @@ KILOGRAMS_PER_LITRE = 1.0
 def mass_of(shape: ir.Shape) -> float:
     """Kilograms of a solid shape given in metres, at the density of water."""
     if shape.parts:
-        return sum(mass_of(part.shape) for part in shape.parts)
+        boxes = [part for part in shape.parts if part.shape.kind == ir.ShapeKind.BOX]
+        others = sum(mass_of(part.shape) for part in shape.parts if part.shape.kind != ir.ShapeKind.BOX)
+        return others + 1000.0 * KILOGRAMS_PER_LITRE * _filled(boxes)
     if shape.kind == ir.ShapeKind.CONVEX:
         return 1000.0 * KILOGRAMS_PER_LITRE * volume(shape.size)
     match shape.kind, [10.0 * s for s in shape.size]:
@@ -31,6 +34,25 @@ def mass_of(shape: ir.Shape) -> float:
         case _:
             litres = 0.0
     return float(KILOGRAMS_PER_LITRE * litres)
+
+
+def _filled(boxes: Sequence[ir.SolidPart]) -> float:
+    """Cubic metres that boxes fill together: layer by layer between their ends in z, the cells of each one on the grid
+    of the sides of those that it cuts."""
+    if not boxes:
+        return 0.0
+    middles, halves = np.array([b.at for b in boxes]), 0.5 * np.array([b.shape.size for b in boxes])
+    low, high, total = middles - halves, middles + halves, 0.0
+    levels = np.unique([low[:, 2], high[:, 2]])
+    for bottom, top in pairwise(levels):
+        cut = (low[:, 2] <= bottom) & (high[:, 2] >= top)
+        across, along = (np.unique([low[cut, k], high[cut, k]]) for k in (0, 1))
+        filled = np.zeros((max(len(across) - 1, 0), max(len(along) - 1, 0)), dtype=bool)
+        for near, far in zip(low[cut], high[cut], strict=True):
+            x, y = (slice(*np.searchsorted(grid, (near[k], far[k]))) for k, grid in ((0, across), (1, along)))
+            filled[x, y] = True
+        total += (top - bottom) * float(np.diff(across) @ filled @ np.diff(along))
+    return float(total)
 
 
 def moments(shape: ir.Shape, mass: float) -> Array:

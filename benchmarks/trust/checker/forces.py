@@ -30,7 +30,40 @@ STILL = 1e-5
 def mass_of(shape: ir.Shape | None, stated: float | None) -> float:
     if shape is None:
         return 0.0
-    return WATER * volume(solid_of(shape.kind, list(shape.size))) if stated is None else stated
+    if stated is not None:
+        return stated
+    boxes = [(np.subtract(b.at, np.divide(b.shape.size, 2)), np.add(b.at, np.divide(b.shape.size, 2)))
+             for b in shape.parts if b.shape.kind == "box"]  # fmt: skip
+    others = [p.shape for p in shape.solids if p.shape.kind != "box" or not shape.parts]
+    filled = sum(float(np.prod(high - low)) for low, high in _apart(boxes))
+    return WATER * (filled + sum(volume(solid_of(s.kind, list(s.size))) for s in others))
+
+
+def _apart(boxes: Sequence[tuple[Matrix, Matrix]]) -> list[tuple[Matrix, Matrix]]:
+    """Boxes, by their least and greatest corners, that fill the same space and do not overlap: each box without those
+    before it."""
+    made: list[tuple[Matrix, Matrix]] = []
+    for box in boxes:
+        left = [box]
+        for low, high in list(made):
+            left = [piece for one in left for piece in _without(one, low, high)]
+        made += left
+    return made
+
+
+def _without(box: tuple[Matrix, Matrix], low: Matrix, high: Matrix) -> Iterator[tuple[Matrix, Matrix]]:
+    """What is left of a box beside another one, cut along one axis after the other."""
+    near, far = box[0].astype(float), box[1].astype(float)
+    if (near >= high).any() or (far <= low).any():
+        yield near, far
+        return
+    for axis in range(3):
+        for cut, below in ((low[axis], True), (high[axis], False)):
+            if near[axis] < cut < far[axis]:
+                first, second = near.copy(), far.copy()
+                (second if below else first)[axis] = cut
+                yield first, second
+                (near if below else far)[axis] = cut
 
 
 def weights(problem: ir.Problem) -> Iterator[tuple[Node, Matrix, float]]:
