@@ -41,6 +41,8 @@ class LoadPlot:
     time: float
     share: float
     """Of the limit, 0 where there is none."""
+    marks: list[tuple[float, str]]
+    """Where numbers stand at the axis, in percent from above, and what they say."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,7 +204,10 @@ def _plot(plan: Plan, name: str, detail: str, stretches: Sequence[Stretch], limi
     limits = [height(v) for v in ((limit, -limit) if signed else (limit,))] if limited else []
     said = f"{peak:.3g} {unit}".strip() if signed else f"{100.0 * peak:.3g} %"
     bound = f"of {limit:.3g} {unit}" if signed and limited else "" if limited else "no limit"
-    return LoadPlot(name, detail, paths, limits, said, bound, time, peak / limit if limited else 0.0)
+    top = limit if limited else peak
+    marks = [(height(top), f"{top:.3g} {unit}" if signed else f"{100.0 * top:.3g} %"), (height(0.0), "0")]
+    marks += [(height(-top), f"−{top:.3g}")] if signed else []
+    return LoadPlot(name, detail, paths, limits, said, bound, time, peak / limit if limited else 0.0, marks)
 
 
 def _thinned(times: Array, values: Array, most: int) -> Stretch:

@@ -28,6 +28,12 @@ class RatePlot:
     limit_y: float
     lower_y: float
 
+    @property
+    def marks(self) -> list[tuple[float, str]]:
+        """Where numbers stand at the axis, in percent from above, and what they say."""
+        shown = self.limit if self.limit < NO_LIMIT else self.peak
+        return [(self.limit_y, f"{shown:.3g} {self.unit}"), (50.0, "0"), (self.lower_y, f"−{shown:.3g}")]
+
 
 @dataclass(frozen=True, slots=True)
 class ModuleRates:

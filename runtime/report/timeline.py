@@ -270,6 +270,8 @@ class Plot:
     upper_y: float
     peak: float
     column: int
+    marks: list[tuple[float, str]]
+    """Where numbers stand at the axis, in percent from above, and what they say."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -313,4 +315,5 @@ def plot(joint: JointRecord, across: Array, values: Array, column: int) -> Plot:
     points = " ".join(f"{x:.1f},{height(float(v))}" for x, v in zip(across, values, strict=True))
     unit = "rad" if joint.kind == JointKind.REVOLUTE else "m"
     peak = float(values[int(np.argmax(np.abs(values)))])
-    return Plot(joint.name, unit, lower, upper, points, height(lower), height(upper), peak, column)
+    marks = [(height(high - margin), f"{high - margin:.3g} {unit}"), (height(low + margin), f"{low + margin:.3g}")]
+    return Plot(joint.name, unit, lower, upper, points, height(lower), height(upper), peak, column, marks)

@@ -22,7 +22,10 @@ def test_loads_stand_beside_their_limits_and_the_weakest_part_is_named() -> None
     assert loads.weakest.share == pytest.approx(MOMENT / 2.5, rel=1e-6)
     (lift,) = [p for m in loads.drives for p in m.plots if p.name == "lift"]
     assert lift.peak == f"{MOMENT:.3g} N m" and lift.limit == "of 2.5 N m" and len(lift.limits) == 2
+    assert [text for _, text in lift.marks] == ["2.5 N m", "0", "−2.5"]
+    assert [y for y, _ in lift.marks[::2]] == lift.limits
     (foot,) = loads.pairs
+    assert [text for _, text in foot.marks] == ["100 %", "0"]
     assert foot.name == "a.foot and slab" and foot.share == pytest.approx(MOMENT / 20.0, rel=1e-6)
     (picture,) = build_support(plan)
     (robot,) = picture.robots

@@ -43,3 +43,9 @@ def test_peaks_are_those_of_the_splines() -> None:
 def test_the_page_has_the_curves_with_limits() -> None:
     page = render_report(splined())
     assert 'id="rates"' in page and "acceleration of j" in page
+    first = build_rates(splined())[0].plots[0]
+    assert [text for _, text in first.marks] == [f"{first.limit:.3g} rad/s", "0", f"−{first.limit:.3g}"]
+    section = page.split('id="rates"')[1].split("</section>")[0]
+    for y, text in first.marks:
+        assert f'<span style="top:{y}%">{text}</span>' in section
+    assert f"<span>0</span><span>{splined().times[-1]:.3g} s</span>" in section
