@@ -48,17 +48,35 @@ def is_region(type_: str | None, types: Mapping[str, str | None]) -> bool:
 
 def _flat_on(body: ir.Body, other: ir.Body) -> bool:
     """Whether no corner of a body is farther than the tolerance from another one, which is thicker."""
-    from ..symbolic.geometry import Placed, shape_distance
-
     if min(box_sides(other.shape)) <= min(box_sides(body.shape)):
         return False
-    point, at = ir.Shape(ir.ShapeKind.SPHERE, (0.0,)), position(body.pose)
-    for corner in _outermost(body.shape):
-        x, y, z = (a + b for a, b in zip(at, rotate(orientation(body.pose), corner), strict=True))
-        placed = Placed(point, (x, y, z, 0.0, 0.0, 0.0, 1.0))
-        if shape_distance(placed, Placed(other.shape, other.pose)) > TOLERANCE + ROUNDING:
+    at, near = position(body.pose), TOLERANCE + ROUNDING
+    corners = [_sum(at, rotate(orientation(body.pose), corner)) for corner in _outermost(body.shape)]
+    if any(_from_box(corner, other) > near for corner in corners):
+        return False
+    if other.shape.kind == ir.ShapeKind.BOX and not other.shape.parts:
+        return True
+    # NumPy, which that loads, is slow to load: plain arithmetic tells of most things.
+    from ..symbolic.geometry import Placed, shape_distance
+
+    point = ir.Shape(ir.ShapeKind.SPHERE, (0.0,))
+    for corner in corners:
+        placed = Placed(point, (*corner, 0.0, 0.0, 0.0, 1.0))
+        if shape_distance(placed, Placed(other.shape, other.pose)) > near:
             return False
     return True
+
+
+def _from_box(point: ir.Vec3, body: ir.Body) -> float:
+    """How far a point of the world is from the box around a body along its own axes, metres; 0 within."""
+    x, y, z, w = orientation(body.pose)
+    x0, y0, z0 = position(body.pose)
+    local = rotate((-x, -y, -z, w), (point[0] - x0, point[1] - y0, point[2] - z0))
+    return math.hypot(*(max(abs(v) - side / 2.0, 0.0) for v, side in zip(local, box_sides(body.shape), strict=True)))
+
+
+def _sum(one: ir.Vec3, other: ir.Vec3) -> ir.Vec3:
+    return one[0] + other[0], one[1] + other[1], one[2] + other[2]
 
 
 def _outermost(shape: ir.Shape) -> list[ir.Vec3]:

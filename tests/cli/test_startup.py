@@ -19,6 +19,7 @@ HEAVY = {"casadi", "pinocchio", "coal", "numpy", "scipy", "meshcat", "rich", "ji
         ["--version"],
         ["check", str(ROOT / "examples" / "climb.tamp")],
         ["check", str(ROOT / "examples" / "tow.tamp")],
+        ["check", str(ROOT / "examples" / "payload.tamp")],
         ["explain", "E0101"],
         ["fmt", "--check", str(ROOT / "tamplang" / "cli" / "starter.tamp")],
     ],
