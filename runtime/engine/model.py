@@ -45,8 +45,11 @@ LIGHTEST = 0.02
 
 
 def load_mujoco() -> PythonModule:
-    """MuJoCo. Raises MissingLibrary."""
-    return load_native("mujoco", "'tamplang[sim]'")
+    """MuJoCo. Its warnings, which it would print and write to a file here, are found in its data. Raises
+    MissingLibrary."""
+    mujoco = load_native("mujoco", "'tamplang[sim]'")
+    mujoco.set_mju_user_warning(lambda _: None)
+    return mujoco
 
 
 @dataclass(slots=True)

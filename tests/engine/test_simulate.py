@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -119,3 +120,16 @@ def test_without_a_display_nothing_is_shown(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "tamplang", "simulate", str(path), "--view"]
     process = subprocess.run(command, capture_output=True, text=True, check=False, env=bare)
     assert process.returncode != 0 and "S0014" in process.stderr
+
+
+def test_a_simulation_that_breaks_down_is_told_and_leaves_no_file(tmp_path: Path) -> None:
+    text = TEXT.format(drive="60 N m", grip="200 N", physics="none").replace("goal (on tray item)", "goal (held item)")
+    text = text.replace("on shelf mass 1 kg", "on shelf mass 1000000 kg").replace("mass 1 kg", "mass 0.1 g")
+    text = re.sub(r" torque 60 N m( mass 0.5 kg)?|\s+holds \w+\([^)]*\)", "", text).replace("200 g", "0.01 g")
+    problem, _ = compile_text(text.replace(" mass 350 g", ""), "t.tamp")
+    write_plan(solve(problem, SolveOptions(time=60.0)).plans[0], tmp_path / "t.plan.json")
+    process = subprocess.run(
+        [sys.executable, "-m", "tamplang", "simulate", "t.plan.json"], capture_output=True, text=True, cwd=tmp_path
+    )
+    assert process.returncode == 5 and process.stdout.startswith("S0013: the simulation broke down at 1.")
+    assert process.stderr == "" and [p.name for p in tmp_path.iterdir()] == ["t.plan.json"]
