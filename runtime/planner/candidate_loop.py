@@ -11,7 +11,7 @@ from itertools import count
 from ...compiler.ir import Problem
 from ...compiler.symbolic.strain import Strain
 from ...compiler.symbolic.successors import Successors
-from ..budget import Budget, Status
+from ..budget import Budget, OutOfTime, Status
 from ..skeleton import Bound, Skeleton
 from .bounds.multi_bound import MultiBound
 from .bounds.settings import BOUNDS
@@ -90,7 +90,12 @@ class CandidateLoop:
         """What the bounds say of a candidate, whose `skeleton` may be its beginning; refusals are learnt from, but for
         `brisk` ones. Raises OutOfTime."""
         strains = self.strain.along(candidate.numbers[: len(skeleton)])
-        judgement = self.bounds.judge(skeleton, strains, motions, brisk)
+        try:
+            judgement = self.bounds.judge(skeleton, strains, motions, brisk)
+        except OutOfTime:
+            for conflict in self.bounds.cut_short():
+                self.refusals.add(replace(skeleton, problem=self.refusals.problem), conflict)
+            raise
         blamed = {conflict.last for conflict in judgement.conflicts}
         for conflict in judgement.conflicts:
             if conflict.bound != Bound.EXPECTED:

@@ -79,8 +79,9 @@ def test_a_crate_is_pushed_along_a_table_over_a_mark(text: str, seed: int) -> No
 
 def test_a_step_on_the_table_is_in_the_way() -> None:
     step = FLAT.replace("1 mm", "1 cm").replace("0.0405", "0.045")
-    result = tamplang.loads(program(mark=step)).solve(time=60.0)
+    result = tamplang.loads(program(mark=step)).solve(time=12.0)
     assert result.plan is None
+    assert any("P_seqPath refuses letGo" in d.message for d in result.explanation), result.explanation
 
 
 @pytest.mark.parametrize(

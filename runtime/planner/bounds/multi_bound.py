@@ -59,7 +59,12 @@ class MultiBound(Solves):
         limits (`symbolic.strain`). With `motions` only so many phases get their motion, and P_seq looks farther ahead.
         A `brisk` refusal of what only goes wrong together has no conflicts. Raises OutOfTime."""
         self.ahead.forget()
+        self.cut = None
         return self.unit.judgement(self._judged(self.unit.skeleton(skeleton), strains, motions, brisk))
+
+    def cut_short(self) -> Sequence[Conflict]:
+        """What was in the way of the candidate during whose judgement time ran out, as far as its motion was asked."""
+        return [] if self.cut is None else self.unit.judgement(Judgement(False, conflicts=[self.cut])).conflicts
 
     def _judged(
         self, skeleton: Skeleton, strains: Sequence[float], motions: int | None, brisk: bool

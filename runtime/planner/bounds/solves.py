@@ -40,6 +40,8 @@ class Solves:
     ahead: Speculation = field(default_factory=Speculation)
     clock: Clock = field(default_factory=Clock, init=False)
     tries: int | None = field(default=BOUNDS.quick_starts, init=False)
+    cut: Conflict | None = field(default=None, init=False)
+    """Of a candidate whose motion is being looked for: what was in the way of the last one, should time run out."""
     _counts: dict[Bound, list[int]] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -73,6 +75,26 @@ class Solves:
             return soon
         result = self._sequence_path(first, sequence, thorough=False)
         blamed = [{v.phase for v in result.violations}]
+        if not result.feasible:
+            self.cut = blame(Bound.SEQ_PATH, result, blamed, len(first))
+        sequence, result = self._redrawn(skeleton, first, sequence, result, blamed)
+        if result.feasible:
+            self.cut = None
+            return self._timed(first, result, sequence.configurations[len(first) + 1 :])
+        bound = Bound.SEQ_PATH
+        if self.finest == Bound.PATH and not all(v.kind in LOADS for v in result.violations):
+            known = sequence.configurations[: len(first) + 1]
+            free = self._path(first, replace(sequence, configurations=known))
+            if free.feasible:
+                return self._timed(first, free, [])
+            bound = Bound.PATH
+        return Judgement(False, conflicts=[blame(bound, result, blamed, len(first))])
+
+    def _redrawn(
+        self, skeleton: Skeleton, first: Skeleton, sequence: BoundResult, result: BoundResult, blamed: list[set[int]]
+    ) -> tuple[BoundResult, BoundResult]:
+        """The switches of a skeleton and the motion of its `first` phases between them, drawn anew until they have one;
+        `blamed` is told which phases had none. Raises OutOfTime."""
         held: set[frozenset[int]] = set()
         mends = MENDS if len(skeleton) > KEYFRAMES.longest_whole else ()
         draws, loaded = self._draws(first), 0
@@ -99,16 +121,8 @@ class Solves:
                 path = self._sequence_path(first, sequence, draw not in QUICK_MENDS, before, seed)
             result = path
             blamed.append({v.phase for v in result.violations})
-        if result.feasible:
-            return self._timed(first, result, sequence.configurations[len(first) + 1 :])
-        bound = Bound.SEQ_PATH
-        if self.finest == Bound.PATH and not all(v.kind in LOADS for v in result.violations):
-            known = sequence.configurations[: len(first) + 1]
-            free = self._path(first, replace(sequence, configurations=known))
-            if free.feasible:
-                return self._timed(first, free, [])
-            bound = Bound.PATH
-        return Judgement(False, conflicts=[blame(bound, result, blamed, len(first))])
+            self.cut = blame(Bound.SEQ_PATH, result, blamed, len(first))
+        return sequence, result
 
     def _shortened(self, skeleton: Skeleton, sequence: BoundResult, first: Skeleton) -> Judgement | None:
         """Motion of the first phases between switches that were moved for the sake of the objective; None where these

@@ -56,7 +56,7 @@ class Refusals:
             return [Diagnostic("S0002", "no sequence of actions was found that is not expected to be refused")]
         if status not in ENDINGS:
             return self.most_telling()
-        return [ended(status, f"after {len(self._found)} refusals"), *self.most_telling()]
+        return [ended(status, f"after {counted(len(self._found), 'refusal')}"), *self.most_telling()]
 
     def most_telling(self) -> list[Diagnostic]:
         """The refusals: those of the fewest actions first, then those that were met most often, then the smallest miss;
@@ -206,7 +206,7 @@ class Refusals:
 def _with_rest(told: list[Diagnostic], more: int) -> list[Diagnostic]:
     """Diagnostics that end by how many refusals are not told."""
     if told and more:
-        told[-1] = replace(told[-1], note="; ".join(filter(None, (told[-1].note, f"{more} more refusals"))))
+        told[-1] = replace(told[-1], note="; ".join(filter(None, (told[-1].note, counted(more, "more refusal")))))
     return told
 
 
