@@ -19,8 +19,9 @@ from . import contacts, welds
 from .conditions import Conditions, Watch
 from .model import STEP, UNLIMITED, EngineWorld, build
 
-SETTLED = 0.05
-"""Seconds after a switch in which the blow of fastening does not count against a weld."""
+SETTLED = 0.1
+"""Seconds after a switch in which the blow of fastening does not count against a weld: so long a thing of 2 kg that an
+arm takes swings on the springs of its drives by 0.04 N, a tenth of the weakest grips that hold one."""
 LOOKED = 5
 """Every so many steps the welds are looked at."""
 Edges = dict[tuple[Node, Node], Edge | None]
