@@ -154,7 +154,8 @@ def misspelt(source: Source, token: Token, keyword: str) -> Diagnostic:
 def lacking(source: Source, sign: str, before: Sequence[Token], found: Token) -> Diagnostic:
     """One sign lacks between the tokens `before` and `found`."""
     opening = _CLOSING.get(sign)
-    opened = None if opening is None else _unclosed(source, before, opening)
+    opened, taken = (None, None) if opening is None else _unclosed(source, before, opening)
+    found = taken or found
     after = f" after `{before[-1]}`" if before else ""
     if opened is None:
         return Diagnostic("E0003", f"missing `{sign}`{after}", _gap(source, before, found))
@@ -168,25 +169,29 @@ def lacking(source: Source, sign: str, before: Sequence[Token], found: Token) ->
     )
 
 
-def _unclosed(source: Source, before: Sequence[Token], opening: str) -> Token | None:
-    """The bracket that lacks its partner. A closing brace at the start of a line that is indented differently from
-    the line of its opening brace shows that it was meant for an outer one."""
+def _unclosed(source: Source, before: Sequence[Token], opening: str) -> tuple[Token | None, Token | None]:
+    """The bracket that lacks its partner, and the closing one that it took from an outer block, if any. A closing
+    brace at the start of a line that is indented differently from the line of its opening brace shows that it was
+    meant for an outer one; the first such since a declaration began."""
     stack: list[Token] = []
     suspect: Token | None = None
+    taken: Token | None = None
     for token in before:
         if token.type in _OPENERS:
             stack.append(token)
         elif token.type in _CLOSERS and stack:
             partner = stack.pop()
-            if token.type != "RBRACE":
+            if not stack:
+                suspect = taken = None
+            if token.type != "RBRACE" or suspect is not None or not stack:
                 continue
             text = source.line(token.line or 1)
             if text.lstrip().startswith("}") and _indent(text) != _indent(source.line(partner.line or 1)):
-                suspect = partner
+                suspect, taken = partner, token
     open_ones = [t for t in stack if t == opening]
     if opening == "{" and suspect is not None:
-        return suspect
-    return open_ones[-1] if open_ones else None
+        return suspect, taken
+    return (open_ones[-1] if open_ones else None), None
 
 
 def _indent(line: str) -> int:

@@ -98,8 +98,9 @@ def _sign(text: str, start: int, hint: str) -> Iterator[Fix]:
 
 def _insertion(text: str, at: int, sign: str) -> Fix:
     blank = " " if sign[0].isalpha() or sign == "{" else ""
-    if sign == "}" and (at == 0 or text[at - 1] == "\n" or at >= len(text)):
-        return Fix("Insert `}`", ((at, at, "}\n" if text[:at].endswith("\n") else "\n}"),))
+    before = text[text.rfind("\n", 0, at) + 1 : at]
+    if sign == "}" and (not before.strip() or at >= len(text)):
+        return Fix("Insert `}`", ((at, at, "\n}" if before.strip() else f"}}\n{before}"),))
     return Fix(f"Insert `{sign}`", ((at, at, f"{blank}{sign}{blank}" if blank else sign),))
 
 

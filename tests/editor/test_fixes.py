@@ -11,6 +11,10 @@ from tamplang.langs.source import Source
 
 RULES = "import std.rules\n\n"
 TASK = "import std.rules\n\ntask t() {{\n    object b: sphere(4 cm) at (0, 0, 0)\n    fact (grippable b)\n    {}\n}}\n"
+LOOPS = (
+    RULES + "task t(n: int) {\n    for i in 1 .. n {\n        for j in 1 .. n {\n"
+    "            base s[i][j]: box(1 m, 1 m, 1 m) at (0, 0, 0)\n"
+)
 CRAWLER = "import std.crawler\nimport std.rules\n\ntask t() {\n    base ground: box(2 m, 2 m, 5 cm) at (0, 0, 0)\n"
 
 
@@ -36,6 +40,7 @@ def checked(text: str) -> list[Diagnostic]:
         (TASK.format("goal (held b)\n    // a remark"), "# a remark"),
         (TASK.format("goal (held b)\n    object c: sphere(5 cm) at (1 m, 0, 0) heading 90"), "heading 90 "),
         (CRAWLER + "    crawler c: C on ground\n    goal (held ground)\n}\n", "crawler c: A on"),
+        (LOOPS + "    }\n    goal (held b)\n}\n\ntype a < object\n", "    }\n    }\n    goal"),
         ("predicate (p A: gripper)\n", "import std.logic"),
         ("import std.rule\n", "import std.rules"),
         ("import rules\n", "import std.rules"),
