@@ -98,5 +98,7 @@ def _fault(option: Option, value: object) -> str | None:
 
             spelled(value)
         return None if isinstance(value, str | Objective) else "an objective such as makespan + 0.1 * travel"
-    number = isinstance(value, int | float) and not isinstance(value, bool) and value == value
-    return None if number else "a number of seconds" if option.kind == "time" else "a length in metres"
+    number = value if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
+    if option.kind == "time":
+        return None if number > 0 else "a number of seconds above 0"
+    return None if number >= 0 else "a length in metres from 0"

@@ -31,7 +31,8 @@ task one {
         ({"bound": "pth"}, "option `bound` is one of seq, seq-path, path, not 'pth'; did you mean `path`?"),
         ({"nodes": 0}, "option `nodes` is a whole number from 1, not 0"),
         ({"solutions": 1001}, "option `solutions` is a whole number from 1 to 1000, not 1001"),
-        ({"time": float("nan")}, "option `time` is a number of seconds, not nan"),
+        ({"time": float("nan")}, "option `time` is a number of seconds above 0, not nan"),
+        ({"time": -1.0}, "option `time` is a number of seconds above 0, not -1.0"),
     ],
 )
 def test_an_unfit_option_is_named(given: dict[str, Any], told: str) -> None:
