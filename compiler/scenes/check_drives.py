@@ -23,7 +23,16 @@ def check_drives(findings: Findings, problem: ir.Problem) -> None:
         own = {f"{module.name}.{e.name}" for e in module.type.effectors} | {module.name}
         driven = any(not j.passive for j in module.type.joints)
         others = (problem.objects.keys() if driven else drivers) - own
-        if not any((a & own and b & others) or (b & own and a & others) for a, b in held):
+        endless = _endless(module.type)
+        if endless:
+            names = ", ".join(f"`{name}`" for name in endless)
+            findings.report(
+                "W0013",
+                module.span,
+                f"nothing can move {names} of `{module.name}`: no effector lies behind by which it could be held",
+                help="write an `effector` behind the joint",
+            )
+        elif not any((a & own and b & others) or (b & own and a & others) for a, b in held):
             names = ", ".join(f"`{j.name}`" for j in module.type.joints if j.passive)
             findings.report(
                 "W0013",
@@ -31,6 +40,19 @@ def check_drives(findings: Findings, problem: ir.Problem) -> None:
                 f"nothing can move {names} of `{module.name}`: no rule has anything with drives hold it",
                 help="a rule that takes hold adds a motion literal with a `keep` row, such as `[stable A H]`",
             )
+
+
+def _endless(type_: ir.ModuleType) -> list[str]:
+    """The joints without drives that carry no effector, and are coupled to none that do."""
+    behind: set[int] = set()
+    for end in type_.effectors:
+        index = end.joint
+        while index >= 0:
+            behind.add(index)
+            index = type_.joints[index].parent
+    leaders = {k: j.follows.leader if j.follows is not None else k for k, j in enumerate(type_.joints)}
+    moved = {leaders[index] for index in behind}
+    return [j.name for k, j in enumerate(type_.joints) if j.passive and leaders[k] not in moved]
 
 
 def _holds(problem: ir.Problem, rule: ir.Rule) -> list[tuple[frozenset[str], frozenset[str]]]:

@@ -125,6 +125,29 @@ def test_nothing_opens_by_itself() -> None:
     assert warning.code == "W0013" and warning.span is not None and "`slide` of `d`" in warning.message
 
 
+def test_what_has_no_end_behind_its_joint_is_told_whatever_rules_there_are() -> None:
+    """The rules of std.mechanisms take hold of other things; a flap without a handle they cannot."""
+    text = """import std.mechanisms
+import std.crawler
+module flap {
+    effector F: root box(2 mm, 2 mm, 2 mm) normal (0, 0, -1)
+    link 10 cm
+    joint h: revolute(y) in 0 deg .. 90 deg passive
+    link 10 cm: capsule(1 cm)HANDLE
+}
+task t {
+    base ground: box(2 m, 2 m, 2 cm) at (0, 0, 0)
+    crawler c: A on ground
+    flap f: F on ground at (60 cm, 0)
+    drawer d: F on ground at (-60 cm, 0)
+    goal (open d.H)
+}"""
+    (told,) = (d for d in check_sources([Source("t.tamp", text.replace("HANDLE", ""))]) if d.code == "W0013")
+    assert "`h` of `f`: no effector lies behind" in told.message
+    held = text.replace("HANDLE", "\n    effector H: knob sphere(1 cm)")
+    assert "W0013" not in {d.code for d in check_sources([Source("t.tamp", held)])}
+
+
 def test_what_the_rules_have_moved_by_others_only_has_no_drives() -> None:
     assert "slide of d cannot move: no drive" in (refused(OWN_WORDS, "t").explanation[0].note or "")
     problem, warnings = compile_text(OWN_WORDS, task="beside")
