@@ -66,6 +66,8 @@ class ClearancePlot:
     time: float
     first: str
     second: str
+    marks: list[tuple[float, str]]
+    """Where numbers stand at the axis, in percent from above, and what they say."""
 
 
 def build_clearance(plan: Plan) -> list[ClearancePlot]:
@@ -83,9 +85,9 @@ def _plot(found: Clearance, total: float) -> ClearancePlot:
     across = 1000.0 * found.times / max(total, 1e-9)
     path = " ".join(f"{across[k]:.1f},{height(float(found.distance[k]))}" for k in known)
     worst = int(known[found.distance[known].argmin()])
-    return ClearancePlot(
-        found.module, path, height(0.0), float(found.distance[worst]), float(found.times[worst]), *found.between[worst]
-    )
+    least, time = float(found.distance[worst]), float(found.times[worst])
+    marks = [(height(high), f"{high:.3g} m"), (height(0.0), "0")]
+    return ClearancePlot(found.module, path, height(0.0), least, time, *found.between[worst], marks)
 
 
 def clearances(plan: Plan) -> list[Clearance]:

@@ -13,7 +13,7 @@ from ...langs.writer import write_atomically
 from ..plan import Plan
 from .clearance import build_clearance
 from .render import FOLDER, environment, render_report, script_hash, script_text
-from .view import figure, measure_name
+from .view import figure, machine, measure_name
 
 NOISE = 1e-3
 """What part of its limit a figure has to be, to be told."""
@@ -59,6 +59,8 @@ def figures(first: Plan, second: Plan) -> list[Difference]:
         Difference("Least clearance", _clearance(first), _clearance(second)),
         Difference("Search tree", f"{first.statistics.tree_nodes} nodes", f"{second.statistics.tree_nodes} nodes"),
     ]
+    computed = Difference("Computed on", machine(first) or "–", machine(second) or "–")
+    rows += [computed] if machine(first) or machine(second) else []
     left, right = (_measured(plan) for plan in (first, second))
     return rows + [Difference(measure_name(kind), left[kind], right[kind]) for kind in left if kind in right]
 

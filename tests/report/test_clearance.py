@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from tamplang.runtime.plan import BodyRecord, Plan, ShapeRecord
 from tamplang.runtime.report import render_report
-from tamplang.runtime.report.clearance import clearances
+from tamplang.runtime.report.clearance import build_clearance, clearances
 
 from .sample import climb_plan, dock_plan, tip
 
@@ -54,3 +54,8 @@ def test_the_page_tells_where_and_when() -> None:
     assert "between c[1]" in section and "data-seek" in section
     points = re.findall(r'points="([^"]+)"', section)[0].split()
     assert all(float(b.split(",")[0]) >= float(a.split(",")[0]) for a, b in pairwise(points))
+    for plot in build_clearance(climb_plan()):
+        numbers = {text: y for y, text in plot.marks}
+        heights = [float(point.split(",")[1]) for point in plot.path.split()]
+        (top,) = (text for text in numbers if text.endswith(" m"))
+        assert numbers["0"] == plot.zero_y and numbers[top] == min(heights) and top in section

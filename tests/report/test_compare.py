@@ -8,6 +8,7 @@ import msgspec
 from click.testing import CliRunner
 
 from tamplang.cli.app import application
+from tamplang.runtime.plan import MachineRecord, TimingRecord
 from tamplang.runtime.plan_files import write_plan
 from tamplang.runtime.report.clearance import build_clearance
 from tamplang.runtime.report.compare import actions, figures
@@ -24,6 +25,11 @@ def test_what_differs_is_told_in_figures_and_actions(tmp_path: Path) -> None:
     far = min(build_clearance(first), key=lambda c: c.least)
     assert told["Least clearance"][0] == f"{1000.0 * far.least:.1f} mm, {far.first} and {far.second}"
     assert "n = " in told["Parameters"][0]
+    assert "Computed on" not in told
+    machine = MachineRecord("Abacus", "x86_64", 4, "Linux 6.1")
+    timed = msgspec.structs.replace(first, timing=TimingRecord({"total": 3.0}, machine=machine))
+    (row,) = (row for row in figures(timed, second) if row.name == "Computed on")
+    assert (row.first, row.second) == ("Abacus (x86_64), 4 cores, Linux 6.1", "–")
     rows = actions(first, second)
     assert [row.first for row in rows] == [phase.action for phase in first.phases]
     assert [row.same for row in rows] == [True] * (len(rows) - 1) + [False] and rows[-1].second == ""
