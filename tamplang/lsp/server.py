@@ -12,6 +12,7 @@ from pygls.exceptions import JsonRpcInvalidParams
 from pygls.lsp.server import LanguageServer
 
 from .. import __version__
+from ..langs.source import Source
 from . import completion, hover, inlays, layout, navigation, renaming, signatures, symbols, tokens
 from .actions import code_actions
 from .diagnostics import Published, by_address, found_in
@@ -24,8 +25,12 @@ _checks: list[Checks] = []
 T = TypeVar("T")
 
 
+HALF_TYPED = "import std.rules\ntype shelf < object\nx\n"
+
+
 def serve() -> None:
     """Serve one client over standard input and output until it leaves."""
+    found_in([Source("first.tamp", HALF_TYPED)])  # else the first mistake in a session waits for what reads mistakes
     server.start_io()
 
 
