@@ -43,11 +43,15 @@ class Support:
 
     @staticmethod
     def of(body: ir.Body) -> Support:
-        x, y, z = position(body.pose)
-        axis = rotate(orientation(body.pose), (1.0, 0.0, 0.0))
-        bearer = body.shape.solids[0]
+        return Support._over(body.name, body.type, body.pose, body.shape)
+
+    @staticmethod
+    def _over(name: str, type_: str, frame: ir.Pose, shape: ir.Shape) -> Support:
+        x, y, z = position(frame)
+        axis = rotate(orientation(frame), (1.0, 0.0, 0.0))
+        bearer = shape.solids[0]
         top = (x, y, z + bearer.at[2] + top_of(bearer.shape))
-        return Support(body.name, body.type, top, math.atan2(axis[1], axis[0]), bearer.shape, bearer.at)
+        return Support(name, type_, top, math.atan2(axis[1], axis[0]), bearer.shape, bearer.at)
 
     @staticmethod
     def of_end(name: str, module: ir.Module, end: ir.Effector) -> Support | None:
@@ -55,15 +59,13 @@ class Support:
         of a shape that has no other flat side."""
         assert end.shape is not None
         frame = compose(module.pose, effector_pose(module.type, end.name, module.joints))
-        up, along = (rotate(orientation(frame), axis) for axis in ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0)))
-        bearer = end.shape.solids[0]
-        upright = up[2] > 1.0 - LEVEL
-        over = up[2] < LEVEL - 1.0 and bearer.shape.kind in (ir.ShapeKind.BOX, ir.ShapeKind.CYLINDER)
-        if not upright and not (over and len(end.shape.solids) == 1):
+        up = rotate(orientation(frame), (0.0, 0.0, 1.0))[2]
+        upright = up > 1.0 - LEVEL
+        solids = end.shape.solids
+        alike = len(solids) == 1 and solids[0].shape.kind in (ir.ShapeKind.BOX, ir.ShapeKind.CYLINDER)
+        if not upright and not (alike and up < LEVEL - 1.0):
             return None
-        x, y, z = position(frame)
-        top = (x, y, z + bearer.at[2] + top_of(bearer.shape))
-        return Support(name, end.type, top, math.atan2(along[1], along[0]), bearer.shape, bearer.at)
+        return Support._over(name, end.type, frame, end.shape)
 
     def point(self, at: tuple[float, float]) -> ir.Vec3:
         """The point of the top face at `at`, measured from its centre along its own axes, in the world."""
