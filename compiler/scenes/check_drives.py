@@ -23,23 +23,18 @@ def check_drives(findings: Findings, problem: ir.Problem) -> None:
         own = {f"{module.name}.{e.name}" for e in module.type.effectors} | {module.name}
         driven = any(not j.passive for j in module.type.joints)
         others = (problem.objects.keys() if driven else drivers) - own
-        endless = _endless(module.type)
-        if endless:
-            names = ", ".join(f"`{name}`" for name in endless)
-            findings.report(
-                "W0013",
-                module.span,
-                f"nothing can move {names} of `{module.name}`: no effector lies behind by which it could be held",
-                help="write an `effector` behind the joint",
-            )
-        elif not any((a & own and b & others) or (b & own and a & others) for a, b in held):
-            names = ", ".join(f"`{j.name}`" for j in module.type.joints if j.passive)
-            findings.report(
-                "W0013",
-                module.span,
-                f"nothing can move {names} of `{module.name}`: no rule has anything with drives hold it",
-                help="a rule that takes hold adds a motion literal with a `keep` row, such as `[stable A H]`",
-            )
+        moved = any((a & own and b & others) or (b & own and a & others) for a, b in held)
+        still = _endless(module.type)
+        if still:
+            why, help = "no effector lies behind by which it could be held", "write an `effector` behind the joint"
+        elif not moved:
+            still = [j.name for j in module.type.joints if j.passive]
+            why = "no rule has anything with drives hold it"
+            help = "a rule that takes hold adds a motion literal with a `keep` row, such as `[stable A H]`"
+        else:
+            continue
+        names = ", ".join(f"`{name}`" for name in still)
+        findings.report("W0013", module.span, f"nothing can move {names} of `{module.name}`: {why}", help=help)
 
 
 def _endless(type_: ir.ModuleType) -> list[str]:
