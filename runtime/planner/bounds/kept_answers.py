@@ -61,6 +61,11 @@ class KeptAnswers:
     def __len__(self) -> int:
         return len(self._answers)
 
+    def holds(self, skeleton: Skeleton, question: Question[Any]) -> bool:
+        """Whether the answer is kept."""
+        with self._lock:
+            return self._key(skeleton, question) in self._answers
+
     def answer(self, skeleton: Skeleton, question: Question[Answer]) -> Answer | None:
         """The answer, where it is kept."""
         with self._lock:

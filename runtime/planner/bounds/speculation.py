@@ -62,7 +62,7 @@ class Speculation:
         if self._side is None:
             return False
         key = _key(skeleton, question)
-        if key in self._under_way or self._kept.answer(skeleton, question) is not None:
+        if key in self._under_way or self._kept.holds(skeleton, question):
             return True
         ready = sum(future.done() for future in self._prepared)
         if sum(not work.future.done() for work in self._under_way.values()) >= BOUNDS.queued * ready:
