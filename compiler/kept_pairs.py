@@ -23,3 +23,9 @@ def places_kept(predicate: MotionPredicate) -> tuple[int, int] | None:
             if isinstance(follows, Var) and isinstance(fixed, Var):
                 return places[fixed.name], places[follows.name]
     return None
+
+
+@remembered(8)
+def kept_pairs(problem: Problem, mode: frozenset[Fact]) -> tuple[tuple[str, str], ...]:
+    """Pairs of objects `(fixed to, follows)` whose relative pose the literals of a mode keep, in a fixed order."""
+    return tuple(pair for pair in (keeps_pose(problem, literal) for literal in sorted(mode)) if pair)

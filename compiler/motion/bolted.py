@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..ir import Fact, Module, Problem
-from ..kept_pairs import keeps_pose
+from ..kept_pairs import kept_pairs
 from ..remembering import remembered
 
 
@@ -17,15 +17,10 @@ def bolted(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
 
 def _carried(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     """What follows something by the poses that a mode keeps; what is fixed to the scene is always the leader."""
-    bodies, kept = problem.world.bodies, [pair for pair in (keeps_pose(problem, literal) for literal in mode) if pair]
+    world, bodies, kept = problem.world, problem.world.bodies, kept_pairs(problem, mode)
     fixed = {name for pair in kept for name in pair if name in bodies and not bodies[name].movable}
     pairs = [(b, a) if b in fixed else (a, b) for a, b in kept]
-    return frozenset(_thing(problem, own) for leader, own in pairs if _carries(problem, leader, own, leader in fixed))
-
-
-def _thing(problem: Problem, name: str) -> str:
-    end = problem.world.effector(name)
-    return name if end is None else end[0].name
+    return frozenset(world.owner(own) for leader, own in pairs if _carries(problem, leader, own, leader in fixed))
 
 
 def _carries(problem: Problem, leader: str, own: str, fixed: bool) -> bool:

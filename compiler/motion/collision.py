@@ -31,7 +31,7 @@ from ..ir import (
     ShapeKind,
     Vec3,
 )
-from ..kept_pairs import keeps_pose
+from ..kept_pairs import keeps_pose, kept_pairs
 from ..remembering import remembered
 from .covers import cover_hull
 from .lasting import implied, stated
@@ -301,7 +301,7 @@ def contacts(skeleton: Phases) -> tuple[PhaseContacts, ...]:
 
 def _carried(problem: Problem, mode: frozenset[Fact]) -> set[str]:
     """The bodies that modules carry, or that lie on such bodies."""
-    kept = [pair for pair in (keeps_pose(problem, literal) for literal in mode) if pair]
+    kept = kept_pairs(problem, mode)
     found: set[str] = set()
     while more := {
         follows

@@ -9,7 +9,7 @@ from dataclasses import replace
 from ...langs.frozen import dataclass
 from ...langs.source import Span
 from ..ir import IDENTITY, Fact, Hold, JointKind, ModuleType, Problem
-from ..kept_pairs import keeps_pose
+from ..kept_pairs import kept_pairs
 from ..motion.bolted import bolted
 from ..remembering import remembered
 from .records import CONTACTS, NOTHING, weaker
@@ -102,8 +102,8 @@ def _pairs(problem: Problem, mode: frozenset[Fact]) -> list[Edge]:
         if manner is not None:
             borne.setdefault(frozenset(literal[1:3]), manner)
     found: dict[frozenset[str], Edge] = {}
-    for pair in (keeps_pose(problem, literal) for literal in sorted(mode)):
-        if pair is None or frozenset(pair) in found:
+    for pair in kept_pairs(problem, mode):
+        if frozenset(pair) in found:
             continue
         manner = borne.get(frozenset(pair), "")
         below, above = node_of(problem, pair[0]), node_of(problem, pair[1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ...compiler.ir import Fact, ModuleType, Problem
-from ...compiler.kept_pairs import keeps_pose
+from ...compiler.kept_pairs import keeps_pose, kept_pairs
 from ...compiler.motion.bolted import bolted
 from ...compiler.remembering import remembered
 from ..skeleton import Skeleton
@@ -91,8 +91,8 @@ def looped(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     anchors: dict[str, set[str]] = {}
     for name in bolted(problem, mode):
         anchors.setdefault(robot[name], set()).add(name)
-    for pair in (keeps_pose(problem, literal) for literal in sorted(mode)):
-        for own, other in (pair, pair[::-1]) if pair else ():
+    for pair in kept_pairs(problem, mode):
+        for own, other in (pair, pair[::-1]):
             if carrier(problem, own) in robot and other in world.bodies and other not in carried:
                 anchors.setdefault(robot[carrier(problem, own)], set()).add(own)
     return frozenset(name for name, first in robot.items() if len(anchors.get(first, ())) > 1)
@@ -104,10 +104,9 @@ def clamped(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
     move which are kept to something at rest, and those of which two ends, or an end and the frame, are."""
     world = problem.world
     stiff = {name for name, m in world.modules.items() if _stiff(m.type, braked(problem, mode).get(name))}
-    facts = sorted(mode)
     carried = followers(problem, mode)
     rest = set[str]()
-    pairs = [kept for kept in (keeps_pose(problem, literal) for literal in facts) if kept]
+    pairs = kept_pairs(problem, mode)
     found: set[str] = set()
     grew = True
     while grew:

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...compiler.ir import IDENTITY, Fact, Module, Problem
-from ...compiler.kept_pairs import keeps_pose
+from ...compiler.kept_pairs import kept_pairs
 from ...compiler.motion.bolted import bolted
-from ...compiler.remembering import remembered
 from ..skeleton import Configuration, PhasePath
 from .attachments import followers
 from .splines import ClampedSpline
@@ -22,12 +21,6 @@ def effector_poses(module: Module, effector: str, joints: Array) -> Array:
     end = module.type.effector(effector)
     frames = joint_frames(module.type.joints, np.tile(IDENTITY, (len(joints), 1)), joints)
     return compose(frames[end.joint + 1], np.asarray(end.placement))
-
-
-@remembered(8)
-def kept_pairs(problem: Problem, mode: frozenset[Fact]) -> tuple[tuple[str, str], ...]:
-    """Pairs of objects whose relative pose the literals of a mode keep, in a fixed order."""
-    return tuple(pair for pair in (keeps_pose(problem, literal) for literal in sorted(mode)) if pair)
 
 
 @dataclass(slots=True)

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from ...compiler import ir
+from ...compiler.kept_pairs import kept_pairs
 from ...langs.diagnostics import Diagnostic
 from ...langs.frozen import dataclass
 from ..geometry.attachments import carrier, followers, involved, robots
-from ..geometry.resampling import kept_pairs
 from ..planner.receding.mid_run_state import Reached
 from ..skeleton import Configuration, Phase, PhasePath, Skeleton
 from .breakdowns import frozen, names_of, silent_of, without

@@ -8,11 +8,11 @@ import numpy as np
 
 from ...compiler import ir
 from ...compiler.hulls import hull
+from ...compiler.kept_pairs import kept_pairs
 from ...compiler.module_parts import module_parts
 from ...compiler.motion.collision import pair
 from ..geometry.attachments import carrier, followers
 from ..geometry.exact_distances import Forms, distances, posed_at
-from ..geometry.resampling import kept_pairs
 from ..geometry.transforms import compose, joint_frames
 from ..skeleton import Array, Configuration, Phase, PhasePath
 from .settings import SIMULATION

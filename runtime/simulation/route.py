@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ...compiler import ir
+from ...compiler.kept_pairs import kept_pairs
 from ..budget import Budget
-from ..geometry.resampling import kept_pairs
 from ..planner.lgp import SolveOptions, motion_settings
 from ..seeds import Seed
 from ..skeleton import Array, Phase, PhasePath

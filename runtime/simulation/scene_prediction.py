@@ -13,11 +13,11 @@ from dataclasses import replace
 import numpy as np
 
 from ...compiler import ir
+from ...compiler.kept_pairs import kept_pairs
 from ...compiler.motion.collision import Pair, bounding_radius, pair
 from ...compiler.motion.module_reach import reach
 from ...compiler.poses import joint_frames
 from ..geometry.attachments import carrier, followers
-from ..geometry.resampling import kept_pairs
 from ..geometry.start_contacts import touching
 from ..geometry.transforms import compose, inverse, rotate
 from ..planner.receding.mid_run_state import Reached, placed, reached_problem

@@ -14,8 +14,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...compiler import ir
+from ...compiler.kept_pairs import kept_pairs
 from ..geometry.attachments import carrier
-from ..geometry.resampling import effector_poses, kept_pairs
+from ..geometry.resampling import effector_poses
 from ..geometry.transforms import compose, coupled, inverse
 from ..planner.motion.end_conditions import least_jerk, settled
 from ..skeleton import Array, Configuration, Phase, PhasePath

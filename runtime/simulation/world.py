@@ -14,10 +14,11 @@ import numpy as np
 
 from ...compiler import ir
 from ...compiler.courses import centre_at
+from ...compiler.kept_pairs import kept_pairs
 from ...langs.frozen import dataclass
 from ..engine.actor import Simulated
 from ..geometry.attachments import followers
-from ..geometry.resampling import Linker, between, kept_pairs
+from ..geometry.resampling import Linker, between
 from ..geometry.splines import ClampedSpline
 from ..geometry.transforms import coupled
 from ..planner.receding.mid_run_state import Reached, start

@@ -11,12 +11,13 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ....compiler.ir import Fact, JointKind, Problem, Shape
+from ....compiler.kept_pairs import kept_pairs
 from ....compiler.module_parts import module_parts, own_pairs
 from ....compiler.motion.collision import PhaseContacts, pair
 from ....compiler.part_names import part_names
 from ....langs.frozen import dataclass
 from ...geometry.exact_distances import Forms, distances, posed_at
-from ...geometry.resampling import Resampled, effector_poses, kept_pairs, resample
+from ...geometry.resampling import Resampled, effector_poses, resample
 from ...geometry.transforms import compose, inverse, joint_frames
 from ...skeleton import Array, Breach, Configuration, PhasePath, Violation
 from .end_conditions import eased_samples

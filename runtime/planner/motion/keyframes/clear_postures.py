@@ -20,30 +20,32 @@ Solids = Sequence[tuple[Shape, Array]]
 
 
 def clear_posture(
-    module: Module, values: Array, stance: Stance, aim: Aim, room: float, random: np.random.Generator, solids: Solids
+    module: Module, values: Array, stance: Stance, aim: Aim, held: Array | None, room: float,
+    random: np.random.Generator, solids: Solids,
 ) -> tuple[Array, float]:  # fmt: skip
     """Joint values `(n,)` that bring an effector of a module that stands on another one to its distance from an aim, on
     a side where there is room for it, with as little of the module in `solids` as can be found; and how much that
-    still is, with what is missing to the aim, metres."""
+    still is, with what is missing to the aim, metres. What it holds comes upright to the point of the aim, turned about
+    the vertical: `held` is where the effector is `(3,)` from that, in the world, while it is upright."""
+    points = _sides(module, aim, random, solids) if held is None else _turned(aim, held, random)
+    return _clearest(module, values, stance, aim, points, room, random, solids)
+
+
+def _sides(module: Module, aim: Aim, random: np.random.Generator, solids: Solids) -> Array:
+    """Points `(N, 3)` at the distance of an aim, those first around which there is room for the effector."""
     shape = module.type.effector(aim.effector).shape
     size = bounding_radius(shape) if shape else 0.0
     sides = random.normal(size=(KEYFRAMES.clear_sides, 3))
     sides /= np.linalg.norm(sides, axis=1, keepdims=True)
     points = aim.point + aim.distance * sides
-    points = points[np.argsort(_within(points, size, solids), kind="stable")[: KEYFRAMES.clear_tries]]
-    return _clearest(module, values, stance, aim, points, room, random, solids)
+    return np.asarray(points[np.argsort(_within(points, size, solids), kind="stable")[: KEYFRAMES.clear_tries]])
 
 
-def clear_carry(
-    module: Module, values: Array, stance: Stance, aim: Aim, held: Array, room: float, random: np.random.Generator,
-    solids: Solids,
-) -> tuple[Array, float]:  # fmt: skip
-    """The same for what an effector holds: joint values that bring it upright to the point of the aim, turned about the
-    vertical as there is room. `held` is where the effector is `(3,)` from it, in the world, while it is upright."""
+def _turned(aim: Aim, held: Array, random: np.random.Generator) -> Array:
+    """Points `(N, 3)` at which what an effector holds is at an aim, in turns about the vertical."""
     turns = random.uniform(0.0, 2.0 * np.pi, KEYFRAMES.clear_tries)
     x, y = held[0] * np.cos(turns) - held[1] * np.sin(turns), held[0] * np.sin(turns) + held[1] * np.cos(turns)
-    points = aim.point + np.stack([x, y, np.full(len(turns), held[2])], axis=1)
-    return _clearest(module, values, stance, aim, points, room, random, solids)
+    return np.asarray(aim.point + np.stack([x, y, np.full(len(turns), held[2])], axis=1))
 
 
 def _clearest(

@@ -11,13 +11,13 @@ import numpy as np
 from .....compiler import poses
 from .....compiler.extents import box_sides
 from .....compiler.ir import IDENTITY, Effector, Fact, Module, Pose, Problem, Shape, ShapeKind
-from .....compiler.kept_pairs import keeps_pose
+from .....compiler.kept_pairs import kept_pairs
 from .....compiler.motion.bolted import bolted
 from .....compiler.motion.collision import bounding_radius
 from ....geometry.attachments import followers, looped
 from ....geometry.drives import braked
 from ....skeleton import Array, Configuration, Skeleton
-from .clear_postures import clear_carry, clear_posture
+from .clear_postures import clear_posture
 from .placement_samples import outline, places
 from .posture_samples import Aim, Stance, closing, freedom, meeting, reaching, rooms
 from .settings import KEYFRAMES
@@ -68,9 +68,6 @@ class Guess:
         self.feet: dict[str, Pose] = {}
         self.places = places(skeleton)
 
-    def _relations(self, facts: frozenset[tuple[str, ...]]) -> list[tuple[str, str]]:
-        return [pair for pair in (keeps_pose(self.problem, f) for f in sorted(facts)) if pair]
-
     def _pose(self, name: str) -> Pose:
         found = self.problem.world.effector(name)
         if found:
@@ -109,7 +106,8 @@ class Guess:
         """The guess for the switch of the next phase; call for rising phases."""
         mode, added = self.skeleton.phases[phase].mode, self.skeleton.phases[phase].added
         carried = followers(self.problem, mode)
-        before = {name: self.feet.get(name) or self._pose(name) for pair in self._relations(mode) for name in pair}
+        names = (name for pair in kept_pairs(self.problem, mode) for name in pair)
+        before = {name: self.feet.get(name) or self._pose(name) for name in names}
         self.current = self.current.copy()
         self._shake(mode)
         stances = self._stand(mode, carried, before)
@@ -118,8 +116,8 @@ class Guess:
         self._turn_to(self._aims(phase, feet, before), stances, feet, self._grasps(mode, before))
         self._meet(phase, stances)
         self._dock(mode, placed)
-        for leader, follower in self._relations(mode):
-            if follower in carried and follower not in {b for _, b in self._relations(added)}:
+        for leader, follower in kept_pairs(self.problem, mode):
+            if follower in carried and follower not in {b for _, b in kept_pairs(self.problem, added)}:
                 self.current.bodies[follower][:3] = self._pose(leader)[:3]
         stays = {name: pose for name, pose in self.feet.items() if name in before}
         self.feet = stays | feet
@@ -131,7 +129,7 @@ class Guess:
         stances: dict[str, Stance] = {
             name: ("", to_tuple(self.current.modules[name][:7])) for name in sorted(bolted(self.problem, mode))
         }
-        for base, follower in self._relations(mode):
+        for base, follower in kept_pairs(self.problem, mode):
             found = world.effector(follower)
             if found and base in world.bodies and base not in carried and found[0].name not in stances:
                 stance = (found[1].name, before[follower])
@@ -145,7 +143,7 @@ class Guess:
         """The poses of feet and things that are set down at the switch, on top of their bases."""
         world = self.problem.world
         feet: dict[str, Pose] = {}
-        for base, follower in self._relations(self.skeleton.phases[phase].added):
+        for base, follower in kept_pairs(self.problem, self.skeleton.phases[phase].added):
             found = world.effector(follower)
             if found and base in world.bodies and base not in carried:
                 lift = bounding_radius(found[1].shape) if found[1].shape else 0.0
@@ -165,7 +163,7 @@ class Guess:
         the place of what it holds, which then stands as upright as where it was taken."""
         world = self.problem.world
         aims: dict[str, Aim] = {}
-        held = {follower: leader for leader, follower in self._relations(self.skeleton.phases[phase].mode)}
+        held = {follower: leader for leader, follower in kept_pairs(self.problem, self.skeleton.phases[phase].mode)}
         for literal in sorted(self.skeleton.phases[phase].added):
             for name, other in permutations(literal[1:], 2):
                 hand = held.get(name, "") if name in world.bodies else name
@@ -196,8 +194,10 @@ class Guess:
     def _grasps(self, mode: frozenset[Fact], before: dict[str, Pose]) -> dict[str, Array]:
         """By effector, where it is `(3,)` from what it holds, in the world, at the switch before."""
         bodies = self.problem.world.bodies
-        pairs = [(hand, thing) for hand, thing in self._relations(mode) if hand not in bodies and thing in bodies]
-        return {hand: np.subtract(before[hand][:3], before[thing][:3]) for hand, thing in pairs}
+        return {
+            hand: np.subtract(before[hand][:3], before[thing][:3])
+            for hand, thing in kept_pairs(self.problem, mode) if hand not in bodies and thing in bodies
+        }  # fmt: skip
 
     def _turn_to(
         self, aims: dict[str, Aim], stances: dict[str, Stance], feet: dict[str, Pose], grasps: dict[str, Array]
@@ -211,12 +211,9 @@ class Guess:
             if not self.wide and freedom(module.type, stance[0], aim.effector) >= KEYFRAMES.free_directions:
                 continue
             foot = f"{name}.{aim.effector}"
-            if self.clear and aim.upright is not None and foot in grasps:
-                carried = slot[7:], stance, aim, grasps[foot], KEYFRAMES.limit_inset, self.random
-                slot[7:], obstructed = clear_carry(module, *carried, self._solids())
-                self.obstructed += obstructed
-            elif self.clear and foot not in feet:
-                values = slot[7:], stance, aim, KEYFRAMES.limit_inset, self.random
+            if self.clear and foot not in feet:
+                held = None if aim.upright is None else grasps.get(foot)
+                values = slot[7:], stance, aim, held, KEYFRAMES.limit_inset, self.random
                 slot[7:], obstructed = clear_posture(module, *values, self._solids())
                 self.obstructed += obstructed
             else:
@@ -258,7 +255,7 @@ class Guess:
     def _dock(self, mode: frozenset[tuple[str, ...]], placed: set[str]) -> None:
         """Put modules that hang on placed ones against them, effector to effector."""
         world = self.problem.world
-        waiting = [pair for pair in self._relations(mode) if all(world.effector(name) for name in pair)]
+        waiting = [pair for pair in kept_pairs(self.problem, mode) if all(world.effector(name) for name in pair)]
         found = True
         while found:
             found = False

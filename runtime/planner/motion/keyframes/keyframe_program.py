@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from .....compiler.ir import Arith, Function, Problem, Row, Term, Var, Vector
-from .....compiler.kept_pairs import keeps_pose
+from .....compiler.kept_pairs import kept_pairs
 from .....compiler.motion.bolted import bolted
 from .....compiler.motion.collision import Pair, contacts
 from .....compiler.motion.permanent import permanent
@@ -101,7 +101,7 @@ class SwitchProgram:
         first = self.phases[0]
         mode = self.skeleton.phases[first].mode
         moving = followers(self.problem, mode) | self.problem.world.modules.keys()
-        kept = {frozenset(pair): pair for pair in (keeps_pose(self.problem, f) for f in sorted(mode)) if pair}
+        kept = {frozenset(pair): pair for pair in kept_pairs(self.problem, mode)}
         for literal in sorted(mode):
             pair = kept.get(frozenset(literal[1:]))
             if pair is None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from .....compiler.extents import box_sides
 from .....compiler.ir import Body
-from .....compiler.kept_pairs import keeps_pose
+from .....compiler.kept_pairs import keeps_pose, kept_pairs
 from .....compiler.motion.collision import bounding_radius
 from .....compiler.poses import compose, rotate
 from .....compiler.remembering import remembered
@@ -52,8 +52,8 @@ def _put_down(skeleton: Skeleton) -> dict[str, list[tuple[int, str]]]:
 def _resting(skeleton: Skeleton, base: str) -> list[Body]:
     """What lies on a body at the start."""
     bodies = skeleton.problem.world.bodies
-    kept = (keeps_pose(skeleton.problem, literal) for literal in sorted(skeleton.problem.init_motion))
-    return [bodies[pair[1]] for pair in kept if pair and pair[0] == base and pair[1] in bodies]
+    kept = kept_pairs(skeleton.problem, skeleton.problem.init_motion)
+    return [bodies[thing] for below, thing in kept if below == base and thing in bodies]
 
 
 def _cells(sides: Array, count: int, least: float, most: float, taken: list[tuple[Array, float]]) -> list[Array]:

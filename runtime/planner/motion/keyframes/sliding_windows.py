@@ -9,7 +9,7 @@ from itertools import combinations
 
 import numpy as np
 
-from .....compiler.kept_pairs import keeps_pose
+from .....compiler.kept_pairs import keeps_pose, kept_pairs
 from ....budget import Budget
 from ....geometry.attachments import followers
 from ....geometry.resampling import followed
@@ -70,8 +70,8 @@ def _stretch(skeleton: Skeleton, phase: int) -> float:
     problem, bodies = skeleton.problem, skeleton.problem.world.bodies
     mode, added = skeleton.phases[phase].mode, skeleton.phases[phase].added
     carried = followers(problem, mode)
-    kept = (keeps_pose(problem, literal) for literal in sorted(mode | added))
-    names = sorted({name for pair in kept if pair for name in pair if name in bodies and name not in carried})
+    kept = kept_pairs(problem, mode | added)
+    names = sorted({name for pair in kept for name in pair if name in bodies and name not in carried})
     return max((math.dist(bodies[a].pose[:3], bodies[b].pose[:3]) for a, b in combinations(names, 2)), default=0.0)
 
 
@@ -94,27 +94,22 @@ class _Alone:
     ) -> None:  # fmt: skip
         self.skeleton, self.settings, self.seed, self.budget, self.tries = skeleton, settings, seed, budget, tries
         self.iterations = 0
-        self._done: set[int] = set()
-        self._windows: set[tuple[int, int]] = set()
+        self._done: set[tuple[int, ...]] = set()
 
     def refused(self, phase: int) -> BoundResult | None:
         """The refusal of a phase; None where it can be done, was asked for before, or cannot be judged alone."""
-        if phase == 0 or phase in self._done or not judged_alone(self.skeleton, phase):
-            return None
-        self._done.add(phase)
-        origin, random = start_configuration(self.skeleton.problem), self.seed.child(phase).random()
-        result = solve_span(
-            self.skeleton, phase, phase, self.settings, random, self.budget, origin, free=True, tries=self.tries
-        )  # fmt: skip
-        self.iterations += result.iterations
-        return None if result.feasible else replace(result, window=(phase, phase))
+        return self._asked(phase) if phase else None
 
     def window(self, first: int, last: int) -> BoundResult | None:
         """The refusal of the phases of a window that failed, without what comes before; None as above."""
-        if (first, last) in self._windows or not judged_alone(self.skeleton, first):
+        return self._asked(first, last)
+
+    def _asked(self, *ends: int) -> BoundResult | None:
+        first, last = ends[0], ends[-1]
+        if ends in self._done or not judged_alone(self.skeleton, first):
             return None
-        self._windows.add((first, last))
-        origin, random = start_configuration(self.skeleton.problem), self.seed.child(first, last).random()
+        self._done.add(ends)
+        origin, random = start_configuration(self.skeleton.problem), self.seed.child(*ends).random()
         result = solve_span(
             self.skeleton, first, last, self.settings, random, self.budget, origin, free=True, tries=self.tries
         )  # fmt: skip
