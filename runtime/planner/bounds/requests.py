@@ -33,16 +33,23 @@ class Question(ABC, Generic[Answer]):
         """The answer, computed in this process. Raises OutOfTime."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SequenceRequest(Question[BoundResult]):
-    """P_seq of a skeleton from the start, with at most `tries` starts of a span."""
+    """P_seq of a skeleton from the start, with at most `tries` starts of a span; the first of them from the switch
+    configurations 1 … K in `warm`, if there are any."""
 
     settings: MotionSettings
     seed: Seed
     tries: int | None
+    warm: Sequence[Configuration] | None = None
+
+    @property
+    def key(self) -> Hashable:
+        warm = None if self.warm is None else _values(self.warm)
+        return SequenceRequest, self.settings, self.seed, self.tries, warm
 
     def solved(self, skeleton: Skeleton, budget: Budget) -> BoundResult:
-        return solve_sequence(skeleton, self.settings, self.seed, budget, tries=self.tries)
+        return solve_sequence(skeleton, self.settings, self.seed, budget, warm=self.warm, tries=self.tries)
 
 
 @dataclass(frozen=True)
@@ -79,23 +86,6 @@ class AttemptRequest(Question[tuple[BoundResult, BoundResult | None]]):
             return sequence, None
         first = beginning(skeleton, self.motions)
         return sequence, sequence_path(first, sequence, self.settings, self.draw, budget)
-
-
-@dataclass(frozen=True, eq=False)
-class WarmRequest(Question[BoundResult]):
-    """P_seq from the switch configurations 1 … K in `warm`."""
-
-    settings: MotionSettings
-    seed: Seed
-    tries: int | None
-    warm: Sequence[Configuration]
-
-    @property
-    def key(self) -> Hashable:
-        return WarmRequest, self.settings, self.seed, self.tries, _values(self.warm)
-
-    def solved(self, skeleton: Skeleton, budget: Budget) -> BoundResult:
-        return solve_sequence(skeleton, self.settings, self.seed, budget, warm=self.warm, tries=self.tries)
 
 
 @dataclass(frozen=True, eq=False)

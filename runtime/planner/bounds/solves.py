@@ -20,7 +20,7 @@ from ..motion.path.whole_path import solve_path
 from ..motion.settings import MotionSettings
 from ..schedule.shorter_ways import with_shorter_ways
 from ..statics import asked, borne, slowed
-from .requests import AttemptRequest, PathRequest, SequenceRequest, WarmRequest, sequence_path
+from .requests import AttemptRequest, PathRequest, SequenceRequest, sequence_path
 from .settings import BOUNDS
 from .speculation import Speculation
 from .verdicts import Conflict, Judgement, blame, with_motion
@@ -55,8 +55,7 @@ class Solves:
     ) -> BoundResult:
         self.tell("seq", f"P_seq of {counted(len(skeleton), 'action')}")
         with self.clock("seq"):
-            plain = SequenceRequest(self.settings, seed, tries)
-            question = plain if warm is None else WarmRequest(self.settings, seed, tries, warm)
+            question = SequenceRequest(self.settings, seed, tries, warm)
             result = self.ahead.answer(skeleton, question, self.budget)
         self._count(Bound.SEQ, result.feasible)
         return result
