@@ -12,6 +12,9 @@ LARGEST = 64_000_000
 """Bytes of a mesh: more than a million triangles, of which a hull keeps a few hundred corners."""
 
 
+MOST_BELOW = 10_000
+"""Files below a folder in which one is searched for, more than packages of robots hold: a tenth of a second."""
+
 MADE = ".parts"
 """What a file is called beside that from which another program made it."""
 
@@ -37,6 +40,15 @@ class Files:
         known = os.path.isfile if self.given is None else self.given.__contains__
         return next((index for index, path in enumerate(paths) if known(path)), None)
 
+    def ending(self, folder: str, end: str) -> list[str]:
+        """The files below a folder whose paths end so, sorted; none where the folder holds too much to look at."""
+        if self.given is None:
+            below = _below(folder)
+        else:
+            start = "" if folder in ("", ".") else f"{folder.rstrip('/')}/"
+            below = [path for path in self.given if path.startswith(start)]
+        return sorted(posixpath.normpath(path) for path in below if path.endswith(f"/{end}") or path == end)
+
     def read(self, path: str) -> bytes:
         """The content of a file. Raises Missing."""
         if path not in self.kept:
@@ -58,6 +70,17 @@ class Files:
         if path not in self.given:
             raise Missing(f"the plan lacks the file {path}", "make the plan anew, with its files in place")
         return self.given[path]
+
+
+def _below(folder: str) -> list[str]:
+    """The paths of the files below a folder; links to folders are not followed."""
+    found: list[str] = []
+    for place, folders, files in os.walk(folder or "."):
+        folders.sort()
+        found += [posixpath.join(place, file) for file in files]
+        if len(found) > MOST_BELOW:
+            return []
+    return found
 
 
 def _on_disk(path: str) -> bytes:

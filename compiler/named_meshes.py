@@ -29,23 +29,26 @@ class UnreadMesh(Exception):
 
 @dataclass(frozen=True, slots=True)
 class NamedMesh:
-    """The body of a mesh, the path of its file, and which of `mesh_places` that is. `told` says what the body is."""
+    """The body of a mesh, the path of its file, and which of `mesh_places` that is, None where it was searched for.
+    `told` says what the body is."""
 
     body: MeshBody
     file: str
-    place: int
+    place: int | None
     told: str
+
+    def seen_from(self, path: str, name: str, to: str) -> str:
+        """What the file of the mesh `name`, which lies so beside `path`, is called beside `to`."""
+        if self.place is not None:
+            return list(mesh_places(to, name))[self.place][0]
+        return beside(to, posixpath.relpath(self.file, posixpath.dirname(path) or "."))
 
 
 def named_mesh(path: str, name: str, scale: Sequence[float], files: Files) -> NamedMesh:
     """The body of the mesh `name` that the file at `path` names, `scale` times as large. Raises UnreadMesh."""
     if not name.strip():
         raise UnreadMesh("a mesh has no file")
-    places = list(mesh_places(path, name))
-    chosen = files.first([place for place, _ in places])
-    if chosen is None:
-        raise UnreadMesh(f'there is no mesh file "{name}"')
-    file, fits = places[chosen]
+    file, place, fits = _found(path, name, files)
     beside_package = "" if fits else f"; no folder of the name of its package holds it, so {file} is taken"
     try:
         body = mesh_body(file, files.read(file), scale)
@@ -54,7 +57,26 @@ def named_mesh(path: str, name: str, scale: Sequence[float], files: Files) -> Na
     except (Missing, XmlError, ValueError, RuntimeError) as reason:
         help = f": {reason}" if isinstance(reason, Missing | XmlError) else ""
         raise UnreadMesh(f'the mesh file "{name}" cannot be read{help}') from None
-    return NamedMesh(body, file, chosen, f'the mesh "{name}" is replaced by {body.told()}{beside_package}')
+    return NamedMesh(body, file, place, f'the mesh "{name}" is replaced by {body.told()}{beside_package}')
+
+
+def _found(path: str, name: str, files: Files) -> tuple[str, int | None, bool]:
+    """The file of a mesh, which of `mesh_places` it is, and whether it is where the name says. What lies in none of
+    them is the one file in the folder of the model, or the one above, whose path ends like the name without its
+    scheme. Raises UnreadMesh."""
+    places = list(mesh_places(path, name))
+    chosen = files.first([place for place, _ in places])
+    if chosen is not None:
+        return places[chosen][0], chosen, places[chosen][1]
+    package = _SCHEME.sub("", name, count=1)
+    for above in ("", "..") if package != name and ".." not in package.split("/") else ():
+        alike = files.ending(beside(path, above), package)
+        if len(alike) > 1:
+            told = ", ".join(alike[:3]) + (", …" if len(alike) > 3 else "")
+            raise UnreadMesh(f'there is no mesh file "{name}", and several are called so: {told}')
+        if alike:
+            return alike[0], None, False
+    raise UnreadMesh(f'there is no mesh file "{name}"')
 
 
 def mesh_places(path: str, name: str) -> Iterator[tuple[str, bool]]:

@@ -17,7 +17,7 @@ from ..langs.source import Source
 from .foreign import Files, Missing, beside
 from .ir import Vec3
 from .mesh_bodies import MeshBody
-from .named_meshes import UnreadMesh, mesh_places, named_mesh
+from .named_meshes import UnreadMesh, named_mesh
 from .poses import Quaternion, roll_pitch_yaw
 from .xml_texts import XmlError, decoded, read_xml, span_of
 
@@ -89,7 +89,7 @@ def _load_mesh(found: UrdfFile, key: MeshName, names: dict[str, str], files: Fil
         mesh = named_mesh(path, name, scale, files)
     except UnreadMesh as reason:
         return "W0010" if reason.left_out else "E0515", str(reason)
-    names[mesh.file] = list(mesh_places(names[path], name))[mesh.place][0]
+    names[mesh.file] = mesh.seen_from(path, name, names[path])
     found.meshes[key] = mesh.body
     return "W0006", mesh.told
 

@@ -135,10 +135,7 @@ def _urdf(file: Path, own: Path, row: Row) -> str | None:
     ends = {f"e{k}": f'"{name}" sphere(1 mm)' for k, name in enumerate(links)}
     more = ""
     for joint in root.findall("joint"):
-        limit = joint.find("limit")
-        if joint.get("type") in ("revolute", "prismatic") and (
-            limit is None or (limit.get("lower") is None and limit.get("upper") is None)
-        ):
+        if joint.get("type") in ("revolute", "prismatic") and _limitless(joint.find("limit")):
             more += f'joint "{joint.get("name")}" in ' + (
                 "-1 rad .. 1 rad\n" if joint.get("type") == "revolute" else "-1 m .. 1 m\n"
             )
@@ -165,6 +162,15 @@ task t() {{ r a: at (0, 0, 0) goal (lit) }}""")
     row.judged += right is not None
     row.right += right is True
     return None
+
+
+def _limitless(limit: Element | None) -> bool:
+    """Whether a joint lacks limits, or has them the wrong way round, as Bullet writes what moves freely."""
+    ends = [None if limit is None else limit.get(end) for end in ("lower", "upper")]
+    try:
+        return ends == [None, None] or float(ends[0] or 0) > float(ends[1] or 0)
+    except ValueError:
+        return False
 
 
 def _still(robot: Element, name: str, lower: float) -> float:

@@ -20,7 +20,7 @@ from ..checks.values import number, vector
 from ..physics.statements import stated
 from ..poses import about, between, compose, make
 from .joints import BEARS, DEFAULT_ACCELERATION, DEFAULT_SPEED, FULL_TURN, STRAIGHT, drive_of, joint_rate
-from .urdf_reading import Reading, UrdfJoint
+from .urdf_reading import BALL, Reading, UrdfJoint
 
 FREE = 10.0
 """Metres that a planar or floating joint moves each way unless the module says otherwise: across a large hall."""
@@ -149,9 +149,11 @@ class JointBuilder:
     def _free(
         self, joint: UrdfJoint, item: syntax.JointItem | None, parent: int, first: int, placement: ir.Pose
     ) -> Moved | None:
-        """The joints of a planar one, in the plane across its axis, or of a floating one."""
-        planar = joint.kind == "planar"
-        corners = self._corners(joint, item, 2 if planar else 3)
+        """The joints of a planar one, in the plane across its axis, of a floating one, or of one that only turns."""
+        planar, ball = joint.kind == "planar", joint.kind == BALL
+        if ball and item is not None:
+            self.context.findings.report("E0508", item.span, f"joint `{joint.name}` turns any way, and has no limits")
+        corners = ((), ()) if ball else self._corners(joint, item, 2 if planar else 3)
         if corners is None:
             return None
         turn = between(AXES[2], joint.axis) if planar else STRAIGHT

@@ -16,6 +16,8 @@ from ..urdf_files import at_least_1_1, three, turned
 from ..xml_texts import XmlError, read_xml, span_of
 
 KINDS = ("revolute", "continuous", "prismatic", "planar", "floating", "fixed")
+BALL = "spherical"
+"""A kind of joints that the standard does not know, and Bullet does."""
 OTHERS = {
     "sdf": "this is SDF: save the model as URDF",
     "mujoco": "this is MJCF: save the model as URDF",
@@ -24,6 +26,7 @@ OTHERS = {
 """Roots of files that are taken for URDFs."""
 
 
+MAKE = "have it made by `xacro FILE.xacro > FILE.urdf`"
 LANGUAGE = frozenset(f"xacro:{word}" for word in ("macro", "include", "property", "arg", "if", "unless", "element"))
 """Elements of xacro itself; others call its macros."""
 
@@ -81,8 +84,7 @@ class Reading:
         if macro is not None and unfilled is None and macro.tag not in LANGUAGE:
             self.warn(macro, f"`{macro.tag}` and its like are left out: they call what xacro did not fill in")
         elif macro is not None:
-            help = "have it made by `xacro FILE.xacro > FILE.urdf`"
-            self.fault(macro, f"`{macro.tag}`: this is a xacro file, of which a URDF can be made", help, "E0513")
+            self.fault(macro, f"`{macro.tag}`: this is a xacro file, of which a URDF can be made", MAKE, "E0513")
             return None
         self.newer = at_least_1_1(robot)
         turned = [e for e in robot.iter("origin") if e.get("quat_xyzw")]
@@ -95,6 +97,7 @@ class Reading:
     def tree(self, robot: ElementTree.Element) -> tuple[dict[str, ElementTree.Element], list[UrdfJoint]]:
         """The links by name, the root first, and the joints, of one tree of links."""
         links = self._named(robot.findall("link"), "link")
+        self._add_root(robot, links)
         made = [self._joint(j, links) for j in self._named(robot.findall("joint"), "joint").values()]
         joints = [j for j in made if j is not None]
         above: dict[str, UrdfJoint] = {}
@@ -110,6 +113,18 @@ class Reading:
         elif self.sound:
             self._check_ring(above, links, roots[0])
         return ({name: links[name] for name in dict.fromkeys([*roots, *links])}, joints)
+
+    def _add_root(self, robot: ElementTree.Element, links: dict[str, ElementTree.Element]) -> None:
+        """Adds the one link that all others hang on where the file only names it, such as `world`, or the arm of a
+        gripper: it is empty. Drake does so for `world`. Where a declared link hangs on none, a name is misspelt."""
+        joints = robot.findall("joint")
+        parents, children = ([_named_end(joint, end) for joint in joints] for end in ("parent", "child"))
+        hanging, missing = set(children), set(parents) - links.keys()
+        if len(missing) == 1 and "" not in missing | hanging and links and links.keys() == hanging:
+            root = missing.pop()
+            told = f"link `{root}` is not declared: it is an empty one, on which all others hang"
+            self.warn(joints[parents.index(root)], told)
+            links[root] = ElementTree.Element("link", name=root)
 
     def _check_ring(
         self, above: dict[str, UrdfJoint], links: dict[str, ElementTree.Element], root: str
@@ -136,11 +151,14 @@ class Reading:
 
     def _joint(self, element: ElementTree.Element, links: dict[str, ElementTree.Element]) -> UrdfJoint | None:
         name, kind = element.get("name", ""), element.get("type", "")
-        if kind not in KINDS:
+        if kind == BALL:
+            told = f"joint `{name}` is of type `{kind}`, which the standard lacks"
+            self.warn(element, f"{told}: it turns any way, as Bullet has it")
+        elif kind not in KINDS:
             self.fault(element, f"joint `{name}` is of type `{kind}`", "joints are " + ", ".join(KINDS))
             return None
         ends = [self._end(element, name, end, links) for end in ("parent", "child")]
-        axis = self.axis(element, name) if kind not in ("fixed", "floating") else (1.0, 0.0, 0.0)
+        axis = self.axis(element, name) if kind not in ("fixed", "floating", BALL) else (1.0, 0.0, 0.0)
         origin = self.place(element)
         if ends[0] is None or ends[1] is None or axis is None or origin is None:
             return None
@@ -149,8 +167,7 @@ class Reading:
     def _end(
         self, joint: ElementTree.Element, name: str, end: str, links: dict[str, ElementTree.Element]
     ) -> str | None:
-        element = joint.find(end)
-        link = "" if element is None else element.get("link", "")
+        element, link = joint.find(end), _named_end(joint, end)
         if link not in links:
             self.fault(joint if element is None else element, f"joint `{name}` has no {end} link `{link}`")
             return None
@@ -187,7 +204,7 @@ class Reading:
         except ValueError:
             found = (math.nan,) * 3
         if not all(map(math.isfinite, found)):
-            self.fault(element, f"`{name}` of this `{element.tag}` is not three numbers")
+            self.fault(element, f"`{name}` of this `{element.tag}` is not three numbers", _to_make(element.get(name)))
             return None
         return found
 
@@ -201,9 +218,20 @@ class Reading:
         except ValueError:
             value = math.nan
         if math.isnan(value) or (math.isinf(value) and not endless):
-            self.fault(element, f"`{name}` of this `{element.tag}` is not a number: {text}")
+            self.fault(element, f"`{name}` of this `{element.tag}` is not a number: {text}", _to_make(text))
             return None
         return value
+
+
+def _named_end(joint: ElementTree.Element, end: str) -> str:
+    """The link that a joint names at one end; nothing where it names none."""
+    element = joint.find(end)
+    return "" if element is None else element.get("link", "")
+
+
+def _to_make(text: str | None) -> str | None:
+    """What to do where xacro has left a value as it was."""
+    return MAKE if text is not None and ("${" in text or "$(" in text) else None
 
 
 def _unfilled(robot: ElementTree.Element) -> ElementTree.Element | None:

@@ -133,3 +133,27 @@ def test_mesh_becomes_its_hull(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
     Path("arm.urdf").unlink()
     (tmp_path / "meshes" / "wedge.stl").unlink()
     assert compile_sources(problem.sources, files=problem.files) == (problem, warnings)
+
+
+def test_a_mesh_is_found_in_the_folders_of_its_model_where_one_alone_is_called_so(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "urdf").mkdir()
+    for folder in ("meshes/seven/hit", "meshes/seven/seen"):
+        (tmp_path / folder).mkdir(parents=True)
+        _write_stl(tmp_path / folder / "wedge.stl", np.array([[0, 0, 0], [2, 0, 0], [0, 4, 0], [0, 0, 6.0]]))
+    Path("urdf/arm.urdf").write_text("""<robot name="arm"><link name="base"><collision><geometry>
+        <mesh filename="package://hit/wedge.stl"/></geometry></collision></link></robot>""")
+    Path("task.tamp").write_text("""module arm from urdf "urdf/arm.urdf" { effector A: "base" sphere(1 cm) }
+        predicate (lit)
+        rule light() { pre not (lit) post (lit) }
+        task t() { arm a: at (0, 0, 0) goal (lit) }""")
+    problem, warnings = compile_problem("task.tamp")
+    assert "holds it, so meshes/seven/hit/wedge.stl is taken" in warnings[0].message
+    assert len(problem.world.modules["a"].type.links) == 1
+    assert compile_sources(problem.sources, files=problem.files) == (problem, warnings), "without the disk, too"
+    (tmp_path / "other" / "hit").mkdir(parents=True)
+    (tmp_path / "other" / "hit" / "wedge.stl").write_text("solid a\nendsolid a\n")
+    (wrong,) = [w for w in check("task.tamp") if w.is_error]
+    assert wrong.code == "E0515" and "several are called so: meshes/seven/hit/wedge.stl, other" in wrong.message

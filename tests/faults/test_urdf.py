@@ -103,6 +103,7 @@ def test_what_others_read_is_read(faulty: Faulty, tmp_path: Path, urdf: str | by
         (ROBOT[:-3], "E0513", "not XML"),
         (ROBOT.replace("0 0 0.1", "0 0 ٣ 1"), "E0514", "three numbers"),
         (ROBOT.replace("0 0 0.1", "0 0 nan"), "E0514", "three numbers"),
+        (ROBOT.replace("0 0 0.1", "$(optenv AT 0 0 1)"), "E0514", "made by `xacro"),
         (ROBOT.replace('xyz="0 0 0.1"', 'rpy="0 0"'), "E0514", "rotation"),
         (ROBOT.replace("0.02", "-0.02"), "E0514", "size of -0.02"),
         (ROBOT.replace('name="a"', 'version="1.1"').replace("xyz=", 'quat_xyzw="0 0 0 0" xyz='), "E0514", "rotation"),
@@ -237,6 +238,18 @@ def test_planar_and_floating_joints_become_joints_of_the_module(tmp_path: Path) 
     tip = free.links[0]
     moved = compose(joint_frames(free, IDENTITY, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6])[tip.joint], tip.placement)
     assert moved == pytest.approx((0.1, 0.2, 0.4, *roll_pitch_yaw(0.6, 0.5, 0.4)))
+
+
+def test_joints_that_turn_any_way_and_roots_that_are_only_named_are_taken_as_others_do(tmp_path: Path) -> None:
+    ball = module_of(tmp_path, ROBOT.replace("revolute", "spherical"))
+    assert [j.name for j in ball.joints] == ["j.yaw", "j.pitch", "j.roll"]
+    moved = compose(joint_frames(ball, IDENTITY, [0.4, 0.5, 0.6])[ball.links[0].joint], ball.links[0].placement)
+    assert moved == pytest.approx((0.0, 0.0, 0.1, *roll_pitch_yaw(0.6, 0.5, 0.4)))
+    hung = '<joint name="k" type="fixed"><origin xyz="1 0 0"/><parent link="world"/><child link="base"/></joint>'
+    robot = module_of(tmp_path, ROBOT.replace("</robot>", f"{hung}</robot>"))
+    assert robot.effectors[0].placement[:3] == (1.0, 0.0, 0.0) and len(robot.joints) == 1
+    _, (warning,) = compile_problem(tmp_path / "program.tamp", None, {}, 0)
+    assert warning.code == "W0010" and "`world` is not declared" in warning.message
 
 
 def test_capsules_count_from_version_1_1_on(faulty: Faulty, tmp_path: Path) -> None:
