@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from ..hulls import Array
 from .kinematics import Expression
+
+Indices = NDArray[np.int64]
 
 
 @cache
@@ -22,14 +26,14 @@ def _bucket(count: int) -> int:
 
 
 class StageBatch:
-    """One Function of one output, mapped over `size` instances, with its own memory for inputs and output."""
+    """One Function of one output, mapped over instances, with its own memory for inputs and output."""
 
-    def __init__(self, function: Any, size: int) -> None:
-        mapped = function.map(size) if size > 1 else function
+    def __init__(self, mapped: Any, widths: Sequence[int], size: int, rows: int) -> None:
+        """`mapped` takes `widths` numbers of each of `size` instances and gives `rows`."""
         self.buffer, self.trigger = mapped.buffer()
-        inputs = [np.ones((size, max(1, function.nnz_in(i)))) for i in range(function.n_in())]
-        self.inputs = [(i, array) for i, array in enumerate(inputs) if function.nnz_in(i)]
-        self.output = np.zeros((size, function.nnz_out(0)))
+        inputs = [np.ones((size, max(1, width))) for width in widths]
+        self.inputs = [(i, array) for i, array in enumerate(inputs) if widths[i]]
+        self.output = np.zeros((size, rows))
         for i, array in enumerate(inputs):
             self.buffer.set_arg(i, array.reshape(-1).data)
         self.buffer.set_res(0, self.output.reshape(-1).data)
@@ -43,6 +47,27 @@ class StageBatch:
         return self.output[:count]
 
 
+class PlacedBatch:
+    """The same of instances whose variables are always those at `places` (N, inputs) of a vector, with `constants`
+    (N, parameters) that stay."""
+
+    def __init__(self, batch: StageBatch, places: Indices, constants: Array) -> None:
+        self._trigger = batch.trigger
+        self._places, self._found = places.reshape(-1), batch.output[: len(places)]
+        self._batch = batch
+        arrays = dict(batch.inputs)
+        self._variables = arrays[0].reshape(-1)[: places.size] if 0 in arrays else None
+        if 1 in arrays:
+            arrays[1][: len(places)] = constants
+
+    def __call__(self, z: Array) -> Array:
+        """Outputs (N, …) at z, valid until the next call."""
+        if self._variables is not None:
+            z.take(self._places, out=self._variables, mode="clip")  # "raise" would copy
+        self._trigger()
+        return self._found
+
+
 class Stage:
     """A residual r(X, P) with `rows` rows over `inputs` variables X and `parameters` constants P."""
 
@@ -53,6 +78,7 @@ class Stage:
         self.rows: int = residual.numel()
         self._expressions = (variables, constants, ca.densify(residual))
         self._functions: dict[str, Any] = {}
+        self._mapped: dict[tuple[str, int], Any] = {}
         self._batches: dict[tuple[str, int], StageBatch] = {}
 
     def _function(self, what: str) -> Any:
@@ -68,13 +94,25 @@ class Stage:
             self._functions[what] = made
         return self._functions[what]
 
+    def _made(self, what: str, size: int) -> StageBatch:
+        """What finds "values", "jacobians" or "hessians" of at most `size` instances."""
+        function = self._function(what)
+        if (what, size) not in self._mapped:
+            self._mapped[what, size] = function.map(size) if size > 1 else function
+        widths = [function.nnz_in(i) for i in range(function.n_in())]
+        return StageBatch(self._mapped[what, size], widths, size, function.nnz_out(0))
+
     def batch(self, what: str, count: int) -> StageBatch:
         """What finds "values", "jacobians" or "hessians" of `count` instances; other rows use it, too."""
         size = _bucket(count)
         found = self._batches.get((what, size))
         if found is None:
-            found = self._batches[what, size] = StageBatch(self._function(what), size)
+            found = self._batches[what, size] = self._made(what, size)
         return found
+
+    def placed(self, what: str, places: Indices, constants: Array) -> PlacedBatch:
+        """What finds "values" or "jacobians" at places (N, inputs) of vectors, for rows that ask for them often."""
+        return PlacedBatch(self._made(what, _bucket(len(places))), places, constants)
 
     def values(self, variables: Array, constants: Array) -> Array:
         """Residuals (N, rows) of N instances, from variables (N, inputs) and constants (N, parameters)."""

@@ -9,7 +9,8 @@ from tamplang.runtime.budget import Budget, OutOfTime
 from tamplang.runtime.planner.motion.nlp.augmented_lagrangian import SolverOptions, project, solve
 from tamplang.runtime.planner.motion.nlp.ipopt import solve_ipopt
 from tamplang.runtime.planner.motion.nlp.program import DIVERGED, Program
-from tamplang.runtime.planner.motion.nlp.row_groups import LinearGroup, NormGroup, RowLabel
+from tamplang.runtime.planner.motion.nlp.row_groups import LinearGroup, LinearWish, NormGroup, RowLabel
+from tamplang.runtime.planner.motion.nlp.systems import BandedSystem, DenseSystem
 from tamplang.runtime.skeleton import Breach
 
 EXACT = SolverOptions(tolerance=1e-8, step_tolerance=1e-6, iterations=300)
@@ -138,6 +139,26 @@ def test_repeated_places_count_twice() -> None:
     assert gradient == pytest.approx([-4.0])
     assert band == pytest.approx(np.array([[4.0]]))
     assert solve(program, np.zeros(1), EXACT, Budget(None)).x == pytest.approx([1.0])
+
+
+@pytest.mark.parametrize("costs", [False, True])
+def test_dense_and_banded_systems_take_the_same_step(costs: bool) -> None:
+    """With constants, rows of several widths, places named twice, and rows that push beside some that do not."""
+    rows = [
+        linear("cost", [[1.0, -1.0], [2.0, 1.0]], [0.5, 0.0], [[1, 2], [3, 4]]),
+        linear("equality", [[1.0, 1.0]], [2.0], [[2, 2]]),
+        linear("equality", [[1.0, 0.5, -1.0]], [0.1], [[0, 3, 4]]),
+        NormGroup(np.array([[1, 2, 3, 4]])),
+        linear("inequality", [[1.0], [-1.0], [1.0]], [-1.0, 5.0, 0.0], [[1], [2], [4]]),
+        LinearWish(linear("inequality", [[1.0], [1.0]], [-2.0, 3.0], [[3], [4]]), 3.0),
+    ]
+    program, x = Program(np.array([7.0]), 4, rows), np.array([0.3, -0.2, 0.9, 0.4])
+    residuals = program.residuals(x)
+    given = residuals, (np.array([0.2, -0.1, 0.3]), np.array([0.0, 0.1, 0.4])), 20.0, costs
+    dense, banded = program.system(x, *given), BandedSystem(*program.normal(x, *given))
+    assert isinstance(dense, DenseSystem)
+    assert dense.gradient == pytest.approx(banded.gradient)
+    assert dense.step(0.1)[0] == pytest.approx(banded.step(0.1)[0])
 
 
 def test_projection_is_exact_and_near() -> None:

@@ -1,4 +1,4 @@
-"""Augmented-Lagrangian Gauss-Newton on banded normal equations (thesis section 3.2.3; Toussaint 2014, "A novel
+"""Augmented-Lagrangian Gauss-Newton on banded or dense normal equations (thesis section 3.2.3; Toussaint 2014, "A novel
 augmented Lagrangian approach for inequalities and convergent any-time non-central updates")."""
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ import numpy as np
 from .....langs.frozen import dataclass
 from ....budget import Budget
 from ....skeleton import Array
-from .banded_cholesky import factored, solved
 from .program import Program
 from .settings import SOLVER
 
@@ -35,8 +34,6 @@ class SolverOptions:
     projected: float = 0.0
 
 
-NO_STEP = 1e20
-"""With this damping and more there is no step worth to be taken."""
 PATH = SolverOptions(mu=1e3, tolerance=1e-3)
 
 
@@ -67,21 +64,8 @@ def _merit(residuals: tuple[Array, Array, Array], multipliers: tuple[Array, Arra
 def _violation(residuals: tuple[Array, Array, Array]) -> float:
     """The largest violation; infinite where one is no number, which no comparison would tell."""
     _, equality, inequality = residuals
-    worst = np.maximum(np.abs(equality).max(initial=0.0), inequality.max(initial=0.0))
-    return float("inf") if np.isnan(worst) else float(worst)
-
-
-def banded_step(band: Array, gradient: Array, damping: float) -> tuple[Array, float]:
-    """Solve (band + damping · I) d = −gradient by banded Cholesky; damping grows until it is positive definite. No step
-    where there is none, as the numbers are not finite."""
-    while damping < NO_STEP:
-        damped = band.copy()
-        damped[:, 0] += damping
-        factor = factored(damped)
-        if factor is not None:
-            return solved(factor, -gradient), damping
-        damping = max(10.0 * damping, 1e-6)
-    return np.zeros_like(gradient), damping
+    worst, other = float(np.abs(equality).max(initial=0.0)), float(inequality.max(initial=0.0))
+    return max(worst, other) if worst < np.inf and other < np.inf else float("inf")
 
 
 class _Descent:
@@ -100,12 +84,12 @@ class _Descent:
     def step(self) -> float:
         """One accepted Gauss-Newton step; its largest component, or 0 when none was accepted."""
         merit = _merit(self.residuals, self.multipliers, self.mu)
-        gradient, band = self.program.normal(self.x, self.residuals, self.multipliers, self.mu)
+        system = self.program.system(self.x, self.residuals, self.multipliers, self.mu)
         for _ in range(8):
-            direction, self.damping = banded_step(band, gradient, self.damping)
+            direction, self.damping = system.step(self.damping)
             largest = float(np.abs(direction).max(initial=0.0))
             length = min(1.0, self.options.largest_step / largest) if largest > 0 else 1.0
-            slope = float(gradient @ direction)
+            slope = float(system.gradient @ direction)
             predicted = length * slope - 0.5 * length**2 * (slope + self.damping * float(direction @ direction))
             trial = self.x + length * direction
             residuals = self.program.residuals(trial)
@@ -179,8 +163,8 @@ def project(program: Program, start: Array, tolerance: float, budget: Budget, it
         if violation < tolerance or violation > 0.5 * min(seen[: -SOLVER.projections], default=np.inf):
             break
         none = (np.zeros_like(residuals[1]), np.zeros_like(residuals[2]))
-        gradient, band = program.normal(x, residuals, none, 1.0, costs=False)
-        direction, _ = banded_step(band, gradient, max(1e-8, min(1e-2, 1e-2 * violation)))
+        system = program.system(x, residuals, none, 1.0, costs=False)
+        direction, _ = system.step(max(1e-8, min(1e-2, 1e-2 * violation)))
         largest = float(np.abs(direction).max(initial=0.0))
         x = x + direction * min(1.0, 0.1 / largest if largest > 0 else 1.0)
     return best

@@ -1,4 +1,4 @@
-"""Cholesky factors of banded matrices, by LAPACK.
+"""Cholesky factors of banded matrices, and systems with dense ones, by LAPACK.
 
 The routines are SciPy's, taken from its compiled module alone: `scipy.linalg` around it takes longer to import than a
 short task takes to solve, and SciPy itself a twentieth of that.
@@ -44,3 +44,10 @@ def solved(factor: Array, right: Array) -> Array:
     """The solution `(n,)` of a system whose matrix has this factor."""
     solution: Array = _LAPACK.dpbtrs(factor, right, lower=1)[0]
     return solution
+
+
+def solved_dense(matrix: Array, right: Array) -> Array | None:
+    """The solution `(n,)` of a system with a symmetric `matrix` `(n, n)`, which is overwritten; None where it is not
+    positive definite."""
+    _, solution, failed = _LAPACK.dposv(matrix.T, right, lower=1, overwrite_a=1)
+    return None if failed else solution

@@ -3,15 +3,18 @@ slices (thesis section 3.2; Toussaint 2017, k-order motion optimisation)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 
 import numpy as np
 
+from .....langs.frozen import dataclass
 from ....skeleton import Array, Breach, Violation
+from .dense_rows import DenseRows
 from .normal_equations import Scatter, Sums, Together
 from .row_groups import ALL, LinearGroup, RowGroup, RowLabel, merged
 from .settings import SOLVER
+from .systems import BandedSystem, DenseSystem, System
 from .unknowns import Indices
 
 KINDS = ("cost", "equality", "inequality")
@@ -29,6 +32,19 @@ def _linear(group: RowGroup) -> LinearGroup:
     if not isinstance(group, LinearGroup):
         raise TypeError("the costs of a motion program are linear rows")
     return group
+
+
+@dataclass(frozen=True, slots=True)
+class Pushing:
+    """The instances `chosen` of a group of inequalities or wishes in which some row pushes, what it pulls `(N, m)`, and
+    their Jacobians `(N, m, n)` over `places` `(N, n)`, 0 in rows that do not."""
+
+    number: tuple[str, int]
+    group: RowGroup
+    chosen: Indices
+    places: Indices
+    pull: Array
+    jacobian: Array
 
 
 class Program:
@@ -54,6 +70,16 @@ class Program:
     @cached_property
     def _always(self) -> Together:
         return Together(self.groups["equality"], len(self.constants), self._shape)
+
+    @cached_property
+    def _dense(self) -> DenseRows:
+        return DenseRows(self.groups["equality"], len(self.constants), self.unknowns)
+
+    @cached_property
+    def _dense_costs(self) -> tuple[Array, Array]:
+        """The rows of costs, and their square."""
+        rows = DenseRows(self._linear, len(self.constants), self.unknowns).matrix(np.zeros(0), ())
+        return rows, rows.T @ rows
 
     @cached_property
     def _costs(self) -> list[tuple[Array, Scatter]]:
@@ -98,6 +124,34 @@ class Program:
             parts.append(np.concatenate(values) if values else np.zeros(0))
         return parts[0], parts[1], parts[2]
 
+    def system(
+        self, x: Array, residuals: tuple[Array, Array, Array], multipliers: tuple[Array, Array], mu: float,
+        costs: bool = True,
+    ) -> System:  # fmt: skip
+        """What `normal` tells, ready to be solved; of small programs as a dense matrix."""
+        if self.unknowns > SOLVER.dense:
+            return BandedSystem(*self.normal(x, residuals, multipliers, mu, costs))
+        z = self.full(x)
+        cost, equality, inequality = residuals
+        found = [*self._pushing("inequality", z, np.maximum(mu * inequality + multipliers[1], 0.0))]
+        pulls = [mu * equality + multipliers[0], *(f.pull.ravel() for f in found)]
+        parts = [(f.jacobian, f.places) for f in found]
+        rows = sum(map(len, pulls))
+        if costs:
+            wishes = [*self._pushing(WISH, z, cost[len(cost) - self._wished[-1] :])]
+            pulls += [f.pull.ravel() for f in wishes]
+            parts += [(f.jacobian, f.places) for f in wishes]
+        matrix = self._dense.matrix(z, parts)
+        gradient = np.concatenate(pulls) @ matrix
+        one, other = matrix[:rows], matrix[rows:]
+        square = mu * (one.T @ one)
+        if costs:
+            gradient += cost[: len(cost) - self._wished[-1]] @ self._dense_costs[0]
+            square += self._dense_costs[1]
+            if len(other):
+                square += other.T @ other
+        return DenseSystem(gradient, square)
+
     def normal(
         self, x: Array, residuals: tuple[Array, Array, Array], multipliers: tuple[Array, Array], mu: float,
         costs: bool = True,
@@ -116,13 +170,13 @@ class Program:
         band = sums.band()
         return sums.gradient(), band + self._cost_band if costs else band
 
-    def _add_pushing(self, kind: str, z: Array, pull: Array, weight: float, sums: Sums) -> None:
+    def _pushing(self, kind: str, z: Array, pull: Array) -> Iterator[Pushing]:
         """Inequalities or wishes: only instances with a row that pushes are differentiated."""
-        pushing = np.flatnonzero(pull)
+        pushing = pull.nonzero()[0]
         if not len(pushing):
             return
         bounds = self._wished if kind == WISH else self._bounds
-        among = np.searchsorted(pushing, bounds).tolist()
+        among = pushing.searchsorted(bounds).tolist()
         for number, group in enumerate(self.groups[kind]):
             if among[number] == among[number + 1]:
                 continue
@@ -130,17 +184,23 @@ class Program:
                 at = pushing[among[number] : among[number + 1]]
                 chosen, block = at - bounds[number], pull[at][:, None]
                 jacobian, places = group.jacobians(z, chosen)
-                slope = block * jacobian[:, 0]
-                square = jacobian.transpose(0, 2, 1) * (weight * jacobian)
             else:
                 block = pull[bounds[number] : bounds[number + 1]].reshape(group.shape)
                 chosen = np.flatnonzero(block.any(1))
                 block = block[chosen]
                 jacobian, places = group.jacobians(z, chosen)
-                slope = np.matmul(block[:, None, :], jacobian)
                 jacobian = jacobian * (block > 0)[:, :, None]
+            yield Pushing((kind, number), group, chosen, places, block, jacobian)
+
+    def _add_pushing(self, kind: str, z: Array, pull: Array, weight: float, sums: Sums) -> None:
+        for found in self._pushing(kind, z, pull):
+            block, jacobian = found.pull, found.jacobian
+            if jacobian.shape[1] == 1:
+                slope, square = block * jacobian[:, 0], jacobian.transpose(0, 2, 1) * (weight * jacobian)
+            else:
+                slope = np.matmul(block[:, None, :], jacobian)
                 square = np.matmul(jacobian.transpose(0, 2, 1), weight * jacobian)
-            band, gradient = self._targets((kind, number), group, chosen, places)
+            band, gradient = self._targets(found.number, found.group, found.chosen, found.places)
             sums.add(band, square.ravel())
             sums.pull(gradient, slope.ravel())
 

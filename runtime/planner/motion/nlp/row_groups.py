@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from .....compiler.motion.stages import Stage, StageBatch
+from .....compiler.motion.stages import PlacedBatch, Stage
 from .....langs.frozen import dataclass
 from .....langs.source import Span
 from ....skeleton import Array, Breach
@@ -51,11 +51,12 @@ class RowGroup(Protocol):
         ...
 
     def residuals(self, z: Array) -> Array:
-        """Scaled residuals (N, m)."""
+        """Scaled residuals (N, m), valid until the next call."""
         ...
 
     def jacobians(self, z: Array, chosen: Chosen) -> tuple[Array, Indices]:
-        """Scaled Jacobians (len(chosen), m, n) of the chosen instances, and their places in z (len(chosen), n)."""
+        """Scaled Jacobians (len(chosen), m, n) of the chosen instances, and their places in z (len(chosen), n), valid
+        until the next call."""
         ...
 
     def curvature(self, z: Array, weights: Array) -> list[tuple[Array, Indices]]:
@@ -79,7 +80,7 @@ class StageGroup:
         self.places = places
         self.constants = constants
         self.labels = labels
-        self._values: StageBatch | None = None
+        self._batches: dict[str, PlacedBatch] = {}
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -88,13 +89,19 @@ class StageGroup:
     def label(self, instance: int) -> RowLabel:
         return self.labels[instance]
 
+    def _all(self, what: str, z: Array) -> Array:
+        batch = self._batches.get(what)
+        if batch is None:
+            batch = self._batches[what] = self.stage.placed(what, self.places, self.constants)
+        found = batch(z)
+        return found if self.scale == 1.0 else self.scale * found
+
     def residuals(self, z: Array) -> Array:
-        if self._values is None:
-            self._values = self.stage.batch("values", len(self.places))
-        values: Array = self.scale * self._values(z[self.places], self.constants)
-        return values
+        return self._all("values", z)
 
     def jacobians(self, z: Array, chosen: Chosen) -> tuple[Array, Indices]:
+        if chosen is ALL:
+            return self._all("jacobians", z).reshape(-1, self.stage.rows, self.stage.inputs), self.places
         places = self.places[chosen]
         return self.stage.jacobians(z[places], self.constants[chosen], self.scale), places
 

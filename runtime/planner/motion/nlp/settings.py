@@ -43,6 +43,12 @@ class SolverSettings:
         100_000, "products",
         "Of a group with no more products of rows, all their places are found at once.",
     )
+    dense: int = setting(
+        160, "unknowns",
+        "A program with no more unknowns holds its rows as one dense matrix, a larger one adds up a band.",
+        "the solves of climb n=12 and pick_and_place objects=8 take 0.22 and 0.34 CPU s so, with 60 unknowns 0.25 and "
+        "0.44, with 400 0.25 and 0.37",
+    )
 
 
 SOLVER = SolverSettings()
