@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import linprog
 
 from tamplang.compiler import ir
 from tamplang.compiler.physics.frames import poses
+from tamplang.compiler.physics.least_ratio import least_ratios
 from tamplang.compiler.physics.statics import loads
+from tamplang.compiler.physics.strength_rows import StrengthRows
 from tamplang.compiler.physics.structure import structure
 from tamplang.compiler.pipeline import compile_text
 from tamplang.runtime.planner.motion.keyframes.bearing_rows import bearing_groups
@@ -112,3 +115,62 @@ def test_rows_of_closed_loops_change_as_the_best_share_does() -> None:
     worst = np.max([load.ratio for load in loads(problem, MODE, at, 1.5 / STATICS.room)], axis=0)
     assert np.all(worst <= group.residuals(z)[:, 0] + 1.0 + 1e-6)
     assert np.all(group.residuals(z)[:, 0] + 1.0 <= 1.09 * worst)
+
+
+def rows(random: np.random.Generator, kind: str, samples: int = 4) -> StrengthRows:
+    """Rows that a structure could have: those of a loop in many directions, all of one edge, rows twice, rows of what
+    must not lift; samples that are near each other."""
+    edges, loops, count = 4, int(random.integers(1, 4)), int(random.integers(8, 60))
+    first, last = (random.normal(size=(count, 6)) for _ in range(2))
+    functionals = np.stack([first + (last - first) * 0.05 * t for t in range(samples)])
+    if kind == "twice":
+        functionals[:, count // 2 :] = functionals[:, : count - count // 2]
+    if kind == "one way":
+        functionals[:, :, 1:] = 0.0
+    signs = random.choice([-1.0, 0.0, 1.0], size=(edges, loops))
+    grows = np.ones(count, dtype=bool) if kind != "rests" else random.uniform(size=count) < 0.7
+    owners = random.integers(0, edges, count)
+    if kind == "twice":
+        owners[count // 2 :] = owners[: count - count // 2]
+    return StrengthRows(
+        functionals, owners, random.uniform(size=count) < 0.6, grows,
+        np.repeat(random.normal(size=(1, edges, 6)), samples, 0), signs, np.zeros((samples, 3)),
+    )  # fmt: skip
+
+
+def least_by_highs(given: StrengthRows, sample: int) -> float:
+    """The least worst ratio, with 100 times what lifts, by another method."""
+    slopes, hung = given.slopes()[sample], given.told(np.zeros((len(given.hung), given.unknowns)))[sample]
+    both = given.both
+    a = np.concatenate([slopes, -slopes[both]])
+    b = np.concatenate([-hung, hung[both]])
+    own = np.concatenate([given.grows, given.grows[both]])
+    a = np.concatenate([a, -1.0 * own[:, None], -1.0 * ~own[:, None]], axis=1)
+    free: list[tuple[float | None, float | None]] = [(None, None)] * given.unknowns
+    found = linprog([*[0.0] * given.unknowns, 1.0, 100.0], a, b, bounds=[*free, (0, None), (0, None)])
+    assert found.status == 0
+    return float(found.fun)
+
+
+@pytest.mark.parametrize("kind", ["any", "twice", "one way", "rests"])
+def test_the_least_ratio_is_that_of_another_method_on_degenerate_programs_too(kind: str) -> None:
+    random = np.random.default_rng(7)
+    for _ in range(12):
+        given = rows(random, kind)
+        for sample, share in enumerate(least_ratios(given)):
+            told, eased = given.told(np.repeat(share.taken[None], 4, 0))[sample], share.ratio
+            assert share.ratio == pytest.approx(least_by_highs(given, sample), rel=1e-3, abs=2e-3)
+            if kind != "rests":
+                assert np.all(told <= eased + 1e-8) and np.all(told[given.both] >= -eased - 1e-8)
+            assert np.all(share.weights[~given.both] >= 0.0)
+
+
+def test_the_share_is_the_same_far_from_the_origin() -> None:
+    problem, _ = compile_text(TEXT.format(pull="1 kN", moment="6 N m"))
+    rows = np.array([[*problem.world.modules["c"].pose, 1.4, 0.1, 0.0]])
+    found = []
+    for far in (0.0, 300.0):
+        moved = rows + np.array([far, -far, 0.0, *[0.0] * 7])
+        at = poses(problem, {"c": moved}, {n: np.array([b.pose]) for n, b in problem.world.bodies.items()})
+        found.append(max(float(x.ratio[0]) for x in loads(problem, MODE, at)))
+    assert found[1] == pytest.approx(found[0], rel=1e-6)

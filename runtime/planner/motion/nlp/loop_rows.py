@@ -9,7 +9,8 @@ import numpy as np
 
 from .....compiler.ir import Fact, Joint, Problem
 from .....compiler.physics.frames import Poses, poses
-from .....compiler.physics.loops import Share, ratios_of, shares
+from .....compiler.physics.least_ratio import Share
+from .....compiler.physics.loops import ratios_of, shares
 from .....compiler.physics.statics import hanging
 from .....compiler.physics.structure import structure
 from ....geometry.transforms import coupled
