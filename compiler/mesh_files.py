@@ -7,7 +7,6 @@ another program made them.
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -17,7 +16,6 @@ from ..langs import syntax
 from ..langs.diagnostics import Diagnostic
 from ..langs.source import Source
 from ..langs.trees import parts
-from .apart import apart
 from .foreign import Files, Missing
 from .xml_texts import XmlError, refuse_document_types
 
@@ -109,7 +107,11 @@ def load_mesh(
 def read_mesh(path: str, content: bytes, scale: Sequence[float] = (1.0, 1.0, 1.0)) -> tuple[Array, Array]:
     """Points (M, 3) and triangles (T, 3) of the mesh that a file of one of `FORMATS` holds. Raises ValueError or
     RuntimeError when it cannot be read or is empty, and XmlError where it declares a document type."""
+    import tempfile
+
     import numpy as np
+
+    from .apart import apart
 
     ending = Path(path).suffix.lower()
     if ending not in FORMATS:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -110,6 +109,8 @@ def _format(file: Path, only_check: bool, diff: bool) -> bool:
         source = _standard_input() if file == STANDARD_INPUT else read_source(file)
         text = format_source(source)
     if diff:
+        import difflib
+
         lines = difflib.unified_diff(
             source.text.splitlines(keepends=True), text.splitlines(keepends=True), str(file), f"{file} (laid out)"
         )

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import os
-import platform
 import sys
-import tempfile
-import traceback
 from types import TracebackType
 
 from .status import ExitStatus
@@ -18,6 +15,9 @@ def report_crash(kind: type[BaseException], error: BaseException, trace: Traceba
     if issubclass(kind, KeyboardInterrupt):
         print("interrupted", file=sys.stderr)
         raise SystemExit(int(ExitStatus.INTERRUPTED))
+    import platform
+    import traceback
+
     from .. import __version__
 
     about = f"tamplang {__version__}, Python {platform.python_version()}, {platform.platform()}\n"
@@ -33,6 +33,8 @@ def report_crash(kind: type[BaseException], error: BaseException, trace: Traceba
 
 def _kept(text: str) -> str:
     """The path of a new file with the text. Raises OSError, and leaves no file then."""
+    import tempfile
+
     descriptor, path = tempfile.mkstemp(prefix="tamplang-crash-", suffix=".txt")
     try:
         with os.fdopen(descriptor, "w", encoding="utf-8", errors="backslashreplace") as stream:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import stat
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -28,6 +27,8 @@ def checked_output(path: Path, inputs: tuple[Path, ...] = ()) -> Path:
     Raises UnwritableFile when `path` is a folder, a device, a pipe or one of `inputs`, or lies in a folder that cannot
     be written.
     """
+    import tempfile
+
     try:
         status = _status(path)
         if status is not None and stat.S_ISDIR(status.st_mode):

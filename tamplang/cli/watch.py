@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -21,6 +20,8 @@ watch_option: Callable[[Any], Any] = click.option(
 
 def watching(files: Sequence[Path], arguments: Sequence[str]) -> int:
     """Run `tamplang` with these arguments now and after every change; ends by KeyboardInterrupt only."""
+    import subprocess
+
     command = [sys.executable, "-m", "tamplang", *(a for a in arguments if a != "--watch")]
     while True:
         before = stamps(files)

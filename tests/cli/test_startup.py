@@ -42,6 +42,19 @@ def test_no_heavy_import(arguments: list[str]) -> None:
     assert not loaded & HEAVY
 
 
+def test_a_command_loads_no_other() -> None:
+    program = (
+        "import sys; from tamplang.cli import run; run(['check', '--help']); "
+        "print(*sorted(name for name in sys.modules if name.startswith('tamplang.cli.')))"
+    )
+    process = subprocess.run(
+        [sys.executable, "-c", program], env=environment(), capture_output=True, text=True, timeout=60
+    )
+    loaded = set(process.stdout.splitlines()[-1].split())
+    assert "tamplang.cli.check" in loaded
+    assert not loaded & {f"tamplang.cli.{other}" for other in ("solve", "sweep", "execute", "plans", "export", "new")}
+
+
 def test_importing_the_package_loads_nothing_of_the_planner() -> None:
     program = "import sys, tamplang; print(*sorted(sys.modules))"
     process = subprocess.run(
