@@ -63,6 +63,7 @@ from .lifted_ir import (
 )  # fmt: skip
 from .objectives import Objective
 from .physics.records import Hold, Inertial
+from .remembering import remembered
 from .solid_shapes import Pose, Shape, ShapeKind, SolidPart, Vec3
 
 __all__ = [
@@ -325,7 +326,13 @@ class Problem:
 
     def of_type(self, type_name: str) -> tuple[str, ...]:
         """The objects of that type and its subtypes, in declaration order."""
-        return tuple(o for o, t in self.objects.items() if self.is_a(t, type_name))
+        return _of_type(self, type_name)
+
+
+@remembered(4)
+def _of_type(problem: Problem, type_name: str) -> tuple[str, ...]:
+    fits = {t for t in set(problem.objects.values()) if problem.is_a(t, type_name)}
+    return tuple([o for o, t in problem.objects.items() if t in fits])
 
 
 # --- ground actions ----------------------------------------------------------------------------------------------

@@ -15,6 +15,7 @@ Findings of all stages are collected and come out together; SourceError carries 
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Mapping, Sequence
 
 from ..langs.diagnostics import Diagnostic, SourceError, UsageError
@@ -29,7 +30,13 @@ from .scenes.instantiate import instantiate
 from .scenes.lifted import check_declarations
 from .scenes.parameters import choose_task, parameter_values
 
-__all__ = ["UsageError", "check", "check_sources", "compile_problem", "compile_sources", "compile_text", "load_library"]
+__all__ = [
+    "UsageError", "check", "check_sources", "compile_problem", "compile_sources", "compile_text", "compiled_before",
+    "load_library",
+]  # fmt: skip
+
+_recent: deque[ir.Problem] = deque(maxlen=4)
+"""What this process compiled last, as it was compiled: problems hold whole scenes, so only a few are kept."""
 
 
 def check(path: str | os.PathLike[str]) -> tuple[Diagnostic, ...]:
@@ -95,7 +102,23 @@ def compile_sources(
     problem = instantiate(lifted, chosen, values, seed)
     if problem is None or lifted.findings.has_errors:
         raise SourceError(lifted.findings.sorted())
+    _recent.append(problem)
     return problem, lifted.findings.sorted()
+
+
+def compiled_before(
+    sources: Sequence[Source], task: str, parameters: Mapping[str, float | int], seed: int, files: Mapping[str, bytes]
+) -> ir.Problem | None:
+    """The problem of the same task of the same texts, called as on any machine, with the same values for all its
+    parameters, where this process compiled it lately; its places are called as they were then."""
+    for problem in reversed(list(_recent)):
+        if (
+            (problem.task, problem.seed, problem.parameters) == (task, seed, parameters)
+            and [(problem.called(s.path), s.text) for s in problem.sources] == [(s.path, s.text) for s in sources]
+            and {problem.called(path): data for path, data in problem.files.items()} == files
+        ):
+            return problem
+    return None
 
 
 def compile_text(

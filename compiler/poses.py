@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from .ir import IDENTITY, JointKind, ModuleType, Pose, Vec3
+from .ir import IDENTITY, JointKind, ModuleType, Pose, SolidPart, Vec3
 
 Quaternion = tuple[float, float, float, float]
 
@@ -49,6 +49,11 @@ def compose(a: Pose, b: Pose) -> Pose:
     """The pose `b`, given in the frame `a`, in the frame in which `a` is given."""
     offset = rotate(orientation(a), position(b))
     return make((a[0] + offset[0], a[1] + offset[1], a[2] + offset[2]), product(orientation(a), orientation(b)))
+
+
+def part_pose(pose: Pose, part: SolidPart) -> Pose:
+    """Where a part of a shape is whose frame is at `pose`."""
+    return compose(pose, part.placement) if any(part.at) else pose
 
 
 def inverse(pose: Pose) -> Pose:

@@ -26,6 +26,7 @@ class Findings:
         self._found: dict[tuple[str, Span | None], Diagnostic] = {}
         self._starts: dict[str, list[int]] = {}
         self.hints = 0
+        self._words: dict[tuple[str, int, int, str, int], Span] = {}
         self.errors = 0
         """How many errors were found so far."""
 
@@ -75,6 +76,12 @@ class Findings:
 
     def word(self, span: Span, word: str, occurrence: int = 0) -> Span:
         """The span of `word` inside `span`; `span` itself where the word is not found."""
+        key = span.file, span.start, span.end, word, occurrence
+        if key not in self._words:
+            self._words[key] = self._found_word(span, word, occurrence)
+        return self._words[key]
+
+    def _found_word(self, span: Span, word: str, occurrence: int) -> Span:
         text = self._texts.get(span.file)
         if text is None:
             return span

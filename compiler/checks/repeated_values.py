@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from ...langs import syntax
+from ..ir import Shape
 from .evaluate import FUNCTIONS, EvaluationError, arithmetic, function_value
 from .names import Entry
 
@@ -17,6 +18,7 @@ class Repeated:
 
     def __init__(self) -> None:
         self._known: dict[int, tuple[syntax.Term, Evaluator | None]] = {}
+        self._shapes: dict[tuple[int, tuple[float | None, ...]], tuple[syntax.Call, Shape]] = {}
 
     def checked(self, term: syntax.Term) -> None:
         """A term was found to be in order."""
@@ -32,6 +34,21 @@ class Repeated:
             return known[1](entries)
         except (EvaluationError, KeyError, _UnknownValue):
             return None
+
+
+    def shape(self, call: syntax.Call, entries: Mapping[str, Entry], make: Callable[[], Shape | None]) -> Shape | None:
+        """The shape that a call makes; where it was checked before and all its sizes have values, shapes of equal sizes
+        are one."""
+        sizes = tuple([self.value(argument, entries) for argument in call.args])
+        if None in sizes:
+            return make()
+        key = id(call), sizes
+        if key not in self._shapes:
+            made = make()
+            if made is None:
+                return None
+            self._shapes[key] = call, made
+        return self._shapes[key][1]
 
 
 class _UnknownValue(Exception):

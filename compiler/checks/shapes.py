@@ -48,9 +48,15 @@ def shape(
     context: Context, scope: Scope, call: syntax.Call, shapes: Mapping[str, tuple[str, ...]] = SHAPES
 ) -> ir.Shape | None:
     """The shape with its sizes in metres, or None where they are not known yet or wrong."""
-    findings = context.findings
     if shapes is SHAPES and call.function in HULLS:
         return (_union if call.function == "union" else _convex)(context, scope, call)
+    return context.repeated.shape(call, scope.entries, lambda: _simple(context, scope, call, shapes))
+
+
+def _simple(
+    context: Context, scope: Scope, call: syntax.Call, shapes: Mapping[str, tuple[str, ...]]
+) -> ir.Shape | None:
+    findings = context.findings
     where = findings.word(call.span, call.function)
     form = shapes.get(call.function)
     if form is None:

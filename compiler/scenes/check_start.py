@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Set
+from collections.abc import Iterable, Iterator, Sequence, Set
+from functools import lru_cache
+from operator import sub
 
 from ...langs.frozen import dataclass
 from ...langs.source import Span
@@ -12,7 +14,8 @@ from ..checks.findings import Findings
 from ..extents import corners
 from ..joint_lines import are_kept_apart, line
 from ..part_names import part_names
-from ..poses import compose, joint_frames, orientation, position, rotate
+from ..poses import Quaternion, compose, joint_frames, orientation, part_pose, position, rotate
+from ..remembering import remembered
 
 TOLERANCE = 1e-3
 """Depth in metres up to which things that rest in contact may overlap."""
@@ -125,12 +128,20 @@ def _freedom(world: ir.World, fixed: Set[str], *volumes: Volume) -> str | None:
     return "; ".join(told)
 
 
-def volumes(world: ir.World) -> Iterator[Volume]:
+@remembered(4)
+def volumes(world: ir.World) -> Sequence[Volume]:
     """All shapes of the scene at the start."""
+    return [*_bodies(world), *_modules(world)]
+
+
+def _bodies(world: ir.World) -> Iterator[Volume]:
     for body in world.bodies.values():
         for solid in body.shape.solids:
-            pose = compose(body.pose, solid.placement)
+            pose = part_pose(body.pose, solid)
             yield Volume(body.name, body.name, solid.shape, pose, bounds(solid.shape, pose), body.span, body.name)
+
+
+def _modules(world: ir.World) -> Iterator[Volume]:
     for module in world.modules.values():
         type_ = module.type
         frames = joint_frames(type_, module.pose, module.joints)
@@ -145,14 +156,17 @@ def volumes(world: ir.World) -> Iterator[Volume]:
 
 def bounds(shape: ir.Shape, pose: ir.Pose) -> Box:
     """The axis-aligned box around a shape, metres in the world."""
-    q = orientation(pose)
     x, y, z = position(pose)
+    a, b, c, d, e, f = _bounds(shape, orientation(pose))
+    return x + a, y + b, z + c, x + d, y + e, z + f
+
+
+@lru_cache(maxsize=1024)
+def _bounds(shape: ir.Shape, q: Quaternion) -> Box:
+    """That box around a shape at the origin: of many bodies few are turned each in its own way."""
     if shape.kind == ir.ShapeKind.CONVEX:
-        along = list(zip(*(rotate(q, c) for c in corners(shape)), strict=True))
-        return (
-            x + min(along[0]), y + min(along[1]), z + min(along[2]),
-            x + max(along[0]), y + max(along[1]), z + max(along[2]),
-        )  # fmt: skip
+        x, y, z = zip(*(rotate(q, c) for c in corners(shape)), strict=True)
+        return min(x), min(y), min(z), max(x), max(y), max(z)
     if shape.kind == ir.ShapeKind.SPHERE:
         reach = [shape.size[0]] * 3
     elif shape.kind == ir.ShapeKind.BOX:
@@ -163,32 +177,35 @@ def bounds(shape: ir.Shape, pose: ir.Pose) -> Box:
         axis = rotate(q, (0.0, 0.0, 1.0))
         round_end = shape.kind == ir.ShapeKind.CAPSULE
         reach = [abs(a) * length / 2 + radius * (1.0 if round_end else math.sqrt(max(0.0, 1.0 - a * a))) for a in axis]
-    return x - reach[0], y - reach[1], z - reach[2], x + reach[0], y + reach[1], z + reach[2]
+    return -reach[0], -reach[1], -reach[2], reach[0], reach[1], reach[2]
 
 
 def candidates(found: list[Volume]) -> Iterator[tuple[Volume, Volume]]:
     """Pairs whose boxes overlap by more than the tolerance, by a sweep along the axis on which least of them share
     places: the sum of their widths is the smallest part of what they cover."""
 
+    low, high = ([[v.bounds[k] for v in found] for k in axes] for axes in (range(3), range(3, 6)))
+
     def crowd(axis: int) -> float:
-        low, high = min(v.bounds[axis] for v in found), max(v.bounds[axis + 3] for v in found)
-        return sum(v.bounds[axis + 3] - v.bounds[axis] for v in found) / max(high - low, TOLERANCE)
+        width = max(high[axis]) - min(low[axis])
+        return float(sum(map(sub, high[axis], low[axis]))) / max(width, TOLERANCE)
 
     along = min(range(3), key=crowd) if found else 0
-    first, second = (k for k in range(3) if k != along)
-    ordered = sorted(found, key=lambda v: v.bounds[along])
-    active: list[Volume] = []
-    for volume in ordered:
-        low = volume.bounds
-        active = [a for a in active if a.bounds[along + 3] - low[along] > TOLERANCE]
-        for other in active:
-            high = other.bounds
+    (low_1, high_1), (low_2, high_2) = ((low[k], high[k]) for k in range(3) if k != along)
+    ends, active = high[along], list[int]()
+    for k in sorted(range(len(found)), key=low[along].__getitem__):
+        start = low[along][k] + TOLERANCE
+        active = [i for i in active if ends[i] > start]
+        least_1, most_1, least_2, most_2 = low_1[k], high_1[k], low_2[k], high_2[k]
+        for i in active:
             if (
-                min(high[first + 3], low[first + 3]) - max(high[first], low[first]) > TOLERANCE
-                and min(high[second + 3], low[second + 3]) - max(high[second], low[second]) > TOLERANCE
+                high_1[i] - least_1 > TOLERANCE < most_1 - low_1[i]
+                and high_2[i] - least_2 > TOLERANCE < most_2 - low_2[i]
+                and min(high_1[i], most_1) - max(low_1[i], least_1) > TOLERANCE
+                and min(high_2[i], most_2) - max(low_2[i], least_2) > TOLERANCE
             ):
-                yield other, volume
-        active.append(volume)
+                yield found[i], found[k]
+        active.append(k)
 
 
 def penetration(one: Volume, other: Volume) -> float:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,8 @@ from ..extents import box_sides
 from ..hulls import Array, convex_geometry
 from ..ir import Chain, ModuleType, Pose, Problem, Shape, ShapeKind, Value
 from ..physics.scene_loads import SceneLoads
-from ..poses import compose, joint_frames, make, orientation, position, rotate
+from ..poses import Quaternion, compose, joint_frames, make, orientation, part_pose, position, rotate
+from ..remembering import remembered
 from .lengths import longest_chain, path_length, shape_radius
 from .settings import SYMBOLIC
 
@@ -35,6 +36,12 @@ class Placed:
 
     shape: Shape
     pose: Pose
+
+
+@remembered(4)
+def lengths_of(problem: Problem) -> SceneLengths:
+    """The lengths of a scene, which all that ask for them share."""
+    return SceneLengths(problem)
 
 
 class SceneLengths:
@@ -200,7 +207,7 @@ class SceneLengths:
         world = self.problem.world
         if name in world.bodies:
             body = world.bodies[name]
-            return tuple(Placed(p.shape, compose(body.pose, p.placement)) for p in body.shape.solids)
+            return tuple(Placed(p.shape, part_pose(body.pose, p)) for p in body.shape.solids)
         if name in world.modules:
             module = world.modules[name]
             frames = joint_frames(module.type, module.pose, module.joints)
@@ -235,6 +242,11 @@ class SceneLengths:
 
 def grown_box(shape: Shape, pose: Pose) -> tuple[tuple[float, float, float], float] | None:
     """Half sizes of a box along the world's axes and the radius by which the shape is larger, or None."""
+    return _grown_box(shape, orientation(pose))
+
+
+@lru_cache(maxsize=1024)
+def _grown_box(shape: Shape, turn: Quaternion) -> tuple[tuple[float, float, float], float] | None:
     if shape.kind == ShapeKind.SPHERE:
         return (0.0, 0.0, 0.0), shape.size[0]
     if shape.kind == ShapeKind.BOX:
@@ -243,11 +255,11 @@ def grown_box(shape: Shape, pose: Pose) -> tuple[tuple[float, float, float], flo
         local, radius = [0.0, 0.0, shape.size[1] / 2], shape.size[0]
     else:
         return None
-    if orientation(pose) == UPRIGHT:
+    if turn == UPRIGHT:
         return (local[0], local[1], local[2]), radius
     half = [0.0, 0.0, 0.0]
     for k in range(3):
-        axis = rotate(orientation(pose), (float(k == 0), float(k == 1), float(k == 2)))
+        axis = rotate(turn, (float(k == 0), float(k == 1), float(k == 2)))
         if local[k] and max(abs(x) for x in axis) < 1 - STRAIGHT:
             return None
         half[max(range(3), key=lambda r: abs(axis[r]))] += local[k]

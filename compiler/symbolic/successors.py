@@ -18,7 +18,7 @@ from .blocks import Block, BlockMaker
 from .chains import KnownFacts
 from .domains import Domains, FlatRule
 from .expressions import source
-from .geometry import SceneLengths
+from .geometry import lengths_of
 from .guards import Guards
 from .layout import Layout
 from .normal_form import NormalForm
@@ -38,7 +38,7 @@ class Successors:
         self.normal = NormalForm(problem)
         self.domains = Domains(problem, self.normal)
         self.layout = Layout(problem, self.domains)
-        self.geometry = SceneLengths(problem)
+        self.geometry = lengths_of(problem)
         self.guards = Guards(problem, self.layout, self.geometry)
         self.initial = self.layout.initial
         self._actions: list[Action] = []

@@ -8,7 +8,7 @@ that passes through a box the depth is that of its axis, which is none too great
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -52,16 +52,9 @@ class Forms:
 
     def __init__(self, shapes: Sequence[Shape]) -> None:
         self.shapes = list(shapes)
-        self.kind = np.full(len(shapes), HULL, dtype=np.intp)
-        self.half = np.zeros((len(shapes), 3))
-        self.radius = np.zeros(len(shapes))
-        self.reach = np.array([bounding_radius(s) for s in shapes], dtype=float)
-        for k, shape in enumerate(shapes):
-            if shape.kind == ShapeKind.BOX:
-                self.kind[k], self.half[k] = BOX, [s / 2 for s in shape.size]
-            elif shape.kind in (ShapeKind.SPHERE, ShapeKind.CAPSULE):
-                self.kind[k], self.radius[k] = ROUND, shape.size[0]
-                self.half[k, 2] = shape.size[1] / 2 if shape.kind == ShapeKind.CAPSULE else 0.0
+        rows = np.array([_numbers(shape) for shape in self.shapes], dtype=float).reshape(-1, 6)
+        self.kind = rows[:, 0].astype(np.intp)
+        self.half, self.radius, self.reach = rows[:, 1:4], rows[:, 4], rows[:, 5]
 
     def __len__(self) -> int:
         return len(self.shapes)
@@ -73,6 +66,17 @@ class Forms:
         both.kind, both.half = np.concatenate([self.kind, other.kind]), np.concatenate([self.half, other.half])
         both.radius, both.reach = np.concatenate([self.radius, other.radius]), np.concatenate([self.reach, other.reach])
         return both
+
+
+@lru_cache(maxsize=4096)
+def _numbers(shape: Shape) -> tuple[float, ...]:
+    """The kind, half of the sizes, the radius and the reach of a shape."""
+    reach = bounding_radius(shape)
+    if shape.kind == ShapeKind.BOX:
+        return BOX, *(s / 2 for s in shape.size), 0.0, reach
+    if shape.kind in (ShapeKind.SPHERE, ShapeKind.CAPSULE):
+        return ROUND, 0.0, 0.0, shape.size[1] / 2 if shape.kind == ShapeKind.CAPSULE else 0.0, shape.size[0], reach
+    return HULL, 0.0, 0.0, 0.0, 0.0, reach
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...compiler import ir
 from ...compiler.motion.collision import Pair, bounding_radius, pair
-from ...compiler.poses import compose, joint_frames
+from ...compiler.poses import compose, joint_frames, part_pose
 from ...compiler.remembering import remembered
 from ...compiler.scenes.check_start import TOLERANCE, penetration, volumes
 from ...compiler.symbolic.geometry import Placed, shape_distance
@@ -46,7 +46,7 @@ def pressed_in(world: ir.World) -> Mapping[Pair, float]:
     refuse. A link goes by the name of its module."""
     found: dict[Pair, float] = {}
     solid = {body.name for body in world.solids}
-    known = list(volumes(world))
+    known = volumes(world)
     others = [v for v in known if v.owner in solid]
     edges = np.array([v.bounds for v in others]).reshape(-1, 6)
     for part in known:
@@ -73,7 +73,7 @@ def _movers(world: ir.World) -> list[tuple[str, Placed]]:
 
 
 def _placed(body: ir.Body) -> list[Placed]:
-    return [Placed(part.shape, compose(body.pose, part.placement)) for part in body.shape.solids]
+    return [Placed(part.shape, part_pose(body.pose, part)) for part in body.shape.solids]
 
 
 def _near(first: Placed, second: Placed, within: float) -> bool:

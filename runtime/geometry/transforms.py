@@ -58,6 +58,18 @@ def multiply(left: Array, right: Array) -> Array:
     return np.concatenate([vector, s * t - np.sum(a * b, axis=-1, keepdims=True)], axis=-1)
 
 
+def rotations(quaternions: Array) -> Array:
+    """The rotation matrices `(…, 3, 3)` of quaternions `(…, 4)`, x y z w, of any length but none."""
+    a, b, c, w = np.moveaxis(quaternions, -1, 0)
+    n = 2.0 / (a * a + b * b + c * c + w * w)
+    rows = [
+        [1 - n * (b * b + c * c), n * (a * b - c * w), n * (a * c + b * w)],
+        [n * (a * b + c * w), 1 - n * (a * a + c * c), n * (b * c - a * w)],
+        [n * (a * c - b * w), n * (b * c + a * w), 1 - n * (a * a + b * b)],
+    ]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
 def quaternions(matrices: Array) -> Array:
     """Unit quaternions `(…, 4)` of rotation matrices `(…, 3, 3)`, with w >= 0: of the four multiples of one that are
     sums of entries, the greatest (Shepperd 1978)."""

@@ -68,6 +68,7 @@ def plan_of(
 ) -> record.Plan:  # fmt: skip
     """The plan file of phases with their motions, one after the other, and their splines."""
     world = problem.world
+    moved = set[str]().union(*(m.bodies for m in motions))
     plain = record.Plan(
         format=record.FORMAT,
         versions=_versions(),
@@ -78,7 +79,7 @@ def plan_of(
         final_mode=final_mode,
         times=_rounded_row(np.concatenate([m.times for m in motions])) if motions else [0.0],
         tracks=[_track(m, motions) for m in world.modules.values()],
-        body_tracks=[piece for b in world.bodies.values() for piece in _body_tracks(b, motions)],
+        body_tracks=[piece for b in world.bodies.values() if b.name in moved for piece in _body_tracks(b, motions)],
         splines=splines,
         statistics=statistics,
         needs=_needs(world),

@@ -12,7 +12,7 @@ from .collision import check_collisions
 from .constraints import check_constraints
 from .couplings import check_couplings
 from .drives import check_drives
-from .findings import Findings, place_of
+from .findings import Findings
 from .happenings import TooManyCorners, check_breakdowns, check_courses, check_happenings, happenings_of
 from .kinematics import Kinematics, check_kinematics, motion_of
 from .limits import LIMITS, share_of
@@ -48,8 +48,9 @@ def check(plan: Plan, problem: ir.Problem) -> VerdictRecord:
 
 
 def _problem(plan: Plan, findings: Findings, against: ir.Problem | None) -> ir.Problem | None:
-    """The task, compiled anew from nothing but the stored sources and files, and those of `against`."""
-    from ...compiler.pipeline import UsageError, compile_sources
+    """The task, compiled from nothing but the stored sources and files, and those of `against`; anew, unless this
+    process compiled just these before."""
+    from ...compiler.pipeline import UsageError, compile_sources, compiled_before
 
     sources = [Source(s.path, s.text) for s in plan.task.sources]
     if not sources:
@@ -58,14 +59,17 @@ def _problem(plan: Plan, findings: Findings, against: ir.Problem | None) -> ir.P
     try:
         lent = {} if against is None else files_beside(plan.task.file, against)
         files = lent | {f.path: f.data for f in plan.task.files}
-        texts = parameter_texts(plan, sources)
-        problem, _ = compile_sources(sources, plan.task.name, texts, plan.task.seed, files)
+        problem = compiled_before(sources, plan.task.name, plan.task.parameters, plan.task.seed, files)
+        if problem is None:
+            texts = parameter_texts(plan, sources)
+            problem, _ = compile_sources(sources, plan.task.name, texts, plan.task.seed, files)
+        findings.names = problem.names
     except SourceError as error:
         for diagnostic in error.diagnostics:
             if diagnostic.is_error:
                 message = f"{diagnostic.code} {diagnostic.message}"
                 message += f" ({diagnostic.help})" if diagnostic.help is not None else ""
-                findings.fail("source", message, place=place_of(diagnostic.span))
+                findings.fail("source", message, place=findings.place_of(diagnostic.span))
         if not findings.failures:
             findings.fail("source", "the stored sources do not compile")
         return None

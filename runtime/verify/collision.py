@@ -23,7 +23,17 @@ from .sampler import Grid, Placement, Sampler
 from .settling import DEEPEST, MOST
 from .shapes import Ruler, transform
 from .solids import Solid, moved, pairs, solids
-from .sweeps import Sweep, edges, lower_bound, near_instants, near_pairs, near_resting, relative_steps, sweep
+from .sweeps import (
+    Sweep,
+    edges,
+    lower_bound,
+    near_instants,
+    near_pairs,
+    near_resting,
+    relative_steps,
+    resting_edges,
+    sweep,
+)
 
 SAME = 1e-7
 """Metres that make no difference to a distance."""
@@ -72,21 +82,28 @@ def _check_part(part: _Part, looked_at: _LookedAt, gone: frozenset[int], finding
 
 
 class _AtRest:
-    """What is known of resting solids, by their places: which never move, of each the last sweep, and which pairs were
-    measured."""
+    """What is known of resting solids, by their places: which never move and the `edges` of boxes around these, of each
+    the last sweep, and which pairs were measured."""
 
     def __init__(self, found: list[Solid], fixed: frozenset[int]) -> None:
-        self.fixed = fixed
+        self.fixed = sorted(fixed)
         self.loose = [k for k in range(len(found)) if k not in fixed]
         """The solids that may move."""
+        self.edges = np.zeros((0, 3)), np.zeros((0, 3))
         self.last: dict[int, tuple[bytes, Sweep]] = {}
         self._found = found
+        self._frames: dict[int, Frames] = {}
         self._measured = set[tuple[int, bytes, int, bytes]]()
 
     def place(self, placement: Placement) -> None:
         """Take in where the solids are that never move, once."""
-        for k in self.fixed if not self.fixed <= self.last.keys() else ():
-            self.sweep(k, self._found[k], self._found[k].frames(placement))
+        if self.fixed and not self._frames:
+            self._frames = {k: self._found[k].frames(placement) for k in self.fixed}
+            self.edges = resting_edges([self._found[k] for k in self.fixed], list(self._frames.values()))
+
+    def known(self, index: int) -> Sweep:
+        """The sweep of a solid that never moves."""
+        return self.last[index][1] if index in self.last else self.sweep(index, self._found[index], self._frames[index])
 
     def sweep(self, index: int, solid: Solid, frames: Frames) -> Sweep:
         """The sweep of a solid that rests."""
@@ -115,19 +132,17 @@ class _LookedAt:
         self._among = np.array(pairs(plan, some, own, findings.check_time), dtype=np.intp).reshape(-1, 2)
         things = moved(plan, own)
         self._movers = np.array([k for k, solid in enumerate(some) if solid.thing in things], dtype=np.intp)
-        self._fixed = np.array(sorted(at_rest.fixed), dtype=np.intp)
-        self._edges: tuple[Array, Array] | None = None
+        self._fixed = np.array(at_rest.fixed, dtype=np.intp)
 
     def near(self, part: _Part) -> list[tuple[int, int]]:
         """Those whose boxes around a part of a phase overlap, in order."""
         low, high = edges([part.sweep(k) for k in self._loose.tolist()])
         among = self._loose[self._among[near_pairs(low, high, self._among)]]
-        if self._edges is None:
-            self._edges = edges([part.sweep(k) for k in self._fixed.tolist()])
+        lowest, highest = self._at_rest.edges
         apart = np.zeros((len(self._movers), len(self._fixed)), dtype=bool)
         for k in range(3):
-            apart |= low[self._movers, k, None] > self._edges[1][:, k]
-            apart |= high[self._movers, k, None] < self._edges[0][:, k]
+            apart |= low[self._movers, k, None] > highest[:, k]
+            apart |= high[self._movers, k, None] < lowest[:, k]
         mover, other = np.nonzero(~apart)
         beside = np.column_stack([self._loose[self._movers[mover]], self._fixed[other]])
         found = np.sort(np.concatenate([among, beside]), axis=1)
@@ -162,7 +177,7 @@ class _Part:
 
     def sweep(self, index: int) -> Sweep:
         """What a solid sweeps."""
-        return self._sweeps[index] if index in self._sweeps else self._at_rest.last[index][1]
+        return self._sweeps[index] if index in self._sweeps else self._at_rest.known(index)
 
     def look_ahead(self, pairs: list[tuple[int, int]]) -> None:
         """Find for pairs of a solid that moves and one that rests when they may come near, for all of one at once."""

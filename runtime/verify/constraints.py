@@ -13,7 +13,7 @@ from ...compiler import ir
 from ...langs.frozen import dataclass
 from ..plan import MeasureRecord, Plan
 from .bounds import Bounds
-from .findings import Findings, place_of
+from .findings import Findings
 from .gauge import LOADS, Gauge
 from .geometry import Array, Frames, angles
 from .kept_poses import kept
@@ -90,11 +90,11 @@ class _Literals:
     def _record(self, literal: ir.Fact, residual: _Residual) -> None:
         self._findings.measure(
             residual.kind, residual.amount, f"[{' '.join(literal)}] does not hold",
-            time=residual.time, between=literal[1:], place=place_of(residual.row.span),
+            time=residual.time, between=literal[1:], place=self._findings.place_of(residual.row.span),
         )  # fmt: skip
 
     def _meaningless(self, literal: ir.Fact, row: ir.Row, error: MeaninglessRow) -> None:
-        self._findings.fail("constraint", f"[{' '.join(literal)}]: {error}", place=place_of(row.span))
+        self._findings.fail("constraint", f"[{' '.join(literal)}]: {error}", place=self._findings.place_of(row.span))
 
 
 class _Switches(_Literals):
@@ -121,7 +121,7 @@ class _Switches(_Literals):
         if worst is not None:
             self._findings.residuals.append(MeasureRecord(
                 literal[0], worst.amount, self._findings.limit(worst.kind), unit_of(worst.kind),
-                worst.time, list(literal[1:]), place_of(worst.row.span),
+                worst.time, list(literal[1:]), self._findings.place_of(worst.row.span),
             ))  # fmt: skip
 
     def _residual(self, literal: ir.Fact, row: ir.Row, sample: int) -> _Residual | None:
@@ -237,7 +237,8 @@ class _Phase(_Literals):
         if settled is None:
             time = float(self._motion.times[self._first])
             message = f"whether [{' '.join(literal)}] holds between instants cannot be decided"
-            self._findings.fail("undecided", message, time=time, between=literal[1:], place=place_of(row.span))
+            place = self._findings.place_of(row.span)
+            self._findings.fail("undecided", message, time=time, between=literal[1:], place=place)
         else:
             self._record(literal, _Residual(kind(), *settled, row))
 

@@ -3,18 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ...langs.source import Span
 from ..budget import Budget
 from ..plan import NO_LIMIT, FailureRecord, MeasureRecord, PlaceRecord, VerdictRecord
 from .limits import LIMITS, RATE_SLACK, RATES, SHAPED, unit_of
-
-
-def place_of(span: Span | None) -> PlaceRecord | None:
-    """The record of a source place."""
-    return None if span is None else PlaceRecord(span.file, span.line, span.column)
-
 
 UNMEASURABLE = 1e10
 """Stands for a figure that is infinite or no number: JSON has neither."""
@@ -33,6 +27,12 @@ class Findings:
         self.at_rest = False
         self.share = 1.0
         """What is left of the limits of shapes where robots are small."""
+        self.names: Mapping[str, str] = {}
+        """How the plan calls sources, by the paths that spans tell."""
+
+    def place_of(self, span: Span | None) -> PlaceRecord | None:
+        """The record of a source place."""
+        return None if span is None else PlaceRecord(self.names.get(span.file, span.file), span.line, span.column)
 
     def check_time(self) -> None:
         """Raise OutOfTime once the budget is spent."""

@@ -62,12 +62,14 @@ def frames(poses: ArrayLike) -> Frames:
     return Frames(rows[:, :3], rotation_matrices(rows[:, 3:]))
 
 
-def frames_each(poses: Mapping[str, Sequence[float] | Array]) -> dict[str, Frames]:
-    """The frames of poses `(7,)` by name, one instant each."""
+def frames_each(poses: Mapping[str, Sequence[float] | Array], count: int = 1) -> dict[str, Frames]:
+    """The frames of poses `(7,)` by name, each at `count` instants."""
     if not poses:
         return {}
-    every = frames(np.array([np.asarray(pose) for pose in poses.values()]))
-    return {name: every[k : k + 1] for k, name in enumerate(poses)}
+    every = frames(np.array(list(poses.values()), dtype=float))
+    positions = np.broadcast_to(every.position[:, None], (len(poses), count, 3))
+    rotations = np.broadcast_to(every.rotation[:, None], (len(poses), count, 3, 3))
+    return {name: Frames(positions[k], rotations[k]) for k, name in enumerate(poses)}
 
 
 def rotation_matrices(quaternions: Array) -> Array:

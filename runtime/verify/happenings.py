@@ -13,7 +13,7 @@ import numpy as np
 from ...compiler import ir
 from ...langs.frozen import dataclass
 from ..plan import Plan
-from .findings import Findings, place_of
+from .findings import Findings
 from .geometry import Array, Frames, frames
 from .kept_poses import Mode, kept, thing_of
 from .kinematics import Motion
@@ -222,5 +222,5 @@ def check_breakdowns(
             off = max(off, float(np.max(np.abs(values - rows[0]), where=later, initial=0.0)))
         findings.measure(
             "stuck_rad", off, f"{breakdown.module} moves a joint that is stuck",
-            time=breakdown.time, between=[breakdown.module], place=place_of(breakdown.span),
+            time=breakdown.time, between=[breakdown.module], place=findings.place_of(breakdown.span),
         )  # fmt: skip

@@ -153,9 +153,9 @@ def motion_of(plan: Plan, kinematics: Mapping[str, Kinematics], samples: Samples
     samples = samples_of(plan) if samples is None else samples
     moving = frozenset(samples.poses)
     poses = {t.name: samples.poses[t.name] for t in plan.tracks}
-    for body in plan.bodies:
-        resting = np.broadcast_to(np.asarray(body.pose), (len(plan.times), 7))
-        poses[body.name] = samples.poses.get(body.name, resting)
+    at_rest = np.array([b.pose for b in plan.bodies], dtype=float).reshape(-1, 1, 7)
+    for body, rows in zip(plan.bodies, np.broadcast_to(at_rest, (len(at_rest), len(plan.times), 7)), strict=True):
+        poses[body.name] = samples.poses.get(body.name, rows)
     return place(np.asarray(plan.times), phase_ranges(plan.times), poses, samples.joints, moving, kinematics)
 
 
@@ -168,12 +168,10 @@ def place(
     kinematics: Mapping[str, Kinematics],
 ) -> Motion:
     """Motion with the frames of everything, from poses and joints."""
-    found: dict[str, Frames | HeldFrames] = {}
     inner: dict[str, dict[int, Frames]] = {}
     changes: dict[str, Indices] = {}
     resting = {name: rows[0] for name, rows in poses.items() if name not in kinematics and name not in moving}
-    for name, one in frames_each(resting).items():
-        found[name] = one.spread(len(times))
+    found: dict[str, Frames | HeldFrames] = {**frames_each(resting, len(times))}
     for name, rows in poses.items():
         if name in kinematics:
             module = kinematics[name]

@@ -43,10 +43,11 @@ def _check_start(plan: Plan, motion: Motion, findings: Findings) -> None:
     if poses:
         first = np.array([motion.poses[name][0] for name in poses])
         shifts, turns = pose_differences(first, np.array(list(poses.values())))
-        for name, shift, turn in zip(poses, shifts, turns, strict=True):
-            message = f"{name} does not start where the scene puts it"
-            findings.measure("start_m", float(shift), message, time=0.0, between=[name])
-            findings.measure("start_rad", float(turn), message, time=0.0, between=[name])
+        names = list(poses)
+        for kind, off in (("start_m", shifts), ("start_rad", turns)):
+            for k in sorted({int(np.argmax(off)), *np.flatnonzero(~(off <= LIMITS[kind])).tolist()}):
+                message = f"{names[k]} does not start where the scene puts it"
+                findings.measure(kind, float(off[k]), message, time=0.0, between=[names[k]])
     for module in plan.modules:
         if module.start:
             off = np.abs(motion.joints[module.name][0] - module.start)

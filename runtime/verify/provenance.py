@@ -40,12 +40,12 @@ def check_sources(plan: Plan, findings: Findings) -> bool:
 def check_task(plan: Plan, problem: ir.Problem, findings: Findings) -> bool:
     """Whether parameters, goal, sources and files of the plan are those of its task, no more and no less."""
     before = len(findings.failures)
-    if problem.parameters != plan.task.parameters or problem.file != plan.task.file:
+    if problem.parameters != plan.task.parameters or problem.called(problem.file) != plan.task.file:
         findings.fail("source", "file name or parameters of the plan are not those of its sources")
     if plan.task.goal != format_formula(problem.goal):
         findings.fail("goal", f"the goal of the task is {format_formula(problem.goal)}, not {plan.task.goal}")
-    unnamed = {s.path for s in plan.task.sources} - {s.path for s in problem.sources}
-    unnamed |= {f.path for f in plan.task.files} - set(problem.files)
+    unnamed = {s.path for s in plan.task.sources} - {problem.called(s.path) for s in problem.sources}
+    unnamed |= {f.path for f in plan.task.files} - set(map(problem.called, problem.files))
     for path in sorted(unnamed):
         findings.fail("source", f"the plan holds {path}, which no source names")
     return len(findings.failures) == before

@@ -11,7 +11,7 @@ from ...compiler.printing_terms import format_formula
 from ...langs.frozen import dataclass
 from ...langs.source import Span
 from ..plan import LiteralRecord, PhaseRecord, PlaceRecord, Plan
-from .findings import Findings, place_of
+from .findings import Findings
 from .formulas import (
     Environment,
     ReplayError,
@@ -267,7 +267,7 @@ def replay(problem: ir.Problem, plan: Plan, findings: Findings, measured: Motion
             scenes = _scenes(interpreter, plan, measured, index)
             outcome = _applied(scenes, facts, motion, action)
         except ReplayError as error:
-            place = place_of(error.place) if isinstance(error, Inapplicable) else phase.place
+            place = findings.place_of(error.place) if isinstance(error, Inapplicable) else phase.place
             findings.fail("action", f"phase {index + 1}, {phase.action}: {error}", time=phase.end, place=place)
             return _as_stored(plan, interpreter, modes, added)
         added.append(outcome.added_motion)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence, Set
 from functools import lru_cache
@@ -47,7 +48,7 @@ class Solid:
     @property
     def offset(self) -> float:
         """How far the centre of the shape is from the origin of what carries it, metres."""
-        return float(np.linalg.norm(self.placement.position[0]))
+        return math.hypot(*self.placement.position[0].tolist())
 
     def frames(self, placement: Placement) -> Frames:
         """The frames of the shape, at all times of the placement; one of what rests."""

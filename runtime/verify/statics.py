@@ -16,7 +16,7 @@ import numpy as np
 from ...compiler import ir
 from ...compiler.options import OPTIONS
 from ..plan import Plan
-from .findings import Findings, place_of
+from .findings import Findings
 from .geometry import Array, Frames, Indices, frames
 from .inertia import body_mass, moments, weights
 from .kept_poses import kept
@@ -87,7 +87,7 @@ def _measure(problem: ir.Problem, at: Looked, safety: float, moving: bool, findi
             worst = int(np.argmax(figure.amounts))
             findings.measure(
                 figure.kind, float(figure.amounts[worst]), figure.message, time=float(at.times[worst]),
-                between=edge.names, place=place_of(figure.span),
+                between=edge.names, place=findings.place_of(figure.span),
             )  # fmt: skip
     if not moving:
         _repeat(problem, at.edges, at.nodes, wrenches, float(at.times[-1]), findings)

@@ -20,6 +20,7 @@ from ..plan import (
     PASSIVE,
     PLACES,
     STATICS,
+    BodyRecord,
     CouplingRecord,
     ModuleRecord,
     Plan,
@@ -88,9 +89,7 @@ def check_structure(plan: Plan, findings: Findings) -> Samples | None:
         findings.fail("structure", f"{name} occurs twice", between=[name])
     for module in plan.modules:
         _check_module(module, findings)
-    for body in plan.bodies:
-        _check_shape(body.shape, body.name, findings)
-        _check_poses([body.pose], 1, f"pose of {body.name}", body.name, findings)
+    _check_bodies(plan.bodies, findings)
     _check_tracks(plan, samples, findings)
     if len(findings.failures) == before:
         _check_splines(plan, findings)
@@ -233,6 +232,30 @@ def _check_part(
         findings.fail("structure", f"{where} is fixed to joint {joint} of {count}", between=[where])
     if shape is not None:
         _check_shape(shape, where, findings)
+
+
+def _check_bodies(bodies: Sequence[BodyRecord], findings: Findings) -> None:
+    """Shapes that are alike, and poses all at once: there may be many, most of which are in order."""
+    sound: set[tuple[str, tuple[float, ...]]] = set()
+    for body in bodies:
+        shape = body.shape.kind, tuple(body.shape.size)
+        if body.shape.parts or shape not in sound:
+            before = len(findings.failures)
+            _check_shape(body.shape, body.name, findings)
+            sound |= {shape} if len(findings.failures) == before else set()
+    for body in _doubtful(bodies):
+        _check_poses([body.pose], 1, f"pose of {body.name}", body.name, findings)
+
+
+def _doubtful(bodies: Sequence[BodyRecord]) -> Sequence[BodyRecord]:
+    """Those whose pose may be wrong, and of the others that whose quaternion is the least unit one."""
+    rows = [body.pose for body in bodies]
+    if not rows or not set(map(len, rows)) <= {7}:
+        return bodies
+    table = _table(rows, 7)
+    off = np.abs(np.linalg.norm(table[:, 3:], axis=1) - 1)
+    wrong = ~((np.abs(table) <= LARGEST).all(axis=1) & (off <= LIMITS["quaternion"]))
+    return [bodies[k] for k in sorted({*np.flatnonzero(wrong).tolist(), int(np.argmax(np.where(wrong, -1.0, off)))})]
 
 
 # --- tracks ------------------------------------------------------------------------------------------------------

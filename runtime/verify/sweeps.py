@@ -4,6 +4,8 @@ Nothing here looks at shapes two by two in earnest; it says which pairs need no 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ...compiler.ir import ShapeKind
@@ -59,6 +61,22 @@ def edges(sweeps: list[Sweep]) -> tuple[Array, Array]:
     """The corners `(S, 3)` of boxes around the whole phase."""
     low = np.array([s.lowest for s in sweeps]).reshape(-1, 3)
     return low, np.array([s.highest for s in sweeps]).reshape(-1, 3)
+
+
+def resting_edges(solids: Sequence[Solid], frames: Sequence[Frames]) -> tuple[Array, Array]:
+    """The same for solids that rest, each with its frame `(1,)`; those of one shape are looked at together."""
+    low, high = np.zeros((len(solids), 3)), np.zeros((len(solids), 3))
+    alike: dict[tuple[int, float], list[int]] = {}
+    for k, solid in enumerate(solids):
+        alike.setdefault((id(solid.points), solid.ball), []).append(k)
+    for numbers in alike.values():
+        places = Frames(
+            np.concatenate([frames[k].position for k in numbers]), np.concatenate([frames[k].rotation for k in numbers])
+        )
+        solid = solids[numbers[0]]
+        points = _points(solid, places)
+        low[numbers], high[numbers] = points.min(axis=1) - solid.ball, points.max(axis=1) + solid.ball
+    return low, high
 
 
 def near_pairs(low: Array, high: Array, looked_at: Indices) -> Indices:

@@ -67,3 +67,14 @@ def test_what_is_kept_is_bounded() -> None:
         kept.keep(skeleton, question, question.solved(skeleton, Budget(None)))
     there = [q.number for q in (Large(-1, BOUNDS.largest_answer), *questions) if kept.answer(skeleton, q) is not None]
     assert there == [q.number for q in questions[-len(kept) :]] and len(kept) == BOUNDS.kept_answers // size
+
+
+def test_a_text_compiled_before_is_verified_as_anew(tmp_path: Path) -> None:
+    (tmp_path / "task.tamp").write_text(CLIMB.read_text())
+    plan = load(tmp_path / "task.tamp", n=1, crawlers=1).solve().plan
+    assert plan is not None
+    first = plan.verify()
+    for height in range(2, 8):
+        load(CLIMB, n=height)
+    assert plan.verify() == first
+    assert {r.place.file for r in first.residuals if r.place is not None} <= {s.path for s in plan.record.task.sources}

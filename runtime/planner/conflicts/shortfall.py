@@ -23,7 +23,7 @@ from ....compiler.ir import (
     Rule,
     Var,
 )
-from ....compiler.symbolic.geometry import SceneLengths
+from ....compiler.symbolic.geometry import SceneLengths, lengths_of
 from ....langs.frozen import dataclass
 from ....langs.trees import parts
 
@@ -46,7 +46,7 @@ class Lack:
 
 def lacking(problem: Problem) -> list[Lack]:
     """The objects of the goal that stand still out of reach of everything that modules stand on, the farthest first."""
-    geometry = SceneLengths(problem)
+    geometry = lengths_of(problem)
     reach = geometry.longest_reach(len(problem.world.modules))
     named = [name for name in dict.fromkeys(_named(problem, problem.goal)) if name in problem.world.bodies]
     supports = _within(geometry, [name for name in _supports(problem) if name not in named], problem, reach)

@@ -13,7 +13,7 @@ from dataclasses import field, replace
 from ....compiler import ir
 from ....compiler.symbolic.algebra import Environment, Undefined
 from ....compiler.symbolic.domains import Domains
-from ....compiler.symbolic.geometry import SceneLengths
+from ....compiler.symbolic.geometry import lengths_of
 from ....compiler.symbolic.guards import Guards
 from ....compiler.symbolic.layout import Layout
 from ....compiler.symbolic.normal_form import TRUE, NormalForm
@@ -55,7 +55,7 @@ class Stepper:
         self._normal = NormalForm(problem)
         bare = replace(problem, rules={})
         self._layout = Layout(bare, Domains(bare, self._normal))
-        self._geometry = SceneLengths(problem)
+        self._geometry = lengths_of(problem)
         self._formulas: dict[int, tuple[ir.Formula, ir.Formula]] = {}
         self._last: tuple[Facts, Guards] | None = None
 

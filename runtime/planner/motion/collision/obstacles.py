@@ -12,6 +12,7 @@ from .....compiler.motion.collision import pose_matrix
 from .....compiler.remembering import remembered
 from .....langs.frozen import dataclass
 from ....geometry.exact_distances import Forms, Posed
+from ....geometry.transforms import rotations
 from ....skeleton import Array, fixed_poses
 from .broad_phase import Edges
 
@@ -49,15 +50,14 @@ def _fixed(world: World) -> Fixed:
 
 
 def _placed(world: World, names: list[str], poses: Array) -> Fixed:
-    shapes: list[Shape] = []
-    matrices: list[Array] = []
-    parts = {}
-    for name, pose in zip(names, poses, strict=True):
-        solids = world.bodies[name].shape.solids
-        parts[name] = len(solids)
-        shapes += [part.shape for part in solids]
-        matrices += _matrices(pose, solids)
-    posed = _posed(shapes, matrices)
+    found = {name: world.bodies[name].shape.solids for name in names}
+    parts = {name: len(solids) for name, solids in found.items()}
+    shapes = [part.shape for solids in found.values() for part in solids]
+    at = np.array([part.at for solids in found.values() for part in solids]).reshape(-1, 3)
+    bodies = np.repeat(poses, list(parts.values()), axis=0)
+    turned = rotations(bodies[:, 3:])
+    places = bodies[:, :3] + np.einsum("pij,pj->pi", turned, at)
+    posed = Posed(Forms(shapes), np.arange(len(shapes)), places, turned)
     return Fixed(parts, poses, posed, _edges(posed))
 
 

@@ -47,29 +47,24 @@ class AtRest:
         return (body is not None and not body.movable) or name in self.others
 
 
-class RestingShapes:
-    """Shapes that rest, each with the place of its owner in the scene, and spheres around them: their middles `(O, 3)`
-    and radii `(O,)`."""
-
-    def __init__(self, shapes: Sequence[tuple[int, Obstacle]]) -> None:
-        self.shapes = shapes
-        self._middles = np.array([o.pose[:3, 3] for _, o in shapes]).reshape(-1, 3)
-        self._radii = np.array([bounding_radius(o.shape) for _, o in shapes])
-
-    def near(self, reaches: Mapping[Point, float]) -> list[tuple[int, Obstacle]]:
-        """Those that come as near to one of the points as it reaches."""
-        close = (self.shapes[k] for k in np.flatnonzero(_close(self._middles, self._radii, reaches)).tolist())
-        return [
-            (place, o) for place, o in close
-            if any(shape_distance(o.shape, o.pose, np.array(at)) <= reach for at, reach in reaches.items())
-        ]  # fmt: skip
+def _reached(shapes: Sequence[tuple[int, Obstacle]], reaches: Mapping[Point, float]) -> list[tuple[int, Obstacle]]:
+    """Those shapes, each with the place of its owner in the scene, that come as near to one of the points as it
+    reaches."""
+    middles = np.array([o.pose[:3, 3] for _, o in shapes]).reshape(-1, 3)
+    close = _close(middles, np.array([bounding_radius(o.shape) for _, o in shapes]), reaches)
+    return [
+        (place, o) for place, o in (shapes[k] for k in np.flatnonzero(close).tolist())
+        if any(shape_distance(o.shape, o.pose, np.array(at)) <= reach for at, reach in reaches.items())
+    ]  # fmt: skip
 
 
 @remembered(4)
-def _fixed(world: World) -> RestingShapes:
-    """The solid bodies that never move, where they are at time 0."""
-    poses = fixed_poses(world)
-    return RestingShapes([item for b in world.solids if not b.movable for item in _parts(world, b, poses[b.name])])
+def _fixed(world: World) -> tuple[list[Body], Array, Array]:
+    """The solid bodies that never move, and spheres around them, where they are at time 0: their middles `(B, 3)` and
+    radii `(B,)`."""
+    bodies = [b for b in world.solids if not b.movable]
+    middles = np.array([b.pose[:3] for b in bodies], dtype=float).reshape(-1, 3)
+    return bodies, middles, np.array([_reach(b.shape) for b in bodies])
 
 
 @remembered(4)
@@ -98,14 +93,16 @@ class Surroundings:
         modules."""
         world, bodies = self._world, self._start.bodies
         shared = isinstance(bodies, BodyPoses) and bodies.shared is fixed_poses(world)
-        found = _fixed(world).near(reaches) if shared else []
+        near: list[Body] = []
+        if shared:
+            fixed, middles, radii = _fixed(world)
+            near += [fixed[k] for k in np.flatnonzero(_close(middles, radii, reaches)).tolist()]
         loose = [b for b in (_movable(world) if shared else world.solids) if b.name in self._rest]
         at = np.array([bodies[b.name][:3] for b in loose]).reshape(-1, 3)
-        close = _close(at, np.array([_reach(b.shape) for b in loose]), reaches)
-        own = [item for k in np.flatnonzero(close) for item in _parts(world, loose[k], bodies[loose[k].name])]
-        found += RestingShapes(own).near(reaches)
+        near += [loose[k] for k in np.flatnonzero(_close(at, np.array([_reach(b.shape) for b in loose]), reaches))]
+        found = _reached([item for b in near for item in _parts(world, b, bodies[b.name])], reaches)
         found.sort(key=lambda item: item[0])
-        return [obstacle for _, obstacle in [*found, *RestingShapes(self._modules()).near(reaches)]]
+        return [obstacle for _, obstacle in [*found, *_reached(self._modules(), reaches)]]
 
     def _modules(self) -> list[tuple[int, Obstacle]]:
         found: list[tuple[int, Obstacle]] = []
