@@ -137,17 +137,19 @@ class SegmentClearances:
         """The ticks in which some pair is nearer than it may, at looks or between."""
         count = max(len(first.positions), len(second.positions))
         reach_a, reach_b = self.solids.forms.reach[first.solids], self.solids.forms.reach[second.solids]
-        required = self._required(first, second, wished)
         one, two = (np.broadcast_to(f.positions, (count, *f.positions.shape[1:])) for f in (first, second))
         ways = [travelled(f, r) if len(f.positions) > 1 else np.zeros((count - 1, len(r)))
                 for f, r in ((first, reach_a), (second, reach_b))]  # fmt: skip
         coarse = np.arange(0, count - 1, SCHEDULE.fine) if count > 1 else np.zeros(0, dtype=np.intp)
         if not len(coarse):
-            return self._nearest_at(first, second, required)
+            return self._nearest_at(first, second, self._required(first, second, wished))
         ends = np.append(coarse, count - 1)
         apart = np.linalg.norm(one[ends][:, :, None] - two[ends][:, None], axis=-1) - reach_a[:, None] - reach_b
         way = np.add.reduceat(ways[0], coarse)[:, :, None] + np.add.reduceat(ways[1], coarse)[:, None]
         lower = 0.5 * (apart[:-1] + apart[1:] - way)
+        if not (lower < wished).any():
+            return np.zeros(0, dtype=np.intp)
+        required = self._required(first, second, wished)
         stretch, i, k = np.nonzero(lower < required)
         if not len(stretch):
             return np.zeros(0, dtype=np.intp)

@@ -154,7 +154,7 @@ class ClockedSearch:
             if max(fresh / SCHEDULE.fresh_states, spent / most) >= SCHEDULE.usual_children or search.budget.full:
                 return Clocked(None, math.inf, min(value, refused), cut=not search.budget.full)
             search.budget.check()
-            is_fresh = self._pace.ways is not None and self._successors.is_fresh(node.state)
+            is_fresh = self._successors.is_fresh(node.state)
             children = self._successors.expand(node.state)
             counted = max(len(children), SCHEDULE.usual_children)
             spent += counted

@@ -151,6 +151,8 @@ def _profile(curve: _Curve, limits: _Limits, tick: float, factor: float) -> tupl
             slow, times, total = _stored(curve, law, ramp, tick, stretch)
         if limits.excess(slow, total) <= 1.0 and (best is None or total < best[1] - STILL):
             best = times, total
+        if best is not None and best[1] <= duration + tick + STILL:  # lower limits gain a tick at most
+            break
         if not _lower(share, curve, law, ramp, made, duration, limits):
             break
     return best

@@ -8,12 +8,13 @@ acceleration, so that with the rest before and after it is one spline through al
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from ....compiler.ir import Action, Problem
 from ... import plan as record
-from ...geometry.resampling import Linker, Resampled
+from ...geometry.resampling import EffectorPoses, Linker, Resampled
 from ...skeleton import Array, Configuration, Skeleton, start_configuration
 from ..plan_assembly import DIGITS, literal_records, phase_records, plan_of
 from .dependencies import Precedence, Segment
@@ -34,9 +35,11 @@ def scheduled_plan(
     segments = [(start, s) for start, s in zip(schedule.starts, order.segments, strict=True) if s is not None]
     placed = sorted(((int(start or 0), s) for start, s in segments), key=lambda p: (p[0], p[1].phase))
     joints = _joint_rows(problem, placed, ends[-1])
+    here = [{m: rows[a : b + 1] for m, rows in joints.items()} for a, b in pairwise(ends)]
+    poses = EffectorPoses(problem, here)
     motions, now = [], start_configuration(problem)
     for k, phase in enumerate(skeleton.phases):
-        motions.append(_moved(problem, phase.mode, placed, joints, now, (ends[k], ends[k + 1]), tick))
+        motions.append(_moved(problem, phase.mode, placed, here[k], now, (ends[k], ends[k + 1]), tick, (poses, k)))
         now = motions[-1].end(now)
     phases = phase_records(problem, actions, skeleton, motions)
     final = literal_records(problem, skeleton.final_mode, {})
@@ -57,16 +60,15 @@ def _joint_rows(problem: Problem, placed: Sequence[tuple[int, Segment]], last: i
 
 def _moved(
     problem: Problem, mode: frozenset[tuple[str, ...]], placed: Sequence[tuple[int, Segment]],
-    joints: dict[str, Array], now: Configuration, ticks: tuple[int, int], tick: float,
+    here: dict[str, Array], now: Configuration, ticks: tuple[int, int], tick: float, known: tuple[EffectorPoses, int],
 ) -> Resampled:  # fmt: skip
     """Everything from one switch to the next: poses follow the joints through whatever the mode holds fixed."""
     begin, end = ticks
     count = end - begin + 1
     active = [(start, s) for start, s in placed if start < end and start + s.ticks > begin]
-    here = {name: rows[begin : end + 1] for name, rows in joints.items()}
     carried = {b for _, s in active for b in s.path.bodies if b in s.moved}
     own = {b: pose[None, :] for b, pose in now.bodies.items() if b not in carried}
-    linker = Linker(problem, here, now, own, count)
+    linker = Linker(problem, here, now, own, count, known)
     linker.follow(mode)
     drawn: dict[str, Array] = {name: np.tile(row[:7], (count, 1)) for name, row in now.modules.items()}
     drawn |= {b: np.tile(now.bodies[b], (count, 1)) for b in carried}

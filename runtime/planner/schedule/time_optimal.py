@@ -60,7 +60,7 @@ def fastest(first: Array, second: Array, speed: Array, acceleration: Array) -> T
     lines = _lines(first, second, acceleration, step)
     with np.errstate(divide="ignore"):
         caps = ((speed / np.maximum(np.abs(first), EPSILON)) ** 2).min(axis=1)
-    caps[:-1] = np.minimum(caps[:-1], _feasible(lines))
+    caps[:-1] = _feasible(lines, caps[:-1])
     most = np.zeros(count + 1)
     for k in range(count - 1, -1, -1):
         most[k] = min(caps[k], _controllable(lines, k, most[k + 1], step))
@@ -103,13 +103,22 @@ def _lines(first: Array, second: Array, limit: Array, step: float) -> _Lines:
     return _Lines(start, -slope, -start, -slope, flat)
 
 
-def _feasible(lines: _Lines) -> Array:
-    """The greatest x `(N,)` for which some u keeps all rows: every bound from below meets those from above."""
-    high, low = lines.above_start[:, :, None], lines.below_start[:, None, :]
-    closing = lines.below_slope[:, None, :] - lines.above_slope[:, :, None]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        meets = np.where(closing > EPSILON, (high - low) / np.where(closing > EPSILON, closing, 1.0), np.inf)
-    return np.asarray(np.minimum(np.nan_to_num(meets, nan=np.inf, posinf=np.inf).min(axis=(1, 2)), lines.flat))
+def _feasible(lines: _Lines, caps: Array) -> Array:
+    """The greatest x `(N,)` up to `caps` for which some u keeps all rows: the lowest bound from above, less the highest
+    from below, is a concave function of x, so that Newton's steps from the caps end at its root, at a pair of bounds
+    each."""
+    found = np.minimum(lines.flat, caps)
+    every = np.arange(len(found))
+    for _ in range(lines.above_start.shape[1]):
+        above = (lines.above_start + lines.above_slope * found[:, None]).argmin(axis=1)
+        below = (lines.below_start + lines.below_slope * found[:, None]).argmax(axis=1)
+        room = lines.above_start[every, above] - lines.below_start[every, below]
+        closing = lines.below_slope[every, below] - lines.above_slope[every, above]
+        nearer = (closing > EPSILON) & (room < closing * found * (1.0 - EPSILON))
+        if not nearer.any():
+            break
+        found = np.where(nearer, room / np.where(nearer, closing, 1.0), found)
+    return found
 
 
 def _controllable(lines: _Lines, k: int, following: float, step: float) -> float:
