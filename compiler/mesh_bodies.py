@@ -11,7 +11,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from ..langs.disk_cache import cache_folder, keep, recalled
+from ..langs.disk_cache import cache_folder, keep_sealed, recalled_sealed
 from ..langs.frozen import dataclass
 from .collada import asset
 from .ir import Vec3
@@ -69,13 +69,13 @@ def mesh_body(path: str, content: bytes, scale: Sequence[float]) -> MeshBody:
     found = _recalled(file)
     if found is None:
         found = _made(path, content, scale)
-        keep(file, json.dumps(asdict(found)).encode())
+        keep_sealed(file, json.dumps(asdict(found)).encode())
     return found
 
 
 def _recalled(file: Path) -> MeshBody | None:
-    """The remembered body, where this user wrote it and it is whole."""
-    content = recalled(file)
+    """The remembered body, where this user wrote it and it is as it was written."""
+    content = recalled_sealed(file)
     if content is None:
         return None
     try:

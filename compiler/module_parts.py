@@ -1,15 +1,25 @@
-"""The shapes of a module as parts, which of them may touch for ever, and how near the others are at home."""
+"""The shapes of a module as parts, which of them may touch for ever, and how near the others are at home: of modules
+with bodies of many corners remembered on the disk, as it takes a second to load what measures them."""
 
 from __future__ import annotations
 
+import hashlib
 import itertools
+import json
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
+from ..langs.disk_cache import cache_folder, keep_sealed, recalled_sealed
 from ..langs.frozen import dataclass
-from .ir import ModuleType, Pose, Shape
+from .ir import ModuleType, Pose, Shape, ShapeKind
 from .joint_lines import are_kept_apart
 from .poses import compose, joint_frames
-from .symbolic.geometry import Placed, shape_distance
+
+if TYPE_CHECKING:
+    from .symbolic.geometry import Placed
+
+METHOD = "1"
+"""Told apart in the cache: how pairs are found. To be counted up with every change of it."""
 
 NOWHERE: Pose = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
@@ -37,6 +47,23 @@ def own_pairs(type_: ModuleType) -> tuple[tuple[int, int, float], ...]:
     """The pairs of parts of a module that may not overlap, and how far apart they are at home, metres. Left out are
     parts that sit on one joint, that have no other part between them along the joints, and that are built into each
     other, which shows when all joints are at zero (or at the limit nearest to it)."""
+    if not any(part.shape.kind == ShapeKind.CONVEX for part in module_parts(type_)):
+        return _measured(type_)
+    told = json.dumps([METHOD, [(p.joint, p.placement, p.shape.kind, p.shape.size) for p in module_parts(type_)], [
+        (j.kind, j.parent, j.placement, j.axis, j.lower, j.upper, j.home, repr(j.follows)) for j in type_.joints
+    ]])  # fmt: skip
+    file = cache_folder() / f"pairs-{hashlib.sha256(told.encode()).hexdigest()[:32]}.json"
+    content = recalled_sealed(file)
+    if content is not None:
+        return tuple((int(i), int(k), float(apart)) for i, k, apart in json.loads(content))
+    found = _measured(type_)
+    keep_sealed(file, json.dumps(found).encode())
+    return found
+
+
+def _measured(type_: ModuleType) -> tuple[tuple[int, int, float], ...]:
+    from .symbolic.geometry import shape_distance
+
     parts = module_parts(type_)
     neutral = _placed(type_, tuple(min(max(0.0, j.lower), j.upper) for j in type_.joints))
     home = _placed(type_, tuple(j.home for j in type_.joints))
@@ -50,5 +77,7 @@ def own_pairs(type_: ModuleType) -> tuple[tuple[int, int, float], ...]:
 
 
 def _placed(type_: ModuleType, joints: tuple[float, ...]) -> list[Placed]:
+    from .symbolic.geometry import Placed
+
     frames = joint_frames(type_, NOWHERE, joints)
     return [Placed(part.shape, compose(frames[part.joint], part.placement)) for part in module_parts(type_)]

@@ -1,18 +1,27 @@
 """Draws the pictures of these pages, from examples that it solves: python docs/write_pictures.py. Needs the extra
-`pictures` and a Chromium; takes a minute."""
+`pictures`, playwright and a Chromium; takes a minute."""
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from playwright.sync_api import sync_playwright
 
 import tamplang
 from tamplang.runtime.planner.plan_assembly import scene_at_rest
 from tamplang.runtime.report.ending import ending_of
-from tamplang.runtime.report.pictures import drawn
+from tamplang.runtime.report.pictures import SIZE
 from tamplang.runtime.report.render import render_replay
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = Path(__file__).parent / "pictures"
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
+ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+STYLE = """main > section > :not(.stage), .stage > :not(.view) { display: none !important; }
+body, main { margin: 0 !important; padding: 0 !important; } .stage, .view, #pane { border: 0 !important;
+border-radius: 0 !important; width: 100vw !important; height: 100vh !important; max-height: none !important; }"""
 SHOWN: dict[str, tuple[dict[str, int], float]] = {
     "climb": ({"n": 8}, 0.65),
     "strut_bridge": ({}, 0.6),
@@ -58,7 +67,25 @@ def nearest_posture() -> bytes:
     found = task.solve()
     scene = scene_at_rest(task.problem, found.statistics, found.timing)
     ending = ending_of(task.problem, found.status, found.explanation, found.misses, scene)
-    return next(drawn(render_replay(scene, ending), [1.0]))
+    return photographed(render_replay(scene, ending), 1.0)
+
+
+def photographed(replay: str, moment: float) -> bytes:
+    """The page of a replay at a moment, as PNG: the page marks what is missed."""
+    found = next((p for p in map(shutil.which, BROWSERS) if p), None)
+    with TemporaryDirectory() as folder, sync_playwright() as playwright:
+        file = Path(folder) / "replay.html"
+        file.write_text(replay, encoding="utf-8")
+        browser = playwright.chromium.launch(executable_path=found, args=ARGUMENTS)
+        page = browser.new_page(viewport={"width": SIZE[0], "height": SIZE[1]}, color_scheme="light")
+        page.goto(file.as_uri())
+        page.add_style_tag(content=STYLE)
+        page.wait_for_function("window.tamplang !== undefined")
+        page.evaluate("window.dispatchEvent(new Event('resize'))")
+        page.evaluate("t => window.tamplang.seek(t)", moment)
+        taken: bytes = page.locator("#pane").screenshot()
+        browser.close()
+        return taken
 
 
 if __name__ == "__main__":

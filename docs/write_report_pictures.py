@@ -1,5 +1,5 @@
-"""Photographs the reports of eight solves: python docs/write_report_pictures.py [NAME…]. Needs the extra `pictures`
-and a Chromium; takes two minutes, and two more for `many`."""
+"""Photographs the reports of eight solves: python docs/write_report_pictures.py [NAME…]. Needs Pillow,
+playwright and a Chromium; takes two minutes, and two more for `many`."""
 
 from __future__ import annotations
 
@@ -13,9 +13,7 @@ from tempfile import TemporaryDirectory
 
 from PIL import Image
 from playwright.sync_api import sync_playwright
-from write_pictures import FOLDER, ROOT, STIFF
-
-from tamplang.runtime.report.pictures import ARGUMENTS, BROWSERS
+from write_pictures import ARGUMENTS, BROWSERS, FOLDER, ROOT, STIFF
 
 EXAMPLES = ROOT / "examples"
 COLOURS = 192

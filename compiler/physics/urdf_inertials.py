@@ -13,6 +13,8 @@ from .records import Inertial
 
 HEAVIEST = 1e6
 """Kilograms; see `statements.LARGEST`."""
+SWEEPS = 12
+"""Of Jacobi's method, whose error squares with each: 6 are enough for doubles."""
 SLACK = 1e-6
 """Share by which rounded moments of inertia may break the inequality of triangles."""
 
@@ -57,17 +59,35 @@ def _moments(element: ElementTree.Element, name: str) -> list[list[float]]:
         return [[0.0] * 3 for _ in range(3)]
     xx, yy, zz = (_number(given, key, name) for key in ("ixx", "iyy", "izz"))
     xy, xz, yz = (_number(given, key, name, "0") for key in ("ixy", "ixz", "iyz"))
-    import numpy as np
-
     matrix = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
-    least, middle, most = np.linalg.eigvalsh(np.array(matrix)).tolist()
-    if least < -SLACK * abs(most) or most > (least + middle) * (1.0 + SLACK) + 1e-12:
+    least, middle, most = _principal(matrix)
+    if not (least >= -SLACK * abs(most) and most <= (least + middle) * (1.0 + SLACK) + 1e-12):
         told = f"{least:.3g}, {middle:.3g} and {most:.3g} kg m^2"
         raise UnfitInertia(
             f"no body has the inertia of link `{name}`: principal moments of {told}",
             "none is negative, and none is more than the sum of the two others",
         )
     return matrix
+
+
+def _principal(matrix: list[list[float]]) -> list[float]:
+    """The eigenvalues of a symmetric matrix (3, 3), ascending, by Jacobi's rotations, without what takes a tenth of a
+    second to load."""
+    m = [list(row) for row in matrix]
+    for _ in range(SWEEPS):
+        for p, q, r in ((0, 1, 2), (0, 2, 1), (1, 2, 0)):
+            if m[p][q] == 0.0:
+                continue
+            steep = (m[q][q] - m[p][p]) / (2.0 * m[p][q])
+            t = math.copysign(1.0, steep) / (abs(steep) + math.hypot(1.0, steep))
+            cosine = 1.0 / math.hypot(1.0, t)
+            sine, turned = t * cosine, t * m[p][q]
+            m[p][p], m[q][q] = m[p][p] - turned, m[q][q] + turned
+            m[p][q] = m[q][p] = 0.0
+            one, other = m[p][r], m[q][r]
+            m[p][r] = m[r][p] = cosine * one - sine * other
+            m[q][r] = m[r][q] = sine * one + cosine * other
+    return sorted(m[k][k] for k in range(3))
 
 
 def _turned(matrix: list[list[float]], pose: Pose) -> tuple[float, float, float, float, float, float]:

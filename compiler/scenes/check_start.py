@@ -50,7 +50,7 @@ def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str
     found: dict[frozenset[str], tuple[float, Volume, Volume]] = {}
     solid = {body.name for body in world.solids} | world.modules.keys()
     for one, other in candidates([v for v in volumes(world) if v.owner in solid]):
-        if frozenset((one.name, other.name)) in exempt or not _kept_apart(world, one, other):
+        if frozenset((one.name, other.name)) in exempt or not _may_overlap(world, one, other):
             continue
         depth = penetration(one, other)
         key = frozenset((one.owner, other.owner))
@@ -100,16 +100,20 @@ def _at_foot(
     return None
 
 
-def _kept_apart(world: ir.World, one: Volume, other: Volume) -> bool:
-    """Whether two shapes are of different things, or of a module that must keep them apart."""
+def _may_overlap(world: ir.World, one: Volume, other: Volume) -> bool:
+    """Whether two shapes are of different things, or of a module that must keep them apart and may start with them in
+    each other."""
     if one.owner != other.owner:
         return True
-    if one.owner not in world.modules or not are_kept_apart(world.modules[one.owner].type, one.joint, other.joint):
+    module = world.modules.get(one.owner)
+    if module is None or not are_kept_apart(module.type, one.joint, other.joint):
         return False
     from ..module_parts import own_pairs
 
     numbers = sorted((one.number, other.number))
-    return any([i, k] == numbers for i, k, _ in own_pairs(world.modules[one.owner].type))
+    away = next((away for i, k, away in own_pairs(module.type) if [i, k] == numbers), None)
+    at_home = module.joints == tuple(j.home for j in module.type.joints)
+    return away is not None and not (at_home and away > 0.0)
 
 
 def _freedom(world: ir.World, fixed: Set[str], *volumes: Volume) -> str | None:

@@ -1,4 +1,4 @@
-"""The 3-D scene and its motion: meshcat commands recorded without a server, and sampled frames."""
+"""The 3-D scene and its motion: what is drawn on a canvas, and sampled frames."""
 
 from __future__ import annotations
 
@@ -12,35 +12,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiler.extents import box_sides
-from ...compiler.hulls import hull
 from ...compiler.ir import BreakdownKind, Shape, ShapeKind
 from ..geometry.transforms import Array, rotate
 from ..plan import BodyRecord, LinkRecord, PhaseRecord, Plan, ShapeRecord
 from ..tracks import body_rows
+from .forms import Canvas, parts
 from .kinematics import joint_frames, pose_rows
+from .meshcat_canvas import MeshcatCanvas
 from .robots import ACCENT, BY_ITSELF, FIXED, PALETTE, group_modules, lighten, module_colours
 
 MOST_SAMPLES = 2400
 FOCUS_POINTS = 300
 SURROUNDINGS = 0.25
 """Metres around the motion within which the camera shows the fixed things that the plan uses."""
-UPRIGHT = (0.0, 0.0, 0.0, 0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
 
 
 OUT_OF_SIGHT = 1000.0
 """Metres below the scene where things are drawn that have left it."""
 
-
-class Recorder:
-    """Stands in for meshcat's window: keeps the packed commands instead of sending them to a server."""
-
-    def __init__(self) -> None:
-        self.commands: list[str] = []
-
-    def send(self, command: Any) -> None:
-        import umsgpack
-
-        self.commands.append(base64.b64encode(umsgpack.packb(command.lower())).decode("ascii"))
 
 SHADE = 0.2
 """By how much neighbours among the fixed bodies differ, so that a plate shows on its table."""
@@ -53,7 +42,6 @@ class ReplayScene:
     `points` and `still` hold balls `(n, 4)` around what moves and what does not, `corners` those of what is used."""
 
     times: Array
-    recorder: Recorder = field(default_factory=Recorder)
     frames: list[tuple[str, Array]] = field(default_factory=list)
     paint: list[tuple[str, int, float]] = field(default_factory=list)
     names: dict[str, str] = field(default_factory=dict)
@@ -75,49 +63,6 @@ def pick_samples(times: Sequence[float]) -> NDArray[np.intp]:
     return np.flatnonzero(keep)
 
 
-def matrix(pose: Array) -> Array:
-    """Homogeneous matrix `(4, 4)` of one pose `(7,)`."""
-    x, y, z, w = pose[3:]
-    result = np.eye(4)
-    result[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    result[:3, 3] = pose[:3]
-    return result
-
-
-def parts(shape: ShapeRecord) -> list[tuple[str, Any, Array]]:
-    """Name, meshcat geometry and placement of every part of a shape; none for an unknown shape."""
-    from meshcat import geometry
-
-    if shape.parts:
-        return [
-            (f"part{number}-{name}", form, np.add(pose, [*part.at, 0.0, 0.0, 0.0, 0.0]))
-            for number, part in enumerate(shape.parts) for name, form, pose in parts(part.shape)
-        ]  # fmt: skip
-    size = [float(s) for s in shape.size]
-    centre, upright = pose_rows([(0, 0, 0, 0, 0, 0, 1)])[0], pose_rows([UPRIGHT])[0]
-    if shape.kind == ShapeKind.BOX and len(size) == 3:
-        return [("box", geometry.Box(size), centre)]
-    if shape.kind == ShapeKind.SPHERE and len(size) == 1:
-        return [("ball", geometry.Sphere(size[0]), centre)]
-    if shape.kind == ShapeKind.CONVEX:
-        body = hull(Shape(ShapeKind.CONVEX, tuple(size)))
-        return [("hull", geometry.TriangularMeshGeometry(body.corners, body.triangles), centre)]
-    if shape.kind in (ShapeKind.CAPSULE, ShapeKind.CYLINDER) and len(size) == 2:
-        radius, length = size
-        result = [("tube", geometry.Cylinder(length, radius), upright)]
-        if shape.kind == ShapeKind.CAPSULE:
-            for name, side in (("low", -0.5), ("high", 0.5)):
-                cap = centre.copy()
-                cap[2] = side * length
-                result.append((name, geometry.Sphere(radius), cap))
-        return result
-    return []
-
-
 def extent(shape: ShapeRecord | None) -> float:
     """Radius of a ball around the shape's centre that holds it, metres."""
     if shape is None or not shape.size:
@@ -132,39 +77,29 @@ def extent(shape: ShapeRecord | None) -> float:
 class Builder:
     """Draws one plan into a `ReplayScene`."""
 
-    def __init__(self, plan: Plan) -> None:
-        import meshcat
-
-        self.plan = plan
+    def __init__(self, plan: Plan, canvas: Canvas) -> None:
+        self.plan, self.canvas = plan, canvas
         self.picked = pick_samples(plan.times)
         stamps = np.asarray(plan.times, dtype=np.float64)[self.picked]
         self.scene = ReplayScene(stamps if len(stamps) else np.zeros(1))
-        self.viewer: Any = meshcat.Visualizer(window=self.scene.recorder)
 
     def sampled(self, rows: Sequence[Sequence[float]]) -> list[Sequence[float]]:
         """The rows at the kept time stamps; short tracks keep their last row."""
         return [rows[min(int(i), len(rows) - 1)] for i in self.picked] if rows else []
 
     def add_shape(self, path: str, shape: ShapeRecord, placement: Array, colour: str) -> list[str]:
-        from meshcat.geometry import Mesh, MeshPhongMaterial
-
         drawn: list[str] = []
         for name, form, offset in parts(shape):
             part = f"{path}/{name}"
-            form.uuid = f"{part}/form"
-            paint = MeshPhongMaterial(color=int(colour[1:], 16), shininess=18, side=0)
-            paint.uuid = f"{part}/paint"
-            mesh = Mesh(form, paint)
-            mesh.uuid = part
-            self.viewer[part].set_object(mesh)
-            self.viewer[part].set_transform(matrix(offset))
+            self.canvas.draw(part, form, colour)
+            self.canvas.place(part, offset)
             drawn.append(part)
-        self.viewer[path].set_transform(matrix(placement))
+        self.canvas.place(path, placement)
         return drawn
 
     def add_frame(self, path: str, poses: Array, size: float, gone: NDArray[np.bool_] | None = None) -> None:
         """A frame at its first pose; when it moves, its poses too. Once `gone`, it is out of sight."""
-        self.viewer[path].set_transform(matrix(poses[0]))
+        self.canvas.place(path, poses[0])
         moves = len(poses) > 1 and bool(np.ptp(poses, axis=0).max() > 1e-7)
         hidden = poses.copy()
         if gone is not None and len(gone) == len(poses) and gone.any():
@@ -240,13 +175,7 @@ class Builder:
             if accent:
                 self.add_frame(path, poses, extent(body.shape))
             else:
-                self.viewer[path].set_transform(matrix(poses[0]))
-
-    def add_settings(self) -> None:
-        self.viewer["/Grid"].set_property("visible", False)
-        self.viewer["/Axes"].set_property("visible", False)
-        for light in ("PointLightNegativeX", "PointLightPositiveX", "SpotLight"):
-            self.viewer[f"/Lights/{light}"].set_property("visible", False)
+                self.canvas.place(path, poses[0])
 
 
 def box_corners(body: BodyRecord, pose: Array) -> Array:
@@ -326,15 +255,20 @@ def packed_poses(frames: Sequence[Array]) -> dict[str, str]:
     return {"steps": packed(steps, "<f8"), "rows": rows}
 
 
+def phase_colours(plan: Plan) -> list[list[str]]:
+    """The colours of the modules in each phase, and behind the last."""
+    modes = [p.mode for p in plan.phases] + [plan.final_mode]
+    return [module_colours(plan, group_modules(plan, mode)) for mode in modes]
+
+
 def replay_data(plan: Plan) -> dict[str, Any]:
     """The player's data, ready for JSON: commands, time stamps, frames, names, colours and camera."""
-    builder = Builder(plan)
-    builder.add_settings()
+    canvas = MeshcatCanvas()
+    builder = Builder(plan, canvas)
     builder.add_bodies()
     builder.add_modules()
     scene = builder.scene
-    modes = [p.mode for p in plan.phases] + [plan.final_mode]
-    colours = [module_colours(plan, group_modules(plan, mode)) for mode in modes]
+    colours = phase_colours(plan)
     joints = [
         joint_rows(builder.sampled(t.joints), [], len(m.joints))
         for m in plan.modules
@@ -346,7 +280,7 @@ def replay_data(plan: Plan) -> dict[str, Any]:
         for i, p in enumerate(plan.phases, 1)
     ]
     return {
-        "commands": scene.recorder.commands,
+        "commands": canvas.commands,
         "times": packed(scene.times, "<f8"),
         "frames": [path for path, _ in scene.frames],
         "poses": packed_poses([p for _, p in scene.frames]),

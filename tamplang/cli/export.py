@@ -23,7 +23,7 @@ ENDINGS = {
 @click.option("--to", "form", type=click.Choice(list(ENDINGS)), required=True, help="The form to write.")
 @click.option("-o", "--out", type=click.Path(path_type=Path), help="The file to write; beside the plan unless given.")
 @click.option("--rate", type=float,
-              help="Samples a second, of csv, npz and the forms of ROS 2; of gif and mp4, 10 unless given.")
+              help="Samples a second, of csv, npz and the forms of ROS 2; pictures a second, of gif and mp4.")
 @click.option("--module", help="Of urdf: a module of the robot to write; the first one of the plan unless given.")
 @click.option("--phase", type=int, default=0, show_default=True, help="Of urdf: the phase to write it in.")
 @click.option("--at", type=float, help="Of png: the moment to draw, seconds; the end unless given.")

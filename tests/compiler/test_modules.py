@@ -10,6 +10,7 @@ import pytest
 
 from tamplang.compiler import ir
 from tamplang.compiler.extents import box_sides
+from tamplang.compiler.module_parts import own_pairs
 from tamplang.compiler.pipeline import check, compile_problem, compile_sources, compile_text
 from tamplang.compiler.poses import effector_pose, position
 
@@ -157,3 +158,31 @@ def test_a_mesh_is_found_in_the_folders_of_its_model_where_one_alone_is_called_s
     (tmp_path / "other" / "hit" / "wedge.stl").write_text("solid a\nendsolid a\n")
     (wrong,) = [w for w in check("task.tamp") if w.is_error]
     assert wrong.code == "E0515" and "several are called so: meshes/seven/hit/wedge.stl, other" in wrong.message
+
+
+def test_what_is_remembered_of_meshes_is_what_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    _write_stl(tmp_path / "wedge.stl", np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]))
+    mesh = '<collision><geometry><mesh filename="wedge.stl"/></geometry></collision>'
+    links = "".join(f'<link name="{name}">{mesh}</link>' for name in "abc")
+    joint = """<joint name="j{0}" type="revolute"><parent link="{0}"/><child link="{1}"/><origin xyz="0.3 0 0"/>
+        <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>"""
+    Path("arm.urdf").write_text(f"<robot name='arm'>{links}{joint.format(*'ab')}{joint.format(*'bc')}</robot>")
+    Path("task.tamp").write_text("""module arm from urdf "arm.urdf" { effector A: "a" sphere(1 cm) }
+        predicate (lit)
+        rule light() { pre not (lit) post (lit) }
+        task t() { arm a: at (0, 0, 0) goal (lit) }""")
+    own_pairs.cache_clear()
+    type_ = compile_problem("task.tamp")[0].world.modules["a"].type
+    found = own_pairs(type_)
+    assert len(found) == 2 and found[0][2] > 0.2
+    kept = {file: file.read_bytes() for file in (tmp_path / "cache" / "tamplang").glob("*.json")}
+    assert {file.name.partition("-")[0] for file in kept} == {"mesh", "pairs"}
+    for damage in (bytes, lambda b: b[:-9], lambda b: b.replace(b"0.", b"9."), lambda b: b""):
+        for file, content in kept.items():
+            file.write_bytes(damage(content))
+        own_pairs.cache_clear()
+        again = compile_problem("task.tamp")[0].world.modules["a"].type
+        assert again == type_ and own_pairs(again) == found
+        assert {file: file.read_bytes() for file in kept} == kept, "what was spoilt is made anew"

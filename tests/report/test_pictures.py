@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-import asyncio
 import io
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import imageio_ffmpeg
+import msgspec
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from PIL import Image, ImageChops
 
 from tamplang.cli.app import application
+from tamplang.compiler.ir import ShapeKind
+from tamplang.runtime.plan import BodyRecord, ShapeRecord
 from tamplang.runtime.plan_files import write_plan
-from tamplang.runtime.report.pictures import picture
+from tamplang.runtime.report.pictures import SIZE, picture
+from tamplang.runtime.report.raster import channels
+from tamplang.runtime.report.stage import Stage
 
-from .conftest import chromium_path
 from .sample import climb_plan
 
 
@@ -26,8 +29,7 @@ def exported(folder: Path, *arguments: str) -> str:
     return f"{outcome.exit_code} {outcome.output}"
 
 
-def test_a_film_shows_the_motion(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("TAMPLANG_CHROMIUM", chromium_path())
+def test_a_film_shows_the_motion(tmp_path: Path) -> None:
     assert exported(tmp_path, "--to", "gif", "--rate", "0.7").startswith("0 ")
     with Image.open(tmp_path / "a.gif") as film:
         assert film.size == (960, 540) and film.n_frames == 4
@@ -38,21 +40,31 @@ def test_a_film_shows_the_motion(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert len(first.getcolors(1_000_000) or []) > 50
 
 
-def test_a_still_is_drawn_where_a_loop_of_events_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As in every cell of a notebook."""
-    monkeypatch.setenv("TAMPLANG_CHROMIUM", chromium_path())
+def test_things_are_drawn_where_they_are_and_hide_what_lies_behind(tmp_path: Path) -> None:
+    plan = climb_plan(1)
+    stage = Stage(plan, SIZE)
+    ball = next(b for b in plan.bodies if b.movable)
+    hues = channels(stage.picture(0.0)).astype(int)
+    yellow = (hues[:, :, 0] - hues[:, :, 2] > 60) & (hues[:, :, 1] - hues[:, :, 2] > 40)
+    middle = stage.camera.drawn(stage.camera.seen(np.array(ball.pose[:3])))[:2]
+    assert np.argwhere(yellow).mean(axis=0)[::-1] + 0.5 == pytest.approx(middle, abs=1.0)
+    away = stage.camera.back * 0.3
+    place = [*(ball.pose[:3] + away).tolist(), 0.0, 0.0, 0.0, 1.0]
+    wall = BodyRecord("wall", "base", ShapeRecord(ShapeKind.BOX, [0.2, 0.2, 0.2]), place, False)
+    covered = Stage(msgspec.structs.replace(plan, bodies=[*plan.bodies, wall]), SIZE)
+    again = channels(covered.picture(0.0)).astype(int)
+    assert not ((again[:, :, 0] - again[:, :, 2] > 60) & (again[:, :, 1] - again[:, :, 2] > 40)).any()
+    assert covered.camera.eye == pytest.approx(stage.camera.eye)
 
-    async def cell() -> bytes:
-        return picture(climb_plan(1), "png")
 
-    with ThreadPoolExecutor(1) as thread:  # this one's loop may be taken by the browser of other tests
-        drawn = thread.submit(lambda: asyncio.run(cell())).result()
-    with Image.open(io.BytesIO(drawn)) as still:
-        assert still.size == (960, 540)
+def test_a_still_has_the_size_and_the_moment_that_was_asked_for() -> None:
+    first, last = (picture(climb_plan(1), "png", moment=moment) for moment in (0.0, None))
+    with Image.open(io.BytesIO(first)) as one, Image.open(io.BytesIO(last)) as other:
+        assert one.size == other.size == (960, 540)
+        assert ImageChops.difference(one, other).getbbox() is not None
 
 
-def test_ffmpeg_counts_the_pictures_of_a_video(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("TAMPLANG_CHROMIUM", chromium_path())
+def test_ffmpeg_counts_the_pictures_of_a_video(tmp_path: Path) -> None:
     assert exported(tmp_path, "--to", "mp4", "--rate", "1").startswith("0 ")
     assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "a.mp4")) == (4, 4.0)
 
@@ -71,7 +83,9 @@ def test_what_cannot_be_drawn_is_told(tmp_path: Path, arguments: tuple[str, ...]
     assert word in told and not told.startswith(("0 ", "70 ")) and len(list(tmp_path.iterdir())) == 1
 
 
-def test_a_missing_browser_is_told_with_its_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("TAMPLANG_CHROMIUM", str(tmp_path / "none"))
-    told = exported(tmp_path, "--to", "png")
-    assert "S0015" in told and "Chromium" in told and "Traceback" not in told
+def test_films_of_long_motions_are_short(tmp_path: Path) -> None:
+    plan = climb_plan(1)
+    slow = msgspec.structs.replace(plan, times=[100.0 * t for t in plan.times])
+    content = picture(slow, "gif")
+    with Image.open(io.BytesIO(content)) as film:
+        assert film.n_frames == 80 and film.info["duration"] == 100
