@@ -14,8 +14,8 @@ from ..native import load_extra
 from .raster import channels
 
 if TYPE_CHECKING:
+    from .film_set import FilmSet
     from .raster import Picture
-    from .stage import Stage
 
 SAMPLES = 5
 """Pictures of which the palette is made."""
@@ -28,7 +28,7 @@ LOOP = b"!\xff\x0bNETSCAPE2.0\x03\x01\0\0\0"
 Indices = NDArray[np.uint8]
 
 
-def animation(stage: Stage, moments: Sequence[float], rate: float) -> bytes:
+def animation(stage: FilmSet, moments: Sequence[float], rate: float) -> bytes:
     """The pictures of a stage at these moments, so many a second. Raises MissingLibrary without the extra
     `pictures`."""
     image = load_extra("PIL.Image", "pictures")

@@ -18,7 +18,7 @@ UPRIGHT = (0.0, 0.0, 0.0, 0.7071067811865476, 0.0, 0.0, 0.7071067811865476)
 
 
 @dataclass(frozen=True, slots=True)
-class Form:
+class DrawnForm:
     """A `box` of three sides, a `ball` of a radius, a `tube` of a length along y and a radius, or a `hull` of
     `corners` (C, 3) and `triangles` (T, 3) that look outward; metres."""
 
@@ -31,7 +31,7 @@ class Form:
 class Canvas(Protocol):
     """What a scene is drawn on: forms at paths such as "module0/frame1/link0/box", each in the frame above."""
 
-    def draw(self, path: str, form: Form, colour: str) -> None: ...
+    def draw(self, path: str, form: DrawnForm, colour: str) -> None: ...
 
     def place(self, path: str, pose: Array) -> None: ...
 
@@ -49,7 +49,7 @@ def matrix(pose: Array) -> Array:
     return result
 
 
-def parts(shape: ShapeRecord) -> list[tuple[str, Form, Array]]:
+def parts(shape: ShapeRecord) -> list[tuple[str, DrawnForm, Array]]:
     """Name, form and placement of every part of a shape; none for an unknown shape."""
     if shape.parts:
         return [
@@ -59,19 +59,19 @@ def parts(shape: ShapeRecord) -> list[tuple[str, Form, Array]]:
     size = tuple(float(s) for s in shape.size)
     centre, upright = pose_rows([(0, 0, 0, 0, 0, 0, 1)])[0], pose_rows([UPRIGHT])[0]
     if shape.kind == ShapeKind.BOX and len(size) == 3:
-        return [("box", Form("box", size), centre)]
+        return [("box", DrawnForm("box", size), centre)]
     if shape.kind == ShapeKind.SPHERE and len(size) == 1:
-        return [("ball", Form("ball", size), centre)]
+        return [("ball", DrawnForm("ball", size), centre)]
     if shape.kind == ShapeKind.CONVEX:
         body = hull(Shape(ShapeKind.CONVEX, size))
-        return [("hull", Form("hull", (), body.corners, body.triangles), centre)]
+        return [("hull", DrawnForm("hull", (), body.corners, body.triangles), centre)]
     if shape.kind in (ShapeKind.CAPSULE, ShapeKind.CYLINDER) and len(size) == 2:
         radius, length = size
-        result = [("tube", Form("tube", (length, radius)), upright)]
+        result = [("tube", DrawnForm("tube", (length, radius)), upright)]
         if shape.kind == ShapeKind.CAPSULE:
             for name, side in (("low", -0.5), ("high", 0.5)):
                 cap = centre.copy()
                 cap[2] = side * length
-                result.append((name, Form("ball", (radius,)), cap))
+                result.append((name, DrawnForm("ball", (radius,)), cap))
         return result
     return []

@@ -6,7 +6,7 @@ import base64
 from typing import Any
 
 from ..geometry.transforms import Array
-from .forms import Form, matrix
+from .forms import DrawnForm, matrix
 
 LIGHTS = ("PointLightNegativeX", "PointLightPositiveX", "SpotLight")
 HIDDEN = ("/Grid", "/Axes", *(f"/Lights/{light}" for light in LIGHTS))
@@ -39,7 +39,7 @@ class MeshcatCanvas:
     def commands(self) -> list[str]:
         return self._recorder.commands
 
-    def draw(self, path: str, form: Form, colour: str) -> None:
+    def draw(self, path: str, form: DrawnForm, colour: str) -> None:
         """Draw a form in its own frame at a path."""
         from meshcat.geometry import Mesh, MeshPhongMaterial
 
@@ -56,7 +56,7 @@ class MeshcatCanvas:
         self._viewer[path].set_transform(matrix(pose))
 
 
-def _geometry(form: Form) -> Any:
+def _geometry(form: DrawnForm) -> Any:
     from meshcat import geometry
 
     if form.kind == "box":

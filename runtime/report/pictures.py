@@ -1,4 +1,4 @@
-"""Pictures of the replay without a display: stills and films, drawn by `stage.py`."""
+"""Pictures of the replay without a display: stills and films, drawn by `film_set.py`."""
 
 from __future__ import annotations
 
@@ -44,9 +44,9 @@ def picture(plan: Plan, form: str, rate: float | None = None, moment: float | No
             raise UsageError(f"the plan lasts from 0 to {end:.2f} s, and {at:g} is not in it")
         return _still(plan, at)
     moments, shown = _moments(end, rate)
-    from .stage import Stage
+    from .film_set import FilmSet
 
-    stage = Stage(plan, SIZE)
+    stage = FilmSet(plan, SIZE)
     return animation(stage, moments, shown) if form == "gif" else _mp4(map(stage.picture, moments), shown)
 
 
@@ -65,10 +65,10 @@ def _moments(end: float, rate: float | None) -> tuple[Sequence[float], float]:
 def _still(plan: Plan, moment: float) -> bytes:
     """A picture with smooth edges: drawn twice as large."""
     image = load_extra("PIL.Image", "pictures")
-    from .stage import Stage, reduced
+    from .film_set import FilmSet, reduced
 
     content = io.BytesIO()
-    drawn = Stage(plan, (2 * SIZE[0], 2 * SIZE[1])).picture(moment)
+    drawn = FilmSet(plan, (2 * SIZE[0], 2 * SIZE[1])).picture(moment)
     image.fromarray(reduced(drawn)).save(content, "PNG")
     return content.getvalue()
 

@@ -16,9 +16,9 @@ from tamplang.cli.app import application
 from tamplang.compiler.ir import ShapeKind
 from tamplang.runtime.plan import BodyRecord, ShapeRecord
 from tamplang.runtime.plan_files import write_plan
+from tamplang.runtime.report.film_set import FilmSet
 from tamplang.runtime.report.pictures import SIZE, picture
 from tamplang.runtime.report.raster import channels
-from tamplang.runtime.report.stage import Stage
 
 from .sample import climb_plan
 
@@ -42,7 +42,7 @@ def test_a_film_shows_the_motion(tmp_path: Path) -> None:
 
 def test_things_are_drawn_where_they_are_and_hide_what_lies_behind(tmp_path: Path) -> None:
     plan = climb_plan(1)
-    stage = Stage(plan, SIZE)
+    stage = FilmSet(plan, SIZE)
     ball = next(b for b in plan.bodies if b.movable)
     hues = channels(stage.picture(0.0)).astype(int)
     yellow = (hues[:, :, 0] - hues[:, :, 2] > 60) & (hues[:, :, 1] - hues[:, :, 2] > 40)
@@ -51,7 +51,7 @@ def test_things_are_drawn_where_they_are_and_hide_what_lies_behind(tmp_path: Pat
     away = stage.camera.back * 0.3
     place = [*(ball.pose[:3] + away).tolist(), 0.0, 0.0, 0.0, 1.0]
     wall = BodyRecord("wall", "base", ShapeRecord(ShapeKind.BOX, [0.2, 0.2, 0.2]), place, False)
-    covered = Stage(msgspec.structs.replace(plan, bodies=[*plan.bodies, wall]), SIZE)
+    covered = FilmSet(msgspec.structs.replace(plan, bodies=[*plan.bodies, wall]), SIZE)
     again = channels(covered.picture(0.0)).astype(int)
     assert not ((again[:, :, 0] - again[:, :, 2] > 60) & (again[:, :, 1] - again[:, :, 2] > 40)).any()
     assert covered.camera.eye == pytest.approx(stage.camera.eye)

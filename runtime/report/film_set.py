@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..geometry.transforms import Array
 from ..plan import Plan
-from .forms import Form, matrix
+from .forms import DrawnForm, matrix
 from .raster import NEAR, Camera, Picture, Sheet, Triangles, channels, mixed
 from .replay import Builder, camera_view, phase_colours
 from .robots import PALETTE, lighten
@@ -39,7 +39,7 @@ Tint = tuple[str, tuple[int, float] | None]
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class DrawnPart:
     """What moves with a frame, in it: corners (N, 3, 3), the normals of the surface there (N, 3, 3), the planes of the
     triangles, as outward normals (N, 3) and offsets (N,), and the numbers of their tints (N,)."""
 
@@ -55,10 +55,10 @@ class _Mould:
     """A canvas that keeps what is drawn on it."""
 
     def __init__(self) -> None:
-        self.forms: list[tuple[str, Form, str]] = []
+        self.forms: list[tuple[str, DrawnForm, str]] = []
         self.places: dict[str, Array] = {}
 
-    def draw(self, path: str, form: Form, colour: str) -> None:
+    def draw(self, path: str, form: DrawnForm, colour: str) -> None:
         self.forms.append((path, form, colour))
 
     def place(self, path: str, pose: Array) -> None:
@@ -77,7 +77,7 @@ class _Mould:
         return frame, place
 
 
-class Stage:
+class FilmSet:
     """A plan before a camera whose pictures have a size in pixels. Where what matters lies too far apart, the camera
     goes along with the modules, as the page's does."""
 
@@ -148,7 +148,9 @@ class Stage:
         poses[:, 3:] /= np.maximum(np.linalg.norm(poses[:, 3:], axis=1, keepdims=True), 1e-12)
         return np.asarray(poses)
 
-    def _lit(self, pieces: Sequence[Piece], places: Sequence[Array], colours: Sequence[str], eye: Array) -> Triangles:
+    def _lit(
+        self, pieces: Sequence[DrawnPart], places: Sequence[Array], colours: Sequence[str], eye: Array
+    ) -> Triangles:  # fmt: skip
         """The pieces at their places, in the `colours` of the modules, as far as they look at the `eye`."""
         table = np.array([
             _hue(colour if painted is None or not colours else lighten(colours[painted[0]], painted[1]))
@@ -203,21 +205,22 @@ def _hue(colour: str) -> Array:
     return np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)], dtype=float)
 
 
-def _piece(frame: int, members: Sequence[int], surfaces: Sequence[tuple[Array, Array, Array]]) -> Piece:
+def _piece(frame: int, members: Sequence[int], surfaces: Sequence[tuple[Array, Array, Array]]) -> DrawnPart:
     """What the surfaces of these numbers, each with its place in a frame, are together."""
     corners, normals, tints = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros(0, dtype=np.int64)]
     for number in members:
-        at, outward, place = surfaces[number]
+        at, across, place = surfaces[number]
         corners.append(at.reshape(-1, 3) @ place[:3, :3].T + place[:3, 3])
-        normals.append(outward.reshape(-1, 3) @ place[:3, :3].T)
+        normals.append(across.reshape(-1, 3) @ place[:3, :3].T)
         tints.append(np.full(len(at), number))
     all_corners = np.concatenate(corners).reshape(-1, 3, 3)
     faces = np.ascontiguousarray(_flat(all_corners)[1][:, 0])
     offsets = (faces * all_corners[:, 0]).sum(axis=1)
-    return Piece(frame, all_corners, np.concatenate(normals).reshape(-1, 3, 3), faces, offsets, np.concatenate(tints))
+    outward = np.concatenate(normals).reshape(-1, 3, 3)
+    return DrawnPart(frame, all_corners, outward, faces, offsets, np.concatenate(tints))
 
 
-def _surface(form: Form) -> tuple[Array, Array]:
+def _surface(form: DrawnForm) -> tuple[Array, Array]:
     """The triangles of a form, and the normals at their corners."""
     if form.kind == "hull":
         assert form.corners is not None and form.triangles is not None
