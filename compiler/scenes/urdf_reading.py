@@ -86,6 +86,7 @@ class Reading:
         elif macro is not None:
             self.fault(macro, f"`{macro.tag}`: this is a xacro file, of which a URDF can be made", MAKE, "E0513")
             return None
+        self._without_commas(robot)
         self.newer = at_least_1_1(robot)
         turned = [e for e in robot.iter("origin") if e.get("quat_xyzw")]
         if turned and not self.newer:
@@ -93,6 +94,18 @@ class Reading:
             where = '`<robot version="1.1">`'
             self.warn(turned[0], f"`quat_xyzw` does not count in version {version} of URDF, only in {where}")
         return robot
+
+    def _without_commas(self, robot: ElementTree.Element) -> None:
+        """Takes commas between three numbers for blanks, as Bullet does."""
+        told = False
+        for element in robot.iter():
+            for name in ("xyz", "rpy", "size"):
+                text = element.get(name, "")
+                if "," in text and len(text.replace(",", " ").split()) == 3:
+                    element.set(name, text.replace(",", " "))
+                    if not told:
+                        self.warn(element, f"the commas in `{name}` of this `{element.tag}` are taken for blanks")
+                    told = True
 
     def tree(self, robot: ElementTree.Element) -> tuple[dict[str, ElementTree.Element], list[UrdfJoint]]:
         """The links by name, the root first, and the joints, of one tree of links."""

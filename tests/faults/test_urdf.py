@@ -250,6 +250,10 @@ def test_joints_that_turn_any_way_and_roots_that_are_only_named_are_taken_as_oth
     assert robot.effectors[0].placement[:3] == (1.0, 0.0, 0.0) and len(robot.joints) == 1
     _, (warning,) = compile_problem(tmp_path / "program.tamp", None, {}, 0)
     assert warning.code == "W0010" and "`world` is not declared" in warning.message
+    robot = module_of(tmp_path, ROBOT.replace("0 0 0.1", "0, 0 0.1").replace("0 1 0", "0,1,0"))
+    assert robot.joints[0].placement[:3] == (0.0, 0.0, 0.1) and robot.joints[0].axis == (0.0, 1.0, 0.0)
+    _, (warning,) = compile_problem(tmp_path / "program.tamp", None, {}, 0)
+    assert "commas in `xyz`" in warning.message
 
 
 def test_capsules_count_from_version_1_1_on(faulty: Faulty, tmp_path: Path) -> None:

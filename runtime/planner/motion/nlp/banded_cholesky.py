@@ -49,5 +49,7 @@ def solved(factor: Array, right: Array) -> Array:
 def solved_dense(matrix: Array, right: Array) -> Array | None:
     """The solution `(n,)` of a system with a symmetric `matrix` `(n, n)`, which is overwritten; None where it is not
     positive definite."""
+    if not len(right):
+        return right
     _, solution, failed = _LAPACK.dposv(matrix.T, right, lower=1, overwrite_a=1)
     return None if failed else solution
