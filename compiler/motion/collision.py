@@ -34,7 +34,7 @@ from ..ir import (
 from ..kept_pairs import keeps_pose, kept_pairs
 from ..remembering import remembered
 from .covers import cover_hull
-from .lasting import implied, stated
+from .lasting import lasting
 
 PATH_MARGIN = 0.02
 """The margin that the spheres used along a path and at switches are made for."""
@@ -290,8 +290,7 @@ def contacts(skeleton: Phases) -> tuple[PhaseContacts, ...]:
         kept = _kept(skeleton.problem, phase.mode)
         still = skeleton.problem.world.bodies.keys() - _carried(skeleton.problem, phase.mode)
         during = kept | {objects for objects in touching if still.issuperset(objects)}
-        during |= {pair(*objects) for literal in phase.mode for objects in implied(skeleton.problem, literal)}
-        beside = {pair(*objects) for literal in phase.mode for objects in stated(skeleton.problem, literal)} - during
+        beside = {pair(*objects) for literal in phase.mode for objects in lasting(skeleton.problem, literal)} - during
         added = _named(phase.added)
         start = touching - during
         result.append(PhaseContacts(during, start, added - during, frozenset(beside)))

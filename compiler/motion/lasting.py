@@ -1,7 +1,6 @@
 """Contacts that last: which objects a motion literal lets touch as long as it holds.
 
-What its rows imply is told from what is stated: `during gap(X, Y) = 0` and `during bottom(X) = top(Y)` leave no room
-for an overlap, while of a pair that is only said to be `touching` the shapes still may not go into each other.
+They may touch, but not go into each other: rows hold one face or part of a thing, and it may have others.
 """
 
 from __future__ import annotations
@@ -15,18 +14,10 @@ Places = tuple[tuple[int, int], ...]
 Signed = tuple[int, Term]
 
 
-def implied(problem: Problem, literal: Fact) -> list[tuple[str, str]]:
-    """The pairs of objects that the rows of a literal hold in contact."""
-    return _named(literal, _implied(problem.motions[literal[0]]))
-
-
-def stated(problem: Problem, literal: Fact) -> list[tuple[str, str]]:
-    """The pairs of objects of which it is stated that they may touch."""
+def lasting(problem: Problem, literal: Fact) -> list[tuple[str, str]]:
+    """The pairs of objects that the rows of a literal hold in contact, or of which it is stated that they may touch."""
     motion = problem.motions[literal[0]]
-    return _named(literal, tuple(_places(motion, a, b) for a, b in motion.touching))
-
-
-def _named(literal: Fact, places: Places) -> list[tuple[str, str]]:
+    places = *_implied(motion), *(_places(motion, a, b) for a, b in motion.touching)
     return [(literal[a], literal[b]) for a, b in places]
 
 

@@ -162,15 +162,17 @@ def test_repair_sees_the_true_shapes_of_what_is_put_down() -> None:
     skeleton = pick_and_place(2)
     sequence = solve_sequence(skeleton, SETTINGS, Seed(0), Budget(20.0))
     batch = group_of(skeleton, sequence.configurations, [1, 3]).batch
+    random = np.random.default_rng(0)
     inner = straight(batch)
+    inner += 1e-3 * random.normal(size=inner.shape)  # flat on flat is a kink
     found = []
     for seen in (batch.take(np.arange(len(batch))), batch.looking(2)):
         seen.coarse.ignore_collisions()
         found.append(penalty(seen, inner, 1e3))
-        step = 1e-7 * np.random.default_rng(0).normal(size=inner.shape)
+        step = 1e-8 * random.normal(size=inner.shape)
         change = penalty(seen, inner + step, 1e3).value - penalty(seen, inner - step, 1e3).value
         slope = 2.0 * (found[-1].gradient * step).sum(axis=(1, 2))
-        assert change == pytest.approx(slope, rel=5e-2, abs=1e-9)  # flat on flat: a kink
+        assert change == pytest.approx(slope, rel=1e-2, abs=1e-9)
     assert (found[1].value > found[0].value).any()
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ....skeleton import Array
 from .batch_kinematics import Indices
+from .contact_margins import Kinds
 from .exact_check import near_entries
 from .phase_batch import Batch, Looks
 from .phase_geometry import Geometry
@@ -43,11 +44,13 @@ class Penalty:
 
 @dataclass(slots=True)
 class _Rows:
-    """Missed clearances of active pairs, or loads: amount, gradient `(rows, joints)`, and the slice they belong to."""
+    """Missed clearances of active pairs, or loads: amount, gradient `(rows, joints)`, the slice they belong to, and how
+    much a missed metre counts."""
 
     amount: Array
     slope: Array
     place: Indices
+    scale: Array
 
 
 def penalty(batch: Batch, inner: Array, weight: float, widening: float = 1.0) -> Penalty:
@@ -68,9 +71,9 @@ def penalty(batch: Batch, inner: Array, weight: float, widening: float = 1.0) ->
     if batch.loads:
         rows = _joined([rows, *_load_rows(batch, inner)])
     if len(rows.amount):
-        value += 0.5 * weight * np.bincount(rows.place // times, rows.amount**2, phases)
+        value += 0.5 * weight * np.bincount(rows.place // times, (rows.scale * rows.amount) ** 2, phases)
         order = np.argsort(rows.place, kind="stable")
-        amount, slope = rows.amount[order], rows.slope[order]
+        amount, slope = (rows.scale * rows.amount)[order], (rows.scale[:, None] * rows.slope)[order]
         found, first = np.unique(rows.place[order], return_index=True)
         pull = weight * np.add.reduceat(slope * amount[:, None], first)
         squares = weight * np.add.reduceat(slope[:, :, None] * slope[:, None, :], first)
@@ -106,18 +109,18 @@ def most_missed(batch: Batch, inner: Array) -> Array:
 
 def _missed(batch: Batch, inner: Array, margin: float) -> _Rows:
     values = _looked_at(batch, inner)
-    geometry, shares = batch.coarse, margin * batch.looks.shares
+    geometry, shares = batch.coarse, batch.looks.shares
     frames = geometry.kinematics.frames(values)
     points = geometry.points.placed(frames)
     rows = [make(margin, shares, geometry, points, frames) for make in (_obstacle_rows, _pair_rows)]
     if batch.closely or batch.exact.wholes:
         rows += _exact_rows(batch, frames, margin)
     found = _joined(rows)
-    return _Rows(found.amount, geometry.kinematics.by_variables(found.slope), found.place)
+    return _Rows(found.amount, geometry.kinematics.by_variables(found.slope), found.place, found.scale)
 
 
 def _joined(rows: Sequence[_Rows]) -> _Rows:
-    return _Rows(*(np.concatenate([getattr(r, part) for r in rows]) for part in ("amount", "slope", "place")))
+    return _Rows(*(np.concatenate([getattr(r, part) for r in rows]) for part in ("amount", "slope", "place", "scale")))
 
 
 def _looked_at(batch: Batch, inner: Array) -> Array:
@@ -131,7 +134,14 @@ def _load_rows(batch: Batch, inner: Array) -> Iterator[_Rows]:
     times = batch.looks.shares.shape[1]
     for phase, values in enumerate(_looked_at(batch, inner)):
         time, amount, slope = batch.loads[phase].missed(values)
-        yield _Rows(amount, slope, phase * times + time)
+        yield _Rows(amount, slope, phase * times + time, np.ones(len(amount)))
+
+
+def _scale(shares: Array, kinds: Kinds, times: Indices) -> Array:
+    """How much more than elsewhere a missed metre counts where less than the margin is asked, next to a contact: there,
+    little missed is an overlap. `shares` `(kinds, times)`."""
+    share = shares[kinds, times]
+    return np.where(share > 0.0, 1.0 / np.maximum(share, PHASES.least_share), 1.0)
 
 
 def _obstacle_rows(
@@ -141,12 +151,13 @@ def _obstacle_rows(
     a, o, k, t = near_obstacles(geometry, points, margin)
     at = points[a, :, k, t]
     distance, offset, excess = geometry.shapes.distance_at(at[..., None], o, k)
-    missed = geometry.radius[a, 0, 0] + shares[geometry.obstacle_kinds[a, o, k], t] - distance[:, 0]
+    kind = geometry.obstacle_kinds[a, o, k]
+    missed = geometry.radius[a, 0, 0] + margin * shares[kind, t] - distance[:, 0]
     hit = np.flatnonzero(missed > 0.0)
     a, o, k, t, at = a[hit], o[hit], k[hit], t[hit], at[hit]
     normals = geometry.shapes.normals(offset[hit, :, 0], excess[hit, :, 0], o, k)
     slope = geometry.kinematics.slopes(frames, at, normals, k, t) * geometry.moved_by[a]
-    return _Rows(missed[hit], -slope, k * times + t)
+    return _Rows(missed[hit], -slope, k * times + t, _scale(shares, kind[hit], t))
 
 
 def _pair_rows(margin: float, shares: Array, geometry: Geometry, points: Array, frames: Array) -> _Rows:
@@ -154,13 +165,14 @@ def _pair_rows(margin: float, shares: Array, geometry: Geometry, points: Array, 
     first, second = geometry.pairs[:, 0], geometry.pairs[:, 1]
     p, k, t, normals = near_pairs(geometry, points, margin)
     distance = np.sqrt((normals * normals).sum(axis=1))
-    missed = geometry.touching[p, 0, 0] + shares[geometry.pair_kinds[p, k], t] - distance
+    kind = geometry.pair_kinds[p, k]
+    missed = geometry.touching[p, 0, 0] + margin * shares[kind, t] - distance
     hit = np.flatnonzero(missed > 0.0)
     p, k, t, missed = p[hit], k[hit], t[hit], missed[hit]
     normals = normals[hit] / np.maximum(distance[hit], 1e-9)[:, None]
     moved_by = geometry.moved_by[first[p]].astype(float) - geometry.moved_by[second[p]]
     slope = geometry.kinematics.slopes(frames, points[first[p], :, k, t], normals, k, t) * moved_by
-    return _Rows(missed, -slope, k * times + t)
+    return _Rows(missed, -slope, k * times + t, _scale(shares, kind[hit], t))
 
 
 def _exact_rows(batch: Batch, frames: Array, margin: float) -> list[_Rows]:
@@ -181,5 +193,6 @@ def _exact_rows(batch: Batch, frames: Array, margin: float) -> list[_Rows]:
         if near.among:
             against = geometry.kinematics.slopes(frames, measured.on_second[hit], normals, near.phase, near.time)
             slope = slope - against * geometry.moved_by[near.second]
-        found.append(_Rows((wanted - measured.value)[hit], -slope, near.phase * times + near.time))
+        scale = _scale(batch.looks.shares, near.kind, near.time)
+        found.append(_Rows((wanted - measured.value)[hit], -slope, near.phase * times + near.time, scale))
     return found

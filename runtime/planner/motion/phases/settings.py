@@ -107,6 +107,13 @@ class PhaseSettings:
         "What true shapes are kept apart, where they are looked at.",
         "more than they come nearer between looks",
     )
+    next_to_ends: float = setting(
+        0.1, "slices", "How far from either end paths that are looked at between slices are looked at, too.",
+        "a palm was 1 mm deep in a crate there, and clear a quarter of a slice from the end",
+    )
+    least_share: float = setting(
+        0.05, "1", "The least share of the margin by whose inverse a missed clearance next to a contact counts more.",
+    )
     negligible: float = setting(
         0.02, "1",
         "Slices that count less at a time between others get nothing of the Hessian there.",
