@@ -48,8 +48,9 @@ def _joints(trees: Sequence[PhaseTree], world: World) -> Joints:
 
 class Looks:
     """The times, counted in slices, at which paths are kept clear while they are optimised: the inner slices, or
-    `count` times per slice on the spline, and once more next to either end, where contacts are come to and left. `weights` `(times, slices + 1)` take a path there; None for the slices.
-    `shares` tell, per kind of pair, how much of the margin is asked then."""
+    `count` times per slice on the spline, and once more next to either end, where contacts are come to and left.
+    `weights` `(times, slices + 1)` take a path there; None for the slices. `shares` tell, per kind of pair, how much
+    of the margin is asked then."""
 
     def __init__(self, slices: int, count: int) -> None:
         times = np.arange(1, slices * count) / count
