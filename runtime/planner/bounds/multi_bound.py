@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
-from ....compiler.ir import Action, Chain, Problem
+from ....compiler.ir import Action, Problem
 from ....langs.counting import counted
 from ...budget import Budget, unless_spent
 from ...geometry.attachments import followers
 from ...plan import Plan, StatisticsRecord, TimingRecord
 from ...seeds import Seed
-from ...skeleton import Bound, BoundResult, Configuration, PhasePath, Skeleton, Violation, beginning
+from ...skeleton import Bound, BoundResult, Configuration, PhasePath, Skeleton, beginning
 from ...verify import verify
 from ..conflicts.lifting import objects_of
 from ..conflicts.nogoods import GeneralisedNoGoods
@@ -21,7 +21,7 @@ from ..motion.keyframes.initial_guesses import guess
 from ..motion.keyframes.multi_start import judged_alone
 from ..motion.keyframes.settings import KEYFRAMES
 from ..plan_assembly import assemble
-from ..statics import unbearable
+from ..statics import Unbearable, unbearable
 from .length_unit import LengthUnit
 from .requests import SequenceRequest, WindowRequest
 from .settings import BOUNDS
@@ -72,8 +72,8 @@ class MultiBound(Solves):
         expected = self.experience.expected_refusals(skeleton.phases, strains)
         if expected:
             return Judgement(False, conflicts=[Conflict(Bound.EXPECTED, *window, ()) for window in expected])
-        heavy = [self._too_heavy(skeleton, k, told) for k, told in list(unbearable(skeleton).items())[:1]]
-        conflicts = heavy or self._refused_actions(skeleton, strains)
+        heavy = unbearable(skeleton)
+        conflicts = self._refused_actions(skeleton, strains) if heavy is None else [_too_heavy(heavy)]
         if not conflicts:
             if brisk:
                 sequence, end = self._sequence(skeleton, self.seed, None, tries=self.tries), len(skeleton)
@@ -91,12 +91,6 @@ class MultiBound(Solves):
             if not (c.from_start and self.tries is None):
                 self.experience.refuse(skeleton.phases[window], strains[window], c.from_start)
         return Judgement(False, conflicts=conflicts)
-
-    def _too_heavy(self, skeleton: Skeleton, phase: int, told: Sequence[Violation]) -> Conflict:
-        """An action after which no posture could bear what hangs together. Where it names whole chains it is refused
-        wherever it starts, else from the start: who else holds the thing the action alone does not tell."""
-        chains = any(isinstance(a, Chain) for a in skeleton.phases[phase].action.args)
-        return Conflict(Bound.STATICS, phase if chains else 0, phase, not chains, tuple(told))
 
     def go_on(self, skeleton: Skeleton, motions: int, ahead: Sequence[Configuration]) -> Judgement:
         """As `judge`, for a way that was seen before: `ahead` holds its first switch configurations as they were
@@ -340,3 +334,8 @@ class MultiBound(Solves):
             for earlier in range(first - 1, max(0, last - BOUNDS.longest_conflict), -1):
                 if judged_alone(skeleton, earlier) and not self._expect_window(skeleton, earlier, last):
                     return
+
+
+def _too_heavy(found: Unbearable) -> Conflict:
+    """An action that no posture bears: refused wherever it starts, or from the start."""
+    return Conflict(Bound.STATICS, 0 if found.from_start else found.phase, found.phase, found.from_start, found.told)

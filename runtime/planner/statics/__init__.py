@@ -1,5 +1,5 @@
 """Whether robots bear themselves."""
 
-from .bearing import asked, borne, exceeded_on, exceeded_switches, kept_at_rest, slowed, unbearable
+from .bearing import Unbearable, asked, borne, exceeded_on, exceeded_switches, kept_at_rest, slowed, unbearable
 
-__all__ = ["asked", "borne", "exceeded_on", "exceeded_switches", "kept_at_rest", "slowed", "unbearable"]
+__all__ = ["Unbearable", "asked", "borne", "exceeded_on", "exceeded_switches", "kept_at_rest", "slowed", "unbearable"]

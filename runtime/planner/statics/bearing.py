@@ -13,16 +13,19 @@ from itertools import pairwise
 
 import numpy as np
 
-from ....compiler.ir import Fact, Problem
+from ....compiler.ir import Chain, Fact, Problem
 from ....compiler.physics.frames import GRAVITY, STILL, node_weights, poses
 from ....compiler.physics.masses import body_mass
 from ....compiler.physics.records import CONTACTS
 from ....compiler.physics.safety import safety_of
 from ....compiler.physics.statics import Load, loads
 from ....compiler.physics.structure import Edge, Node, Structure, stated_at, structure
+from ....langs.frozen import dataclass
 from ...geometry.attachments import next_mode
 from ...geometry.splines import spline_weights
 from ...skeleton import Array, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
+from .least_moments import far_out
+from .nearness import joined_pairs
 from .settings import STATICS
 
 BREACHES = {"torque": Breach.TORQUE, "bearing": Breach.BEARING, "dock": Breach.DOCK, "foot": Breach.FOOT,
@@ -137,16 +140,31 @@ def _sampled(path: PhasePath, before: Configuration, share: Array) -> tuple[dict
     return modules, bodies
 
 
-def unbearable(skeleton: Skeleton) -> dict[int, list[Violation]]:
-    """By phase, what no posture could bear after its switch: pairs that hold less than what hangs on them weighs,
-    however it hangs."""
+@dataclass(frozen=True, slots=True)
+class Unbearable:
+    """What no posture bears at or after the switch of a phase, whatever comes before it; where `from_start`, as long as
+    just what comes before it does."""
+
+    phase: int
+    told: tuple[Violation, ...]
+    from_start: bool
+
+
+def unbearable(skeleton: Skeleton) -> Unbearable | None:
+    """The first that no posture could bear: at a switch, joints and pairs that hold less than the least moment of what
+    must reach so far; after it, pairs that hold less than what hangs on them weighs, however it hangs. Of the latter an
+    action that names whole chains tells all, another one not who else holds the thing."""
     problem = skeleton.problem
-    found: dict[int, list[Violation]] = {}
-    for phase in range(len(skeleton)) if asked(problem) else ():
-        told = _too_heavy(problem, next_mode(skeleton, phase), phase)
+    if not asked(problem):
+        return None
+    joined = joined_pairs(problem, skeleton.phases)
+    for phase, now in enumerate(skeleton.phases):
+        far = far_out(problem, now.mode, now.added, joined[phase], phase)
+        told = far or _too_heavy(problem, next_mode(skeleton, phase), phase)
         if told:
-            found[phase] = told
-    return found
+            chains = any(isinstance(a, Chain) for a in now.action.args)
+            return Unbearable(phase, tuple(told), bool(far) or not chains)
+    return None
 
 
 def _too_heavy(problem: Problem, mode: frozenset[Fact], phase: int) -> list[Violation]:
