@@ -23,12 +23,8 @@ from ....compiler.physics.structure import WORLD, Edge, Node, Structure, driven,
 from ....compiler.remembering import remembered
 from ....langs.frozen import dataclass
 from ...skeleton import Array, Breach, Violation, start_configuration
-from .nearness import AS_PLACED, NOWHERE, SLACK, Joined, radius_of
-
-LEVEL = 1.0 - 1e-9
-"""Cosine from which on a top counts as level."""
-DIRECTIONS = 64
-"""In which it is looked how far out a place is: the best of them is short of that by 0.12 %."""
+from .nearness import AS_PLACED, NOWHERE, Joined, radius_of
+from .settings import STATICS
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,9 +111,9 @@ def _over(
     turn, place = rotation(np.asarray(body.pose[3:])), np.asarray(body.pose[:3])
     signs = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
     corners = (place + (signs * sides) @ turn.T)[:, :2]
-    if level and abs(turn[2, 2]) < LEVEL:
+    if level and abs(turn[2, 2]) < STATICS.level:
         return
-    beside = apart + SLACK + radius_of(problem, end)
+    beside = apart + STATICS.missed + radius_of(problem, end)
     yield Region(_end_site(effector[0].name, effector[1]), tuple((float(x), float(y)) for x, y in corners), beside)
 
 
@@ -285,7 +281,7 @@ def _length(known: Mapping[Node, tuple[float, Array]], node: Node, point: Array)
 
 def _farthest(place: Array, region: Region) -> float:
     """How far all of a region is from a place at least, over the ground: along the best of some directions."""
-    angles = 2.0 * math.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    angles = 2.0 * math.pi * np.arange(STATICS.directions) / STATICS.directions
     directions = np.stack([np.cos(angles), np.sin(angles)])
     return float(((np.asarray(region.corners) - place) @ directions).min(axis=0).max()) - region.beside
 

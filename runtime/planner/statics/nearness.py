@@ -8,12 +8,11 @@ from ....compiler.extents import box_sides
 from ....compiler.ir import Arith, Fact, Function, Number, Problem, Row, ShapeKind, Term, Var, Vector
 from ....compiler.kept_pairs import kept_pairs
 from ...skeleton import Phase
+from .settings import STATICS
 
 NOWHERE = math.inf
-AS_PLACED = -1.0
+AS_PLACED = -math.inf
 """Stands for the distance of a pair that has been kept from the start on."""
-SLACK = 5e-3
-"""Metres by which rows of switches may be missed, many times over."""
 Pair = frozenset[str]
 Joined = frozenset[tuple[Pair, float]]
 """Pairs that are kept, each with how far from each other their frames are at most, in metres."""
@@ -41,7 +40,7 @@ def told_apart(problem: Problem, literal: Fact) -> float:
     given = {v.name: name for v, name in zip(predicate.variables, literal[1:], strict=True)}
     pair = frozenset(literal[1:3])
     rows = (row for row in predicate.rows if row.when == "switch")
-    return min((_apart(problem, row, given, pair) for row in rows), default=NOWHERE) + SLACK
+    return min((_apart(problem, row, given, pair) for row in rows), default=NOWHERE) + STATICS.missed
 
 
 def _apart(problem: Problem, row: Row, given: dict[str, str], pair: Pair) -> float:

@@ -31,6 +31,16 @@ class StaticsSettings:
     slowest: float = setting(
         50.0, "times", "How many times as long a phase may take for its drives; what needs more hardly bears itself."
     )
+    missed: float = setting(
+        5e-3, "m", "By how much rows of switches may be missed where they tell how far out an end must come.",
+        "P_seq takes what is within 0.1 mm to 2 mm: the bound may refuse nothing of that",
+    )  # fmt: skip
+    level: float = setting(
+        1.0 - 1e-9, "1", "Cosine of its tilt from which on a top counts as level.", "not measured"
+    )
+    directions: int = setting(
+        64, "directions", "In which it is looked how far out a place is.", "the best of them is short of that by 0.12 %"
+    )
 
 
 STATICS = StaticsSettings()
