@@ -6,12 +6,12 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-from ....compiler.ir import Problem, effects_of
+from ....compiler.ir import Fact, Problem, effects_of
 from ....langs.counting import counted
 from ....langs.diagnostics import Diagnostic, Label
 from ....langs.source import Span
 from ...budget import Status, unless_spent
-from ...geometry.attachments import carrier
+from ...geometry.attachments import carrier, next_mode
 from ...geometry.drives import braked
 from ...plan import RefusalRecord, VerdictRecord
 from ...skeleton import Bound, Breach, NearestMiss, Skeleton, Violation
@@ -125,6 +125,8 @@ class Refusals:
         earlier = ", ".join(str(p.action) for p in skeleton.phases[conflict.first : conflict.last])
         notes = [f"straight after {earlier}{where}"] if earlier else []
         notes += [*self._still(skeleton, conflict), *self._lasting(skeleton, conflict)]
+        if cause is not None and cause.why == Why.CONTRADICTED:
+            notes += self._held_since(skeleton, conflict.last, cause.names)
         if count > 1:
             notes.append(f"this was met in {count} such sequences; the smallest miss is shown")
         row = f"{self._reason(conflict)}{told(cause)}"
@@ -163,19 +165,27 @@ class Refusals:
         if not conflict.violations or conflict.violations[0].kind != Breach.ROW:
             return []
         worst = conflict.violations[0]
-        at, phases = worst.phase, skeleton.phases
-        if worst.names not in phases[at].mode:
+        told = self._held_since(skeleton, worst.phase, worst.names)
+        return [] if worst.names in next_mode(skeleton, worst.phase) and self._deleted(worst.names) else told
+
+    def _held_since(self, skeleton: Skeleton, at: int, literal: Fact) -> list[str]:
+        """Of a literal that holds in phase `at`, where it holds: since when, and what would end it in time."""
+        phases = skeleton.phases
+        if literal not in phases[at].mode:
             return []
-        since = next((p.action for p in phases[at::-1] if worst.names in p.added), None)
-        holds = f"[{' '.join(worst.names)}] holds since {since or 'the start'}"
-        effects = [e for r in self.problem.rules.values() for e in effects_of(r.effects)]
-        if not any(e.negated and e.literal.predicate == worst.names[0] for e in effects):
-            end = f"unless an action has the effect `not [{worst.names[0]} …]`"
+        since = next((p.action for p in phases[at::-1] if literal in p.added), None)
+        holds = f"[{' '.join(literal)}] holds since {since or 'the start'}"
+        if not self._deleted(literal):
+            end = f"unless an action has the effect `not [{literal[0]} …]`"
             return [f"{holds}, and no rule deletes it: its rows bind to the end, {end}"]
-        after = phases[at + 1].mode if at + 1 < len(phases) else skeleton.final_mode
-        if worst.names in after:
-            return []
+        if literal in next_mode(skeleton, at):
+            return [f"{holds} and after {phases[at].action} still: an action would have to delete it before"]
         return [f"{holds} until the switch of {phases[at].action}: an action of its own would have to delete it before"]
+
+    def _deleted(self, literal: Fact) -> bool:
+        """Whether some rule deletes literals of this predicate."""
+        effects = [e for r in self.problem.rules.values() for e in effects_of(r.effects)]
+        return any(e.negated and e.literal.predicate == literal[0] for e in effects)
 
     def _reason(self, conflict: Conflict) -> str:
         if not conflict.violations:
@@ -305,6 +315,8 @@ def told(cause: Cause | None) -> str:
         return f": {missed}, even with nothing in the way"
     if cause.why == Why.HELD:
         return f": [{' '.join(cause.names)}] keeps what would have to move where it is"
+    if cause.why == Why.CONTRADICTED:
+        return f": [{' '.join(cause.names)}] does not go with it"
     if cause.why == Why.RING:
         verb = "are" if len(cause.names) > 1 else "is"
         return f": the ring that {', '.join(cause.names)} {verb} held in cannot close farther than that"

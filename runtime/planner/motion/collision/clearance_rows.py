@@ -111,13 +111,21 @@ class Clearances:
     def refresh(self, z: Array, near: float = COLLISION.near) -> bool:
         """Let the pairs that are now closer than `near` beyond their margin take part, besides those that already do.
         Returns whether one of the new ones overlaps."""
-        edges = self.cloud.edges(z)
-        pairs, taking_part = self.pairs.joined(self._blocks.near(edges, self._edges or edges, near))
+        pairs, taking_part = self.pairs.joined(self._near(z, near))
         value = self.ruler.measure(z, pairs, self.among, near).value
         close = taking_part | (value < near + pairs.wanted)
         broken = bool((value[close & ~taking_part] < -COLLISION.broken).any())
         self._use(pairs[np.flatnonzero(close)])
         return broken
+
+    def _near(self, z: Array, near: float) -> Pairs:
+        edges = self.cloud.edges(z)
+        return self._blocks.near(edges, self._edges or edges, near)
+
+    def near(self, z: Array) -> tuple[Pairs, Array]:
+        """The pairs that may be closer than their margins, whether or not they take part, and their distances."""
+        pairs = self._near(z, 0.0)
+        return pairs, self.ruler.measure(z, pairs, self.among, 0.0).value
 
     def measured(self, z: Array) -> Distances:
         """The distances of all pairs that take part."""

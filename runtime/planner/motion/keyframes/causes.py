@@ -6,10 +6,12 @@ without collisions, something is in the way; where nothing is without joint limi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import field, replace
 from enum import StrEnum
+from functools import partial
 from itertools import chain
+from typing import Any
 
 import numpy as np
 
@@ -37,6 +39,7 @@ class Why(StrEnum):
     LIMIT = "limit"
     RING = "ring"
     HELD = "held"
+    CONTRADICTED = "contradicted"
     REACH = "reach"
 
 
@@ -44,7 +47,8 @@ class Why(StrEnum):
 class Cause:
     """Why a posture is refused, and the row of its literals that is missed least by all means but for that; what is
     `at` fault: the parts that are in the way, the joint and by how much it would have to go past its limit; or the
-    `names` of the modules of a ring, or of a literal that keeps where it is what would have to move. The `nearest`
+    `names` of the modules of a ring, of a literal that keeps where it is what would have to move, or of one that
+    holds at that switch and without which nothing would be missed. The `nearest`
     posture is the one that misses least, and where things are in the way, the one in which they overlap."""
 
     why: Why
@@ -59,6 +63,17 @@ class _Yielding(SwitchProgram):
 
     def _weight(self, phase: int) -> float:
         return KEYFRAMES.yielding if phase == self.phases[-1] else 1.0
+
+
+class _Without(_Yielding):
+    """The same without what a literal asks of the last phase while it lasts."""
+
+    def __init__(self, left_out: Fact, *arguments: Any) -> None:
+        self._left_out = left_out
+        super().__init__(*arguments)
+
+    def _excused(self, phase: int) -> frozenset[Fact]:
+        return frozenset({self._left_out}) if phase == self.phases[-1] else frozenset()
 
 
 class _Unlimited(SwitchProgram):
@@ -90,7 +105,7 @@ def cause(
     the state before included. None where it is not plain, for one where another guess does it. Raises OutOfTime."""
     start = start_configuration(skeleton.problem)
 
-    def nearest(kind: type[SwitchProgram]) -> _Nearest | None:
+    def nearest(kind: Callable[..., SwitchProgram]) -> _Nearest | None:
         program = kind(skeleton, first, last, start, settings, free)
         random = seed.child("cause").random()
         span = SpanSolver(skeleton, first, last, settings, random, budget, start, free)
@@ -114,6 +129,10 @@ def cause(
     if unbound is not None and unbound.missed.amount <= settings.tolerance:
         past = _past_limits(unbound, settings.tolerance)
         return Cause(Why.LIMIT, bound.missed, bound.posture, past) if past else None
+    for literal in _asking(skeleton, last, bound.missed.names):
+        released = nearest(partial(_Without, literal))
+        if released is not None and released.missed.amount <= settings.tolerance:
+            return Cause(Why.CONTRADICTED, bound.missed, bound.posture, names=literal)
     ring = looped(skeleton.problem, skeleton.phases[last].mode) & involved(skeleton, last)
     mode = skeleton.phases[last].mode
     still = _kept_still(skeleton.problem, mode, bound.missed.names[1:])
@@ -121,6 +140,17 @@ def cause(
     why = Why.HELD if still else Why.RING if ring else Why.HELD if held else Why.REACH
     names = held if why == Why.HELD else tuple(sorted(ring))
     return Cause(why, bound.missed, bound.posture, names=names)
+
+
+def _asking(skeleton: Skeleton, phase: int, missed: Fact) -> list[Fact]:
+    """What asks something of a phase while it lasts, but for what keeps a pose."""
+    problem = skeleton.problem
+    rows = {literal: problem.motions[literal[0]].rows for literal in sorted(skeleton.phases[phase].mode - {missed})}
+    return [
+        literal
+        for literal, found in rows.items()
+        if keeps_pose(problem, literal) is None and any(row.when != "switch" for row in found)
+    ]
 
 
 def _kept_still(problem: Problem, mode: frozenset[Fact], names: Sequence[str]) -> Fact:

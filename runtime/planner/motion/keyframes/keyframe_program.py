@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from .....compiler.ir import Arith, Function, Problem, Row, Term, Var, Vector
+from .....compiler.ir import Arith, Fact, Function, Problem, Row, Term, Var, Vector
 from .....compiler.kept_pairs import kept_pairs
 from .....compiler.motion.bolted import bolted
 from .....compiler.motion.collision import Pair, contacts
@@ -114,13 +114,17 @@ class SwitchProgram:
 
     def _literals(self) -> None:
         for slice_, phase in enumerate(self.phases, start=1):
-            mode, added = self.skeleton.phases[phase].mode, self.skeleton.phases[phase].added
-            for literal in sorted(added):
+            for literal in sorted(self.skeleton.phases[phase].added):
                 self._features.add(literal, "switch", (slice_,), phase, self._weight(phase))
-            for literal in sorted(mode):
+            mode = self.skeleton.phases[phase].mode
+            for literal in sorted(mode - self._excused(phase)):
                 self._features.add(literal, "keep", (slice_ - 1, slice_), phase)
-            for literal in sorted(mode | next_mode(self.skeleton, phase)):
+            for literal in sorted((mode | next_mode(self.skeleton, phase)) - self._excused(phase)):
                 self._features.add(literal, "during", (slice_,), phase)
+
+    def _excused(self, phase: int) -> frozenset[Fact]:
+        """The literals that ask nothing of a phase while they last."""
+        return frozenset()
 
     def _weight(self, phase: int) -> float:
         """The scale of the rows of what a phase adds."""

@@ -19,7 +19,9 @@ from ....skeleton import Array, Breach, Configuration, PhasePath, Skeleton, Viol
 from ..acceptance import clashes, dense, slip, steps
 from ..nlp.augmented_lagrangian import PATH, project
 from ..settings import MotionSettings
-from .path_program import PathProgram, attempt
+from ..time_scaling import shortest_duration
+from .path_program import PathProgram, attempt, displaced
+from .projected_trees import sampled_way
 from .settings import PATHS
 
 CLOSURE = 1e-8
@@ -43,6 +45,10 @@ def solve_phase(
 ) -> PhaseResult:  # fmt: skip
     """The motion of one phase between two switches, from a straight start, then from bumped ones; with `bears` within
     all strengths at rest. Raises OutOfTime."""
+    if not displaced(before, after):
+        still = _still(skeleton, before, settings)
+        path, violations = accepted(skeleton, phase, still, before, after, settings, budget)
+        return PhaseResult(path, violations, 0.0, 0)
     best: PhaseResult | None = None
     iterations = 0
     if starts > 1:
@@ -51,12 +57,10 @@ def solve_phase(
             return best
         iterations, best = best.iterations, None
     for number in range(starts):
-        wider = replace(settings, margin=settings.margin * PATHS.widening) if number % 3 == 1 else settings
-        program = PathProgram(skeleton, wider, [before, after], True, range(phase, phase + 1), bears)
-        bump = {n: random.normal(0.0, PATHS.bump, len(c) - 7) for n, c in before.modules.items()} if number > 1 else {}
-        x = program.pack(_between(before, after, settings.slices, bump))
-        x = project(program.program(), x, ACCURATE, budget, PATHS.projections)
-        bound, x = attempt(program, x, wider, budget, PATH)
+        guess, used = _start(skeleton, phase, before, after, settings, number, random, budget)
+        program = PathProgram(skeleton, used, [before, after], True, range(phase, phase + 1), bears)
+        x = project(program.program(), program.pack(guess), ACCURATE, budget, PATHS.projections)
+        bound, x = attempt(program, x, used, budget, PATH)
         iterations += bound.iterations
         path, violations = program.paths(program.unpack(x))[0], bound.violations
         if bound.feasible:
@@ -69,6 +73,30 @@ def solve_phase(
     assert best is not None
     best.iterations = iterations
     return best
+
+
+def _start(
+    skeleton: Skeleton, phase: int, before: Configuration, after: Configuration, settings: MotionSettings, number: int,
+    random: np.random.Generator, budget: Budget,
+) -> tuple[list[Configuration], MotionSettings]:  # fmt: skip
+    """All slices of the start of one attempt, and the settings with which it goes on: a straight one, the same with a
+    wider margin, then sampled ones in twice as many slices, as they turn around corners, or bumped ones where there
+    are none."""
+    if number < 2:
+        wider = replace(settings, margin=settings.margin * PATHS.widening) if number else settings
+        return _between(before, after, settings.slices, {}), wider
+    finer = replace(settings, slices=2 * settings.slices, margin=settings.margin * PATHS.widening)
+    way = sampled_way(skeleton, phase, before, after, finer, random, budget)
+    if way:
+        return way, finer
+    bump = {n: random.normal(0.0, PATHS.bump, len(c) - 7) for n, c in before.modules.items()}
+    return _between(before, after, settings.slices, bump), settings
+
+
+def _still(skeleton: Skeleton, state: Configuration, settings: MotionSettings) -> PhasePath:
+    """The motion of a phase in which nothing moves."""
+    modules = {name: np.tile(slot, (settings.slices + 1, 1)) for name, slot in state.modules.items()}
+    return PhasePath(modules, {}, shortest_duration(skeleton.problem.world, modules))
 
 
 def _unobstructed(

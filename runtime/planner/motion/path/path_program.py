@@ -54,7 +54,7 @@ class PathProgram:
         self.moving: list[frozenset[str]] = []
         for k, phase in enumerate(self.phases):
             carried = followers(self.problem, skeleton.phases[phase].mode)
-            active = involved(skeleton, phase) | self._displaced(switches[k], switches[k + 1]) | carried
+            active = involved(skeleton, phase) | displaced(switches[k], switches[k + 1]) | carried
             held = still_entries(self.problem, skeleton.phases[phase].mode)
             self.moving.append(active)
             for _ in range(self.count):
@@ -62,11 +62,7 @@ class PathProgram:
         self._features = Features(self.problem, self.layout)
         self._literals()
         self._groups = self._all_groups()
-        self._clearance = self._collisions() if settings.collisions else []
-
-    @staticmethod
-    def _displaced(before: Configuration, after: Configuration) -> frozenset[str]:
-        return frozenset(n for n, slot in before.modules.items() if np.abs(slot - after.modules[n]).max() > STILL)
+        self.clearances = self._collisions() if settings.collisions else []
 
     def _slices(self, k: int) -> range:
         """The slices of the k-th phase, the switch before included."""
@@ -156,12 +152,12 @@ class PathProgram:
 
     def program(self) -> Program:
         """The program over the pairs that take part at present."""
-        clearances = rows(self._clearance, None if self.strict else PATHS.wish_scale)
+        clearances = rows(self.clearances, None if self.strict else PATHS.wish_scale)
         return Program(self.layout.constants, self.layout.unknowns, [*self._groups, *clearances])
 
     def refresh(self, x: Array) -> bool:
         """Take in the pairs that are near at x; whether one that was left out is violated."""
-        return refresh(self._clearance, np.concatenate([self.layout.constants, x]))
+        return refresh(self.clearances, np.concatenate([self.layout.constants, x]))
 
     def start(
         self, switches: Sequence[Configuration], bumps: Sequence[dict[str, Array] | None]
@@ -190,6 +186,11 @@ class PathProgram:
             bodies = {n: _continuous([c.bodies[n] for c in part]) for n in self.layout.bodies if n in self.moving[k]}
             found.append(PhasePath(modules, bodies, shortest_duration(self.problem.world, modules)))
         return found
+
+
+def displaced(before: Configuration, after: Configuration) -> frozenset[str]:
+    """The modules that two switches do not show in the same place."""
+    return frozenset(n for n, slot in before.modules.items() if np.abs(slot - after.modules[n]).max() > STILL)
 
 
 def _continuous(slots: Sequence[Array]) -> Array:

@@ -22,7 +22,7 @@ class PathSettings:
     starts: int = setting(
         3, "starts",
         "And once its switches were drawn anew: a straight one twice, the second time with a wider margin, "
-        "then a bumped one.",
+        "then one along a sampled way.",
     )
     projections: int = setting(40, "iterations", "Iterations with which starts are put onto closure.")
     least_shrinking: float = setting(
@@ -60,6 +60,23 @@ class PathSettings:
     )
     bumps: int = setting(6, "starts", "How many bumped starts follow the straight one.")
     bump: float = setting(0.5, "rad or m", "Their size.")
+    tree_rounds: int = setting(
+        60, "rounds",
+        "How often trees of states on the rows of a phase grow before they count as not to be connected.",
+    )
+    tree_cuts: int = setting(12, "cuts", "How often corners of what they find are cut.")
+    tree_stride: float = setting(
+        0.15, "rad or m",
+        "The largest change of a joint from one state of an edge to the next.",
+    )
+    tree_projections: int = setting(8, "iterations", "Gauss-Newton steps that put a state onto the rows.")
+    goal_projections: int = setting(25, "iterations", "And those that put what a tree grows towards onto them.")
+    goal_stride: float = setting(0.5, "rad or m", "By how much these change a joint at most.")
+    tree_damping: float = setting(1e-6, "1", "The damping of both.")
+    tree_accuracy: float = setting(
+        1e-4, "m or rad", "How exactly rows hold there.", "the program that follows puts its slices on closure anew",
+    )
+    tree_met: float = setting(0.02, "rad or m", "How near to each other the ends of two branches that meet are.")
     refreshes: int = setting(
         3, "solves",
         "How often pairs that came near during a solve are taken in and the solve is resumed.",

@@ -6,6 +6,7 @@ Several edges grow at a time, as a look at many poses costs little more than a l
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,23 @@ from .phase_batch import Batch
 from .proximity import close
 from .settings import PHASES
 from .withdrawals import withdrawals
+
+
+class Space(Protocol):
+    """Where trees grow: between bounds `(joints,)`."""
+
+    lower: Array
+    upper: Array
+
+    def near(self, goals: Array) -> Array:
+        """What trees grow towards instead of random goals `(m, joints)`."""
+
+    def ways(self, root: Array) -> Sequence[Array]:
+        """Ways `(poses, joints)` from a root, which is left out, by which its tree begins."""
+
+    def advance(self, starts: Array, goals: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """How far edges `(m, joints)` are free: their last free poses `(m, joints)`, and whether those are the goals
+        `(m,)`."""
 
 
 class _Checker:
@@ -40,6 +58,14 @@ class _Checker:
             left = np.flatnonzero(result)
             result[left] = ~poses_blocked(self.exact, poses[left], wholes=True)
         return result
+
+    def near(self, goals: Array) -> Array:
+        """These themselves."""
+        return goals
+
+    def ways(self, root: Array) -> list[Array]:
+        """Straight ways out of what is near."""
+        return withdrawals(self.batch, root, self.advance)
 
     def advance(self, starts: Array, goals: Array) -> tuple[Array, NDArray[np.bool_]]:
         """How far straight edges `(m, joints)` are free: their last free poses `(m, joints)`, and whether those are
@@ -125,33 +151,33 @@ class _Tree:
         return np.array(found)
 
 
-def _samples(checker: _Checker, tree: _Tree, random: np.random.Generator) -> Array:
+def _samples(space: Space, tree: _Tree, random: np.random.Generator) -> Array:
     """Poses `(edges, joints)` anywhere or around those of the tree."""
     around = tree.poses[random.integers(len(tree.poses), size=PHASES.edges)]
-    around = np.clip(around + random.normal(0.0, PHASES.spread, around.shape), checker.lower, checker.upper)
+    around = np.clip(around + random.normal(0.0, PHASES.spread, around.shape), space.lower, space.upper)
     near = random.random((PHASES.edges, 1)) < PHASES.around
-    return np.where(near, around, random.uniform(checker.lower, checker.upper, around.shape))
+    return space.near(np.where(near, around, random.uniform(space.lower, space.upper, around.shape)))
 
 
 def connect(
-    checker: _Checker, start: Array, end: Array, random: np.random.Generator, budget: Budget, rounds: int
+    space: Space, start: Array, end: Array, random: np.random.Generator, budget: Budget, rounds: int
 ) -> Array | None:
     """A free polyline `(poses, joints)` from start to end, or None after so many rounds."""
-    trees = [_Tree(root, withdrawals(checker.batch, root, checker.advance)) for root in (start, end)]
+    trees = [_Tree(root, space.ways(root)) for root in (start, end)]
     for number in range(rounds):
         budget.check()
         own, other = trees[number % 2], trees[1 - number % 2]
-        goals = _samples(checker, own, random)
+        goals = _samples(space, own, random)
         parents = own.nearest(goals)
         way = goals - own.poses[parents]
         way *= np.minimum(1.0, PHASES.edge_stride / np.maximum(np.abs(way).max(axis=1), 1e-9))[:, None]
-        reached, _ = checker.advance(own.poses[parents], own.poses[parents] + way)
+        reached, _ = space.advance(own.poses[parents], own.poses[parents] + way)
         far = np.abs(reached - own.poses[parents]).max(axis=1) >= PHASES.shortest_edge
         if not far.any():
             continue
         nodes = own.add(reached[far], parents[far])
         partners = other.nearest(own.poses[nodes])
-        back, met = checker.advance(other.poses[partners], own.poses[nodes])
+        back, met = space.advance(other.poses[partners], own.poses[nodes])
         if met.any():
             lines = [
                 np.concatenate([own.branch(node)[::-1], other.branch(partner)])
@@ -179,13 +205,13 @@ def _along(line: Array, at: Array) -> Array:
     return np.stack([np.interp(at * lengths[-1], lengths, line[:, j]) for j in range(line.shape[1])], axis=1)
 
 
-def shorten(checker: _Checker, lines: list[Array], random: np.random.Generator) -> list[Array]:
+def shorten(space: Space, lines: list[Array], random: np.random.Generator) -> list[Array]:
     """Polylines with a corner cut where a straight edge is free: of some random ones that which saves most."""
     shares = np.sort(random.uniform(0.0, 1.0, (len(lines), PHASES.cuts_at_once, 2)), axis=2)
     ends = np.array([_along(line, s.reshape(-1)) for line, s in zip(lines, shares, strict=True)])
     first, second = ends[:, 0::2], ends[:, 1::2]
     width = first.shape[2]
-    free = checker.advance(first.reshape(-1, width), second.reshape(-1, width))[1].reshape(first.shape[:2])
+    free = space.advance(first.reshape(-1, width), second.reshape(-1, width))[1].reshape(first.shape[:2])
     result = []
     for k, line in enumerate(lines):
         cut = [_cut(line, shares[k, c], first[k, c], second[k, c]) for c in np.flatnonzero(free[k])]
