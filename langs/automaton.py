@@ -6,6 +6,7 @@ A stack is a linked list of states, so that keeping the stack before every token
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Sequence
 
 from lark import Lark, Token, UnexpectedCharacters
 from lark.lexer import ContextualLexer, LexerState, LexerThread, LineCounter
@@ -21,6 +22,11 @@ DECLARATIONS = (
 def declares(token: Token) -> bool:
     """Whether this begins a declaration, though a name fits there too: a faulty text ends what stands before it."""
     return token.column == 1 and str(token) in DECLARATIONS
+
+
+def ends_before(token: Token) -> bool:
+    """Whether a sound text ends before this word, which was read as a name though it begins a declaration."""
+    return token.type == "NAME" and declares(token)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +106,20 @@ class Automaton:
             return Unreadable(e.pos_in_stream or 0)
         except EOFError:
             return None
+
+    def may_be_left_over(self, token: Token, states: Sequence[int]) -> bool:
+        """Whether a token is an indented brace that would end the declaration, with these states on the stack."""
+        if token.type != "RBRACE" or (token.column or 0) < 2:
+            return False
+        stack: Stack | None = None
+        for state in states:
+            stack = Stack(state, stack)
+        after = None if stack is None else self.step(stack, "RBRACE")
+        return after is None or self.step(after, "$END") is not None
+
+    def lexer_at(self, position: int) -> LexerThread:
+        """What reads the text on from there."""
+        return LexerThread(self._lexer, self._at(position))
 
     def place(self, position: int) -> tuple[int, int]:
         """Line and column of a position, from 1."""

@@ -14,11 +14,15 @@ from .source import Source, Span
 from .tree_cache import keep_tree, recalled_tree
 
 if TYPE_CHECKING:
-    from lark import Token
+    from lark import Lark, Token
+    from lark.parsers.lalr_interactive_parser import InteractiveParser
 
     from .build import TreeBuilder
     from .build_terms import Branch
     from .recovery import Recovery
+
+LONG = 100_000
+"""Characters of a text whose grammar's tree is not kept: it takes a hundred times as much memory."""
 
 
 @lru_cache(maxsize=32)
@@ -68,8 +72,14 @@ def no_garbage() -> Iterator[None]:
 
 
 def _parse_tree(source: Source) -> tuple[Branch, list[Diagnostic]]:
-    tree, _, recovery = _read(source)
+    tree, _, recovery = _read(source) if len(source.text) > LONG else _read_lately(source)
     return tree, [] if recovery is None else recovery.diagnostics
+
+
+@lru_cache(maxsize=2)
+def _read_lately(source: Source) -> tuple[Branch, list[Token], Recovery | None]:
+    """The same, kept for who asks next: an editor asks for mistakes, and then for colours."""
+    return _read(source)
 
 
 def _read(source: Source) -> tuple[Branch, list[Token], Recovery | None]:
@@ -99,28 +109,67 @@ def _end(tokens: Sequence[Token]) -> Token:
 def parse_tokens(source: Source) -> tuple[Branch, tuple[Token, ...]]:
     """The grammar's own tree of `source` with the place of every word, and all its tokens; of a faulty text, those of
     the repaired one."""
-    tree, tokens, _ = _read(source)
+    tree, tokens, _ = _read(source) if len(source.text) > LONG else _read_lately(source)
     return tree, tuple(tokens)
 
 
 def _recovered(
     source: Source, sound: Sequence[Token], done: Sequence[Branch]
 ) -> tuple[Branch, list[Token], Recovery]:
-    """The tree of the repaired text, of which `sound` was read before its first mistake, `done` its declarations."""
+    """The tree of the repaired text, of which `sound` was read before its first mistake, `done` its declarations. What
+    follows the last repair is read like a sound text, in a third of the time."""
     from lark import Tree
 
     from .grammar_loader import parser
-    from .recovery import Recovery
+    from .recovery import LOOKAHEAD, Recovery
 
     lark = parser()
     recovery = Recovery(lark, source, sound)
-    tokens = recovery.tokens()
+    tokens = recovery.tokens(LOOKAHEAD)
+    known, feeder = _fed(lark, done, sound, tokens)
+    tree: Branch | None = None
+    if not recovery.finished:
+        rest, tree = _read_on(source, feeder, recovery)
+        if tree is not None:
+            tokens += rest
+        else:
+            recovery.take(rest)
+            tokens = recovery.tokens()
+            known, feeder = _fed(lark, done, sound, tokens)
+    if tree is None:
+        tree = feeder.feed_token(recovery.automaton.token("$END", "", len(source.text)))
+    return Tree(tree.data, [*done[:known], *tree.children], tree.meta), tokens, recovery
+
+
+def _fed(
+    lark: Lark, done: Sequence[Branch], sound: Sequence[Token], tokens: Sequence[Token]
+) -> tuple[int, InteractiveParser]:
+    """How many declarations no repair has reached, and a parser that has read what follows them."""
     known, first = _untouched(done, sound, tokens)
     feeder = lark.parse_interactive("")
     for token in tokens[first:]:
         feeder.feed_token(token)
-    tree: Branch = feeder.feed_token(recovery.automaton.token("$END", "", len(source.text)))
-    return Tree(tree.data, [*done[:known], *tree.children], tree.meta), tokens, recovery
+    return known, feeder
+
+
+def _read_on(
+    source: Source, feeder: InteractiveParser, recovery: Recovery
+) -> tuple[list[Token], Branch | None]:
+    """What can be read behind the last repair, and the tree where that is all."""
+    from lark import UnexpectedInput
+
+    from .automaton import ends_before
+
+    rest: list[Token] = []
+    feeder.lexer_thread = recovery.automaton.lexer_at(recovery.position)
+    try:
+        for token in feeder.iter_parse():
+            if ends_before(token) or recovery.automaton.may_be_left_over(token, feeder.parser_state.state_stack):
+                return rest, None
+            rest.append(token)
+        return rest, feeder.feed_token(recovery.automaton.token("$END", "", len(source.text)))
+    except UnexpectedInput:
+        return rest, None
 
 
 def _untouched(done: Sequence[Branch], sound: Sequence[Token], repaired: Sequence[Token]) -> tuple[int, int]:

@@ -14,7 +14,7 @@ from difflib import get_close_matches
 from lark import Lark, Token
 
 from . import complaints
-from .automaton import DECLARATIONS, Automaton, Stack, Unreadable, declares
+from .automaton import DECLARATIONS, Automaton, Stack, Unreadable, ends_before
 from .diagnostics import Diagnostic
 from .habits import habit
 from .repairs import Read, Repair, exchanged, idiomatic
@@ -51,21 +51,35 @@ class Recovery:
         self.stack = self.automaton.bottom
         self.position = 0
         self.diagnostics: list[Diagnostic] = []
+        self._sure = 0
+        self.finished = False
+        self.take(sound)
+
+    def take(self, sound: Sequence[Token]) -> None:
+        """Go on behind tokens that were read without a repair, as far as a name does not declare anything."""
         for token in sound:
-            if (token.type == "NAME" and declares(token)) or not self._feed(token):
+            if ends_before(token) or not self._feed(token):
                 break
 
-    def tokens(self) -> list[Token]:
-        """The tokens of the repaired text; what was wrong is in `diagnostics`."""
+    def tokens(self, settled: int | None = None) -> list[Token]:
+        """The tokens of the repaired text, so far as it was read: to its end, or until so many of them follow the last
+        repair that fit; what was wrong is in `diagnostics`."""
         while len(self.diagnostics) < MAX_ERRORS:
             token = self.automaton.read(self.stack, self.position)
             if token is None and self.automaton.step(self.stack, "$END") is not None:
+                self.finished = True
                 return [r.token for r in self.reads]
             if isinstance(token, Token) and self._left_over(token):
                 self.position = token.end_pos or 0
             elif not isinstance(token, Token) or not self._feed(token):
                 self._repair(token)
+                self._sure = 0
+            else:
+                self._sure += 1
+                if settled is not None and self._sure >= settled and self.diagnostics:
+                    return [r.token for r in self.reads]
         self._forget(self._declaration_start())
+        self.finished = True
         return [r.token for r in self.reads]
 
     def _left_over(self, token: Token) -> bool:
