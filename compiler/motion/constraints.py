@@ -26,6 +26,7 @@ from .kinematics import (
     joint_frames,
     multiply,
     pose_frame,
+    rotate,
     rotation_difference,
     unrotate,
     vector,
@@ -287,3 +288,17 @@ def sphere_stage(kind: ir.ModuleType | None, spheres: tuple[tuple[int, ir.Vec3],
     frames = [pose_frame(slot)] if kind is None else joint_frames(kind, slot)
     centres = [compose(frames[joint + 1], (*offset, 0.0, 0.0, 0.0, 1.0)).position for joint, offset in spheres]
     return Stage("spheres", slot, ca.SX.sym("p", 0), ca.vertcat(*centres))
+
+
+@cache
+def frame_stage(kind: ir.ModuleType | None, parts: tuple[tuple[int, ir.Pose], ...]) -> Stage:
+    """Centres (3,) and rotations by rows (9,) in the world of parts at `(joint, pose in its moving frame)`, one after
+    the other (12 P,); modules and bodies as in `sphere_stage`."""
+    slot = ca.SX.sym("x", 7 if kind is None else 7 + len(kind.joints))
+    frames = [pose_frame(slot)] if kind is None else joint_frames(kind, slot)
+    found = []
+    for joint, placement in parts:
+        frame = compose(frames[joint + 1], placement)
+        axes = [rotate(frame.quaternion, ca.SX(axis)) for axis in ([1, 0, 0], [0, 1, 0], [0, 0, 1])]
+        found += [frame.position, ca.reshape(ca.horzcat(*axes).T, 9, 1)]
+    return Stage("frames", slot, ca.SX.sym("p", 0), ca.vertcat(*found))

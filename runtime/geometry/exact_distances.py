@@ -24,13 +24,13 @@ from .transforms import rotate
 
 Indices = NDArray[np.intp]
 ROUND, BOX, HULL = range(3)
-ROUNDS, BOXED, TURNED, SLOW = range(4)
-"""Pairs: of round shapes, of one and a box, of a box and one, and those that coal measures."""
+PAIRS_ROUND, PAIRS_BOXED, PAIRS_SLOW = range(3)
+"""Pairs: of round shapes, of one and a box, and those that coal measures."""
 TINY = 1e-12
 WITHIN = 1e-9
 """Metres: an axis that comes nearer to a box goes through it."""
-GRID, ROUNDS = np.linspace(-0.5, 0.5, 17), 4
-"""Where along an axis its deepest point is looked for, and how often, ever nearer."""
+SIDES = np.triu_indices(6, 1)
+"""Every two sides of a box."""
 THINNEST = 1e-6
 """Metres: coal is given nothing thinner."""
 
@@ -157,55 +157,104 @@ class Distances:
 
 
 class Pairing:
-    """N pairs of shapes, wherever these are: what is the same for all their poses."""
+    """N pairs of shapes among those of a table, wherever these are: what is the same for all their poses."""
 
-    def __init__(self, first: Posed, second: Posed) -> None:
-        one, two = first.kind, second.kind
-        self._reach, self._boxes = (first.reach, second.reach), (one == BOX, two == BOX)
-        self._some = bool(self._boxes[0].any()), bool(self._boxes[1].any())
-        kinds = [ROUNDS, BOXED, TURNED]
+    def __init__(self, forms: Forms, form: Indices, first: Indices, second: Indices) -> None:
+        """The table holds shapes `form` `(Q,)` of `forms`; `first` and `second` `(N,)` are places in it."""
+        self._forms, self._form, self._first, self._second = forms, form, first, second
+        one, two = forms.kind[form[first]], forms.kind[form[second]]
+        self._apart = forms.reach[form[first]] + forms.reach[form[second]]
+        self._boxes = [
+            (is_box, box, forms.half[form[box]], forms.reach[form[other]])
+            for is_box, box, other in ((one == BOX, first, second), (two == BOX, second, first)) if is_box.any()
+        ]  # fmt: skip
         cases = [(one == ROUND) & (two == ROUND), (one == ROUND) & (two == BOX), (one == BOX) & (two == ROUND)]
-        self._kind = np.select(cases, kinds, SLOW)
+        self._turned = cases[2]
+        self._kind = np.select(cases, [PAIRS_ROUND, PAIRS_BOXED, PAIRS_BOXED], PAIRS_SLOW)
+        self._kinds = np.unique(self._kind).tolist()
+        self._rounds = np.where(cases[2], second, first), np.where(cases[2], first, second)
+        both = forms.radius[form[first]] + forms.radius[form[second]]
+        self._sizes = np.concatenate([forms.half[form[self._rounds[1]]], both[:, None]], axis=1)
+        self._along = forms.half[form, 2:]
 
-    def distances(self, first: Posed, second: Posed, beyond: Array) -> Distances:
-        """Their distances; of pairs that are surely farther apart than `beyond` `(N,)` metres a lower bound."""
-        apart = first.position - second.position
+    def distances(self, position: Array, rotation: Array, beyond: Array) -> Distances:
+        """Their distances where the shapes of the table have these centres `(Q, 3)` and rotations `(Q, 3, 3)`; of
+        pairs that are surely farther apart than `beyond` `(N,)` metres a lower bound."""
+        found = np.zeros((len(self._first), 10))
+        ends = found[:, 4:7], found[:, 7:10]
+        ends[0][:], ends[1][:] = position[self._first], position[self._second]
+        apart = ends[0] - ends[1]
         length = _length(apart)
-        value = length - self._reach[0] - self._reach[1]
+        value = length - self._apart
         near = (value <= beyond).nonzero()[0]
-        ends = first.position.copy(), second.position.copy()
-        found = Distances(value, np.zeros_like(apart), *ends, np.zeros(len(value), bool))
-        for side, (box, seen) in enumerate(((first, second), (second, first))):
-            boxes = near[self._boxes[side][near]] if self._some[side] else near[:0]
+        for is_box, box, half, reach in self._boxes:
+            boxes = near[is_box[near]]
             if len(boxes):
-                local = box[boxes].local(seen.position[boxes])
-                excess = np.maximum(np.abs(local) - box.forms.half[box.form[boxes]], 0.0)
-                value[boxes] = np.maximum(value[boxes], _length(excess) - self._reach[1 - side][boxes])
+                local = (apart[boxes][:, None, :] @ rotation[box[boxes]])[:, 0]
+                excess = np.maximum(np.abs(local) - half[boxes], 0.0)
+                value[boxes] = np.maximum(value[boxes], _length(excess) - reach[boxes])
         near = near[value[near] <= beyond[near]]
+        found[:, 0] = value
+        exact = np.zeros(len(value), bool)
         kinds = self._kind[near]
-        for kind in sorted(set(kinds.tolist())):
-            at = near[kinds == kind]
-            if kind == SLOW:
-                found.normal[at] = apart[at] / np.maximum(length[at], TINY)[:, None]
-                _by_coal(found, at, first, second)
-            elif kind == TURNED:
-                _put(found, at, _to_box(second[at], first[at]), True)
+        for kind in self._kinds:
+            at = near[kinds == kind] if len(self._kinds) > 1 else near
+            if not len(at):
+                continue
+            exact[at] = True
+            if kind == PAIRS_ROUND:
+                found[at] = self._round(at, position, rotation)
+            elif kind == PAIRS_BOXED:
+                found[at] = self._boxed(at, position, rotation)
             else:
-                _put(found, at, (_to_box if kind == BOXED else _round)(first[at], second[at]))
-        return found
+                found[at, 1:4] = apart[at] / np.maximum(length[at], TINY)[:, None]
+                tabled = Posed(self._forms, self._form, position, rotation)
+                exact[at] = _by_coal(found, at, tabled[self._first[at]], tabled[self._second[at]])
+        return Distances(found[:, 0], found[:, 1:4], *ends, exact)
+
+    def _axes(self, at: Indices, position: Array, rotation: Array) -> list[Array]:
+        """The centres and half axes of round shapes."""
+        return [position[at], rotation[at, :, 2] * self._along[at]]
+
+    def _round(self, at: Indices, position: Array, rotation: Array) -> Array:
+        """Of round shapes, on their axes."""
+        from .axis_distances import evaluated, round_stage
+
+        sides = (self._axes(side[at], position, rotation) for side in (self._first, self._second))
+        return evaluated(round_stage(), np.concatenate([*next(sides), *next(sides)], axis=1), self._sizes[at, 3:])
+
+    def _boxed(self, at: Indices, position: Array, rotation: Array) -> Array:
+        """Of round shapes, on their axes, and boxes, whichever comes first."""
+        from .axis_distances import COLUMNS, box_stage, evaluated
+
+        round_, box = (side[at] for side in self._rounds)
+        sizes, turned = self._sizes[at], self._turned[at]
+        axes = self._axes(round_, position, rotation)
+        given = np.concatenate([*axes, position[box], rotation[box].reshape(-1, 9)], axis=1)
+        found = evaluated(box_stage(), given, sizes)
+        deep = (found[:, 10] < WITHIN).nonzero()[0]
+        if len(deep):
+            depth, *ends = _within_box(given[deep], sizes[deep, :3])
+            found[deep, 0] = depth - sizes[deep, 3]
+            for columns, values in zip(COLUMNS, ends, strict=True):
+                found[deep, columns] = values
+        if turned.any():
+            normal, one, other = (found[turned, columns] for columns in COLUMNS)
+            for columns, values in zip(COLUMNS, (-normal, other, one), strict=True):
+                found[turned, columns] = values
+        return found[:, :10]
 
 
 def distances(first: Posed, second: Posed, beyond: Array) -> Distances:
     """The distances of N pairs; of pairs that are surely farther apart than `beyond` `(N,)` metres a lower bound."""
-    return Pairing(first, second).distances(first, second, beyond)
-
-
-def _put(found: Distances, at: Indices, part: Array, turned: bool = False) -> None:
-    """Enter results of `axis_distances`."""
-    found.value[at], found.exact[at] = part[:, 0], True
-    found.normal[at] = -part[:, 1:4] if turned else part[:, 1:4]
-    one, other = (found.on_second, found.on_first) if turned else (found.on_first, found.on_second)
-    one[at], other[at] = part[:, 4:7], part[:, 7:10]
+    forms, more = first.forms, 0
+    if second.forms is not forms:
+        forms, more = forms.joined(second.forms), len(forms)
+    numbers = np.arange(len(first.form))
+    form = np.concatenate([first.form, second.form + more])
+    position = np.concatenate([first.position, second.position])
+    rotation = np.concatenate([first.rotation, second.rotation])
+    return Pairing(forms, form, numbers, numbers + len(numbers)).distances(position, rotation, beyond)
 
 
 def _dot(a: Array, b: Array) -> Array:
@@ -216,62 +265,46 @@ def _length(a: Array) -> Array:
     return np.sqrt(_dot(a, a))
 
 
-def _round(first: Posed, second: Posed) -> Array:
-    """Of round shapes, on their axes."""
-    from .axis_distances import evaluated, round_stage
-
-    given = np.concatenate([first.position, first.axis, second.position, second.axis], axis=1)
-    return evaluated(round_stage(), given, (first.radius + second.radius)[:, None])
-
-
-def _to_box(round_: Posed, box: Posed) -> Array:
-    """Of round shapes, on their axes, to boxes."""
-    from .axis_distances import COLUMNS, box_stage, evaluated
-
-    turn, sizes = box.rotation.reshape(-1, 9), np.concatenate([box.half, round_.radius[:, None]], axis=1)
-    found = evaluated(box_stage(), np.concatenate([round_.position, round_.axis, box.position, turn], axis=1), sizes)
-    deep = (found[:, 10] < WITHIN).nonzero()[0]
-    if len(deep):
-        depth, *ends = _within_box(round_[deep], box[deep])
-        found[deep, 0] = depth - sizes[deep, 3]
-        for columns, values in zip(COLUMNS, ends, strict=True):
-            found[deep, columns] = values
-    return found
-
-
-def _within_box(round_: Posed, box: Posed) -> tuple[Array, Array, Array, Array]:
-    """Of axes that go through boxes: how far they are from being outside `(N,)`, less than 0, the normals and the
-    nearest points."""
-    half, axis = box.half, round_.axis
-    start, way = box.local(round_.position - axis), 2.0 * (axis[:, None, :] @ box.rotation)[:, 0]
+def _within_box(given: Array, half: Array) -> tuple[Array, Array, Array, Array]:
+    """Of axes that go through boxes, as `box_stage` is given them `(N, 18)`, with half the sides `(N, 3)`: how far they
+    are from being outside `(N,)`, less than 0, the normals and the nearest points."""
+    axis, position, rotation = given[:, 3:6], given[:, 6:9], given[:, 9:].reshape(-1, 3, 3)
+    start = ((given[:, :3] - axis - position)[:, None, :] @ rotation)[:, 0]
+    way = 2.0 * (axis[:, None, :] @ rotation)[:, 0]
     point = start + _deepest(start, way, half)[:, None] * way
     excess, rows = np.abs(point) - half, np.arange(len(half))
     side = excess.argmax(axis=1)
     normal, nearest = np.zeros_like(point), point.copy()
     normal[rows, side] = np.where(point[rows, side] < 0.0, -1.0, 1.0)
     nearest[rows, side] = normal[rows, side] * half[rows, side]
-    seen = np.stack([normal, point, nearest], axis=1) @ box.rotation.transpose(0, 2, 1)
-    return excess[rows, side], seen[:, 0], seen[:, 1] + box.position, seen[:, 2] + box.position
+    seen = np.stack([normal, point, nearest], axis=1) @ rotation.transpose(0, 2, 1)
+    return excess[rows, side], seen[:, 0], seen[:, 1] + position, seen[:, 2] + position
 
 
 def _deepest(start: Array, way: Array, half: Array) -> Array:
-    """The shares `(N,)` of ways at which points are deepest in boxes: their depth is concave along a line."""
-    middle, width = np.full(len(start), 0.5), 1.0
-    for _ in range(ROUNDS):
-        shares = np.clip(middle[:, None] + width * GRID, 0.0, 1.0)
-        points = start[:, None] + shares[:, :, None] * way[:, None]
-        best = (np.abs(points) - half[:, None]).max(axis=2).argmin(axis=1)
-        middle, width = shares[np.arange(len(shares)), best], width / 8.0
-    return middle
+    """The shares `(N,)` of ways at which points are deepest in boxes: at an end, or where they are as far from two
+    sides, as their depth is the least of six distances that change evenly."""
+    depth = np.concatenate([half - start, half + start], axis=1)
+    change = np.concatenate([-way, way], axis=1)
+    faster = change[:, SIDES[0]] - change[:, SIDES[1]]
+    apart = depth[:, SIDES[1]] - depth[:, SIDES[0]]
+    shares = np.zeros((len(start), len(SIDES[0]) + 2))
+    shares[:, 1] = 1.0
+    np.divide(apart, faster, out=shares[:, 2:], where=faster != 0.0)
+    np.clip(shares, 0.0, 1.0, out=shares)
+    best = (depth[:, None] + shares[:, :, None] * change[:, None]).min(axis=2).argmax(axis=1)
+    return np.asarray(shares[np.arange(len(start)), best])
 
 
-def _by_coal(found: Distances, pairs: Indices, first: Posed, second: Posed) -> None:
-    """Measure some pairs. Where coal knows no number, as it sometimes does deep within, the bound stays."""
+def _by_coal(found: Array, pairs: Indices, first: Posed, second: Posed) -> NDArray[np.bool_]:
+    """Measure some pairs, and say which: where coal knows no number, as it sometimes does deep within, the bound
+    stays."""
     coal = load_coal()
     request = coal.DistanceRequest()
     request.enable_signed_distance = True
     sides = [(side.forms.shapes, side.form.tolist(), side.frames(), side.position, side.radius)
-             for side in (first[pairs], second[pairs])]  # fmt: skip
+             for side in (first, second)]  # fmt: skip
+    known = np.zeros(len(pairs), bool)
     for i, k in enumerate(pairs.tolist()):
         one, other = (
             (coal_geometry(shapes[form[i]]), coal.Transform3s(rotation[i], position[i]))
@@ -281,6 +314,8 @@ def _by_coal(found: Distances, pairs: Indices, first: Posed, second: Posed) -> N
         value = coal.distance(*one, *other, request, result)
         if np.isfinite(value) and np.isfinite(result.normal).all():
             normal = -result.normal
-            found.value[k], found.normal[k], found.exact[k] = value, normal, True
-            found.on_first[k] = result.getNearestPoint1() + sides[0][4][i] * normal
-            found.on_second[k] = result.getNearestPoint2() - sides[1][4][i] * normal
+            known[i] = True
+            found[k, 0], found[k, 1:4] = value, normal
+            found[k, 4:7] = result.getNearestPoint1() + sides[0][4][i] * normal
+            found[k, 7:10] = result.getNearestPoint2() - sides[1][4][i] * normal
+    return known

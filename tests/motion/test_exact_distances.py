@@ -102,3 +102,18 @@ def test_nearest_points_are_as_far_apart_as_the_shapes(pairs: tuple[Posed, Posed
     between = ((found.on_first - found.on_second) * found.normal).sum(axis=1) - pairs[0].radius - pairs[1].radius
     round_or_box = found.exact & (pairs[0].kind < 2) & (pairs[1].kind < 2) & (found.value > 0.0)
     assert between[round_or_box] == pytest.approx(found.value[round_or_box], abs=1e-5)
+
+
+def test_an_axis_through_a_box_is_measured_where_it_is_deepest() -> None:
+    random, size, length = np.random.default_rng(2), np.array([0.2, 0.3, 0.1]), 0.4
+    forms = Forms([Shape("capsule", (0.02, length)), Shape("box", tuple(size))])
+    turned, count = Rotation.random(100, random_state=random).as_matrix(), 100
+    capsules = Posed(forms, np.zeros(count, dtype=np.intp), random.normal(0.0, 0.05, (count, 3)), turned)
+    boxes = Posed(forms, np.ones(count, dtype=np.intp), np.zeros((count, 3)), np.tile(np.eye(3), (count, 1, 1)))
+    along = np.linspace(-length / 2, length / 2, 4001)
+    points = capsules.position[:, None] + along[:, None] * turned[:, None, :, 2]
+    depth = (size / 2 - np.abs(points)).min(axis=2).max(axis=1)
+    through = depth > 1e-3
+    assert through.sum() > 80
+    for found in (distances(capsules, boxes, np.zeros(count)), distances(boxes, capsules, np.zeros(count))):
+        assert found.value[through] == pytest.approx(-depth[through] - 0.02, abs=1e-4)

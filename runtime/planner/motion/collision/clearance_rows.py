@@ -27,29 +27,22 @@ class _Sides:
 
     def __init__(self, cloud: Cloud, rest: Posed, pairs: Sequence[Pairs], among: Sequence[bool]) -> None:
         self._cloud = cloud
-        self._forms = cloud.forms.joined(rest.forms)
         second = np.concatenate([p.second for p in pairs])
-        moving = np.repeat(np.array(among, dtype=bool), [len(p.second) for p in pairs])
-        self._first = np.concatenate([p.first for p in pairs])
-        self._moving, still = moving.nonzero()[0], (~moving).nonzero()[0]
-        self._second = second[self._moving]
-        self._position, self._rotation = np.zeros((len(second), 3)), np.zeros((len(second), 3, 3))
-        self._position[still], self._rotation[still] = rest.position[second[still]], rest.rotation[second[still]]
-        form = second.copy()
-        form[still] = rest.form[second[still]] + len(cloud.forms)
-        self._form = self._first, form
+        still = ~np.repeat(np.array(among, dtype=bool), [len(p.second) for p in pairs])
+        near, at = np.unique(second[still], return_inverse=True)
+        second[still] = cloud.count + at
         self.wanted = np.concatenate([p.wanted for p in pairs])
-        one = Posed(self._forms, self._form[0], self._position, self._rotation)
-        self._pairing = Pairing(one, Posed(self._forms, self._form[1], self._position, self._rotation))
+        self._position = np.concatenate([np.zeros((cloud.count, 3)), rest.position[near]])
+        self._rotation = np.concatenate([np.zeros((cloud.count, 3, 3)), rest.rotation[near]])
+        forms = cloud.forms.joined(rest.forms)
+        form = np.concatenate([np.arange(cloud.count), len(cloud.forms) + rest.form[near]])
+        self._pairing = Pairing(forms, form, np.concatenate([p.first for p in pairs]), second)
 
     def distances(self, z: Array, beyond: float = 0.0) -> Distances:
         """Their distances; lower bounds of what is more than `beyond` metres farther apart than it wishes."""
-        posed, position, rotation = self._cloud.posed(z), self._position, self._rotation
-        if len(self._moving):
-            position[self._moving], rotation[self._moving] = posed.position[self._second], posed.rotation[self._second]
-        one = Posed(self._forms, self._form[0], posed.position[self._first], posed.rotation[self._first])
-        other = Posed(self._forms, self._form[1], position, rotation)
-        return self._pairing.distances(one, other, self.wanted + beyond)
+        posed = self._cloud.posed(z)
+        self._position[: len(posed.position)], self._rotation[: len(posed.position)] = posed.position, posed.rotation
+        return self._pairing.distances(self._position, self._rotation, self.wanted + beyond)
 
 
 class Ruler:
@@ -67,7 +60,7 @@ class Ruler:
 
     def of(self, side: Clearances, z: Array) -> Distances:
         """The distances of the pairs of one side."""
-        if self._last is None or not np.array_equal(self._last[0], z):
+        if self._last is None or not (self._last[0] is z or np.array_equal(self._last[0], z)):
             if self._together is None:
                 ends = np.cumsum([0, *(len(s.pairs.first) for s in self.sides)]).tolist()
                 among = [s.among for s in self.sides]
@@ -148,8 +141,8 @@ class Clearances:
         normal, ends = self.measured(z).normal[chosen], self._ends(z, chosen)
         numbers, shares = (np.concatenate(side) for side in zip(*ends, strict=True))
         pull = np.concatenate([normal, -normal]) if self.among else normal
-        slopes = np.matmul(pull[:, None, :], self.cloud.derivatives(z, numbers, shares))[:, 0]
-        return np.concatenate(np.split(slopes, len(ends)), axis=1)
+        slopes = self.cloud.slopes(z, numbers, shares, pull)
+        return np.concatenate([slopes[: len(normal)], slopes[len(normal) :]], axis=1) if self.among else slopes
 
     def _ends(self, z: Array, chosen: Chosen) -> list[tuple[Indices, Array]]:
         """The parts, and the shares of their anchors in the nearest points: of the first ones and the second ones."""

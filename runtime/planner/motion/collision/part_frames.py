@@ -14,8 +14,8 @@ from .....compiler.extents import box_sides
 from .....compiler.ir import Problem, Shape, ShapeKind, Vec3
 from .....compiler.module_parts import ModulePart, module_parts
 from .....compiler.motion.collision import pose_matrix
-from .....compiler.motion.constraints import sphere_stage
-from .....compiler.motion.stages import Stage
+from .....compiler.motion.constraints import frame_stage, sphere_stage
+from .....compiler.motion.stages import PlacedBatch, Stage
 from ....geometry.exact_distances import ROUND, Forms, Posed
 from ....skeleton import Array
 from ..nlp.unknowns import Indices, UnknownsLayout
@@ -39,14 +39,15 @@ def anchors(part: ModulePart) -> list[Vec3]:
 class _Block:
     """All slots of one kind of thing: what its parts are, and the numbers that they have in each slot."""
 
-    def __init__(self, stage: Stage, parts: Sequence[ModulePart]) -> None:
+    def __init__(self, stage: Stage, frames: Stage, parts: Sequence[ModulePart]) -> None:
+        """`stage` finds the anchors, `frames` the centres and rotations of the parts."""
         self.stage, self.parts = stage, parts
         counts = [len(anchors(p)) for p in parts]
         first = np.cumsum([0, *counts[:-1]]) if parts else np.zeros(0, dtype=np.int64)
         chosen = [[f + min(k, n - 1) for k in range(COLLISION.anchors)] for f, n in zip(first, counts, strict=True)]
         self.anchors = np.array(chosen, dtype=np.int64).reshape(-1, COLLISION.anchors)
-        ball = np.array([p.shape.kind in (ShapeKind.SPHERE, ShapeKind.CAPSULE) for p in parts], dtype=bool)
-        self._ball, self._solid = ball.nonzero()[0], (~ball).nonzero()[0]
+        self._frames = frames
+        self._placed: PlacedBatch | None = None
         self.slots: list[Indices] = []
         self._numbers: list[int] = []
         self._tables = (np.zeros((0, stage.inputs), dtype=np.int64), np.zeros((0, len(parts)), dtype=np.int64))
@@ -55,6 +56,7 @@ class _Block:
         """Take in a slot, whose parts have numbers from `number` on."""
         self.slots.append(slot)
         self._numbers.append(number)
+        self._placed = None
 
     @property
     def places(self) -> Indices:
@@ -72,21 +74,12 @@ class _Block:
         return self._tables
 
     def place(self, z: Array, position: Array, rotation: Array) -> None:
-        """Enter where the parts are: their centres (…, 3) and rotations (…, 3, 3) at their numbers, of round ones the
-        axis alone."""
-        values = self.stage.values(z[self.places], np.zeros((len(self.slots), 0)))
-        points, numbers = values.reshape(len(self.slots), -1, 3), self.numbers
-        if len(self._ball):
-            ends, at = self.anchors[self._ball], numbers[:, self._ball]
-            one, other = points[:, ends[:, 0]], points[:, ends[:, 1]]
-            axis = other - one
-            length = np.sqrt(np.add.reduce(axis * axis, axis=2, keepdims=True))
-            position[at] = 0.5 * (one + other)
-            rotation[at, :, 2] = axis / np.maximum(length, 1e-12)
-        if len(self._solid):
-            found, at = points[:, self.anchors[self._solid]], numbers[:, self._solid]
-            position[at] = found[:, :, 0]
-            rotation[at] = (found[:, :, 1:] - found[:, :, :1]).transpose(0, 1, 3, 2) / COLLISION.anchor_arm
+        """Enter where the parts are: their centres (…, 3) and rotations (…, 3, 3) at their numbers."""
+        if self._placed is None:
+            self._placed = self._frames.placed("values", self.places, np.zeros((len(self.slots), 0)))
+        found = self._placed(z).reshape(len(self.slots), -1, 12)
+        position[self.numbers] = found[:, :, :3]
+        rotation[self.numbers] = found[:, :, 3:].reshape(*found.shape[:2], 3, 3)
 
 
 class Cloud:
@@ -103,6 +96,7 @@ class Cloud:
         self._shapes: list[Shape] = []
         self._last: tuple[Array, Posed] | None = None
         self._finished: tuple[Forms, Indices, Array] | None = None
+        self._shared: tuple[Array, Array] | None = None
 
     def _block(self, name: str) -> _Block:
         world = self.problem.world
@@ -111,7 +105,9 @@ class Cloud:
         if key not in self._blocks:
             parts = self.parts(name)
             points = tuple((part.joint, point) for part in parts for point in anchors(part))
-            self._blocks[key] = _Block(sphere_stage(module.type if module else None, points), parts)
+            type_ = module.type if module else None
+            frames = frame_stage(type_, tuple((part.joint, part.placement) for part in parts))
+            self._blocks[key] = _Block(sphere_stage(type_, points), frames, parts)
         return self._blocks[key]
 
     def parts(self, name: str) -> Sequence[ModulePart]:
@@ -132,7 +128,7 @@ class Cloud:
             self._shapes += [part.shape for part in block.parts]
             self._first[offset] = self.count
             self.count += len(block.parts)
-            self._finished = self._last = None
+            self._finished = self._last = self._shared = None
         return self._first[offset]
 
     def _tables(self) -> tuple[Forms, Indices, Array]:
@@ -149,7 +145,7 @@ class Cloud:
 
     def posed(self, z: Array) -> Posed:
         """All parts where they are at z."""
-        if self._last is None or not np.array_equal(self._last[0], z):
+        if self._last is None or not (self._last[0] is z or np.array_equal(self._last[0], z)):
             position, rotation = np.zeros((self.count, 3)), np.zeros((self.count, 3, 3))
             for block in self._blocks.values():
                 if block.slots:
@@ -178,36 +174,42 @@ class Cloud:
 
     def shares(self, numbers: Indices, points: Array, posed: Posed) -> Array:
         """The shares (len, anchors) that anchors have in points (len, 3) fixed to some parts."""
-        parts = posed[numbers]
-        local = parts.local(points)
-        result = np.zeros((len(numbers), COLLISION.anchors))
-        result[:, 1:] = local / COLLISION.anchor_arm
-        result[:, 0] = 1.0 - result[:, 1:].sum(axis=1)
-        round_ = np.flatnonzero(parts.kind == ROUND)
-        half = parts.half[round_, 2]
-        along = np.where(half > 0.0, local[round_, 2] / np.where(half > 0.0, 2.0 * half, 1.0), -0.5)
-        result[round_] = 0.0
-        result[round_, 0], result[round_, 1] = 0.5 - along, 0.5 + along
-        return result
+        least, turn = self._shares
+        local = ((points - posed.position[numbers])[:, None, :] @ posed.rotation[numbers]) @ turn[numbers]
+        return np.asarray(least[numbers] + local[:, 0])
 
-    def derivatives(self, z: Array, numbers: Indices, shares: Array) -> Array:
-        """Derivatives (len, 3, width) by their slots of points that are made of the anchors of parts by shares."""
+    @property
+    def _shares(self) -> tuple[Array, Array]:
+        """The shares (P, anchors) that the anchors of parts have in their centres, and how these change (P, 3, anchors)
+        with what lies elsewhere in their frames: of round ones on the axis."""
+        if self._shared is None:
+            least, turn = np.zeros((self.count, COLLISION.anchors)), np.zeros((self.count, 3, COLLISION.anchors))
+            round_, half = self.forms.kind == ROUND, self.forms.half[:, 2]
+            long = round_ & (half > 0.0)
+            least[:, 0], least[long, 0], least[long, 1] = 1.0, 0.5, 0.5
+            turn[long, 2, 1] = 0.5 / half[long]
+            for axis in range(3):
+                turn[~round_, axis, axis + 1] = 1.0 / COLLISION.anchor_arm
+            turn[:, :, 0] = -turn[:, :, 1:].sum(axis=2)
+            self._shared = least, turn
+        return self._shared
+
+    def slopes(self, z: Array, numbers: Indices, shares: Array, pulls: Array) -> Array:
+        """Derivatives (len, width) by their slots of pull (len, 3) · point, for points that are made of the anchors of
+        parts by shares."""
         where = self._tables()[1][numbers]
-        result = np.zeros((len(numbers), 3, self.width))
+        result = np.zeros((len(numbers), self.width))
+        weights = (shares[:, :, None] * pulls[:, None, :]).reshape(len(numbers), 1, 3 * COLLISION.anchors)
         for i, block in enumerate(self._blocks.values()):
-            mine = np.flatnonzero(where[:, 0] == i)
+            mine = (where[:, 0] == i).nonzero()[0]
             if len(mine):
-                used, slot = np.unique(where[mine, 1], return_inverse=True)
-                places = block.places[used]
+                slot, places, inputs = where[mine, 1], block.places, block.stage.inputs
+                if len(mine) < len(places):
+                    used, slot = np.unique(slot, return_inverse=True)
+                    places = places[used]
                 jacobian = block.stage.jacobians(z[places], np.zeros((len(places), 0)))
-                local = jacobian.reshape(len(places), -1, 3, block.stage.inputs)
-                chosen = block.anchors[where[mine, 2]]
-                moved = shares[mine, 0, None, None] * local[slot, chosen[:, 0]]
-                for k in range(1, COLLISION.anchors):
-                    rows = np.flatnonzero(shares[mine, k])
-                    if len(rows):
-                        moved[rows] += shares[mine[rows], k, None, None] * local[slot[rows], chosen[rows, k]]
-                result[mine, :, : block.stage.inputs] = moved
+                local = jacobian.reshape(len(places), -1, 3, inputs)[slot[:, None], block.anchors[where[mine, 2]]]
+                result[mine, :inputs] = (weights[mine] @ local.reshape(len(mine), -1, inputs))[:, 0]
         return result
 
     def curvature(self, z: Array, ends: Sequence[tuple[Indices, Array, Array]]) -> list[tuple[Array, Indices]]:
