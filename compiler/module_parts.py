@@ -13,7 +13,7 @@ from ..langs.disk_cache import cache_folder, keep_sealed, recalled_sealed
 from ..langs.frozen import dataclass
 from .ir import ModuleType, Pose, Shape, ShapeKind
 from .joint_lines import are_kept_apart
-from .poses import compose, joint_frames
+from .poses import compose, joint_frames, part_pose
 
 if TYPE_CHECKING:
     from .symbolic.geometry import Placed
@@ -26,19 +26,23 @@ NOWHERE: Pose = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 @dataclass(frozen=True, slots=True)
 class ModulePart:
-    """A shape at `placement` in the moving frame of `joint` (-1: the module frame); `effector` names the effector that
-    it belongs to, None for a link."""
+    """A convex shape at `placement` in the moving frame of `joint` (-1: the module frame); `effector` names the
+    effector that it belongs to, None for a link. `several`: it is one of several of its effector."""
 
     joint: int
     placement: Pose
     shape: Shape
     effector: str | None = None
+    several: bool = False
 
 
 @lru_cache(maxsize=64)
 def module_parts(type_: ModuleType) -> tuple[ModulePart, ...]:
-    """The shapes of a module's effectors, then of its links."""
-    ends = tuple(ModulePart(e.joint, e.placement, e.shape, e.name) for e in type_.effectors if e.shape is not None)
+    """The convex shapes of a module's effectors, then of its links."""
+    ends = tuple(
+        ModulePart(e.joint, part_pose(e.placement, part), part.shape, e.name, bool(e.shape.parts))
+        for e in type_.effectors if e.shape is not None for part in e.shape.solids
+    )  # fmt: skip
     return (*ends, *(ModulePart(link.joint, link.placement, link.shape) for link in type_.links))
 
 

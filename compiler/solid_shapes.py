@@ -24,8 +24,9 @@ class ShapeKind(StrEnum):
 class Shape:
     """`size` in metres: box (x, y, z), sphere (radius,), capsule and cylinder (radius, length along z without caps),
     convex (the coordinates of all corners in turn, of a hull whose box along the axes has its middle at the origin).
-    A body that is not convex is made of `parts`; what is around them all is convex. The first part is the one that has
-    the largest flat top, on which things stand."""
+    A body or effector that is not convex is made of `parts`; what is around them all is convex, and its box has its
+    middle at the origin of a body's shape, but not of an effector's. The first part is the one that has the largest
+    flat top, on which things stand."""
 
     kind: ShapeKind
     size: tuple[float, ...]

@@ -17,14 +17,32 @@ SAME = 1e-2
 def union(parts: Sequence[tuple[Vec3, Shape]]) -> tuple[Shape, Vec3]:
     """Shapes at places in one frame as one shape, and where the middle of the box around it lies, which becomes its
     origin. One part alone is that part. Raises HullError."""
-    flat = [(_sum(at, part.at), part.shape) for at, shape in parts for part in shape.solids]
+    flat = _flat(parts)
     if len(flat) == 1:
         return flat[0][1], flat[0][0]
     around, middle, _ = convex_shape(np.concatenate([corners_around(shape) + at for at, shape in flat]))
     back = (-middle[0], -middle[1], -middle[2])
-    solids = [SolidPart(_sum(at, back), shape) for at, shape in flat]
+    return _made(around.size, [SolidPart(_sum(at, back), shape) for at, shape in flat]), middle
+
+
+def union_in_place(parts: Sequence[tuple[Vec3, Shape]]) -> Shape:
+    """The same, with the frame that the places are given in as its own: what is around it all need not have its middle
+    there. Raises HullError."""
+    flat = _flat(parts)
+    if len(flat) == 1 and not any(flat[0][0]):
+        return flat[0][1]
+    around, middle, _ = convex_shape(np.concatenate([corners_around(shape) + at for at, shape in flat]))
+    corners = np.reshape(around.size, (-1, 3)) + middle
+    return _made(tuple(float(v) for v in corners.ravel()), [SolidPart(at, shape) for at, shape in flat])
+
+
+def _flat(parts: Sequence[tuple[Vec3, Shape]]) -> list[tuple[Vec3, Shape]]:
+    return [(_sum(at, part.at), part.shape) for at, shape in parts for part in shape.solids]
+
+
+def _made(around: tuple[float, ...], solids: Sequence[SolidPart]) -> Shape:
     first = _bearer(solids)
-    return Shape(around.kind, around.size, (first, *(s for s in solids if s is not first))), middle
+    return Shape(ShapeKind.CONVEX, around, (first, *(s for s in solids if s is not first)))
 
 
 def _bearer(solids: Sequence[SolidPart]) -> SolidPart:

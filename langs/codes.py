@@ -186,7 +186,7 @@ CODES: dict[str, CodeInfo] = {
     "E0509": CodeInfo("bad shape", "scene",
         "Shapes are box(x, y, z), sphere(r), capsule(r, length), cylinder(r, length) with positive sizes, "
         "hull((x, y, z), …) of at least four corners that do not lie in a plane, mesh(FILE) or hull(FILE), and of "
-        "bodies union(box(x, y, z) at (x, y, z), …)."),
+        "bodies and effectors union(box(x, y, z) at (x, y, z), …)."),
     "E0510": CodeInfo("too many objects", "scene",
         "The loops of the scene make more things than can be planned for."),
     "E0511": CodeInfo("more than one", "scene",

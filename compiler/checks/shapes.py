@@ -88,13 +88,8 @@ def _simple(
 
 
 def end_shape(context: Context, scope: Scope, call: syntax.Call) -> ir.Shape | None:
-    """The shape of an effector, which is convex."""
-    made = shape(context, scope, call)
-    if made is not None and made.parts:
-        message = f"an effector has one convex shape, and this one is of {len(made.parts)} parts"
-        context.findings.report("E0509", call.span, message, help="take its hull, or what of it touches things")
-        return None
-    return made
+    """The shape of an effector; the parts of a `union` are at their places in the effector's frame."""
+    return _union(context, scope, call, in_place=True) if call.function == "union" else shape(context, scope, call)
 
 
 def _sizes_help(context: Context, call: syntax.Call, form: Sequence[str]) -> str:
@@ -129,10 +124,10 @@ def _convex(context: Context, scope: Scope, call: syntax.Call) -> ir.Shape | Non
     return union([(middle, shape) for shape, middle, _ in made])[0]
 
 
-def _union(context: Context, scope: Scope, call: syntax.Call) -> ir.Shape | None:
-    """Shapes at places in one frame, as one shape."""
+def _union(context: Context, scope: Scope, call: syntax.Call, in_place: bool = False) -> ir.Shape | None:
+    """Shapes at places in one frame, as one shape, whose frame is this one or in the middle of the box around it."""
     from ..hulls import HullError
-    from ..unions import union
+    from ..unions import union, union_in_place
 
     parts: list[tuple[ir.Vec3, ir.Shape] | None] = [_placed(context, scope, arg) for arg in call.args]
     if not parts:
@@ -140,8 +135,9 @@ def _union(context: Context, scope: Scope, call: syntax.Call) -> ir.Shape | None
         context.findings.report("E0509", call.span, "`union` has no parts", help=help)
     if not parts or None in parts:
         return None
+    found = [part for part in parts if part is not None]
     try:
-        return union([part for part in parts if part is not None])[0]
+        return union_in_place(found) if in_place else union(found)[0]
     except HullError as error:
         context.findings.report("E0509", call.span, f"`union` is no body: {error}")
         return None

@@ -134,7 +134,7 @@ def solid(kind: Kind, slots: list[Expression], constants: Expression) -> Distanc
         case EffectorKind(type=module, effector=name, slot=slot):
             shape = module.effector(name).shape or ir.Shape(ir.ShapeKind.SPHERE, (0.0,))
             frame = effector_frame(module, name, slots[slot])
-            return DistanceShape(frame, shape.kind, shape.size, partial(_balance, module, slots[slot]))
+            return DistanceShape(frame, shape.kind, shape.size, partial(_balance, module, slots[slot]), shape.parts)
         case BodyKind(shape=shape, slot=slot):
             return _shaped(pose_frame(slots[slot]), shape, constants, kind.mass)
         case RestKind(shape=shape):

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...langs.frozen import dataclass
-from ..ir import Joint, JointKind, ModuleType, Problem, Shape, ShapeKind
+from ..ir import Joint, JointKind, ModuleType, Pose, Problem, Shape, ShapeKind
+from ..poses import part_pose
 from .masses import GRAVITY as GRAVITY
-from .masses import body_mass, part_mass
+from .masses import body_mass, part_mass, solid_masses
 from .moments import shape_moments
 from .outlines import driven_away
 from .records import CONTACTS
@@ -52,13 +53,12 @@ def module_weights(kind: ModuleType) -> Mapping[int, Weight]:
         turn = rotation(np.asarray(placement[3:]))
         parts.setdefault(joint, []).append(Weight(mass, np.asarray(placement[:3]), turn @ inertia @ turn.T))
 
-    solids: list[tuple[int, Sequence[float], Shape | None, float | None]] = []
+    solids: list[tuple[int, Pose, Shape | None, float | None]] = []
     solids += [(e.joint, e.placement, e.shape, e.mass) for e in kind.effectors]
     solids += [(k.joint, k.placement, k.shape, k.mass) for k in kind.links]
     for joint, placement, shape, stated in solids:
-        if shape is not None:
-            mass = part_mass(shape, stated)
-            add(joint, mass, placement, shape_moments(shape, mass))
+        for part, mass in solid_masses(shape, part_mass(shape, stated)) if shape is not None else ():
+            add(joint, mass, part_pose(placement, part), shape_moments(part.shape, mass))
     for drive in kind.joints:
         if drive.mass:
             add(drive.parent, drive.mass, drive.placement, np.zeros((3, 3)))

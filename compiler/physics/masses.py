@@ -8,6 +8,7 @@ from functools import lru_cache
 from itertools import pairwise
 
 from ..ir import Body, ModuleType, Pose, Shape, ShapeKind, SolidPart
+from ..poses import part_pose
 
 GRAVITY = 9.81
 """Metres per second squared."""
@@ -59,6 +60,12 @@ def _covered(boxes: Sequence[tuple[tuple[float, float], ...]]) -> float:
     )
 
 
+def solid_masses(shape: Shape, mass: float) -> list[tuple[SolidPart, float]]:
+    """The convex parts of a shape of that mass, kg, and what each weighs: as much of it as it has of their volumes."""
+    volumes = [shape_volume(part.shape) for part in shape.solids]
+    return [(part, mass * volume / sum(volumes)) for part, volume in zip(shape.solids, volumes, strict=True)]
+
+
 def part_mass(shape: Shape, stated: float | None) -> float:
     """Kilograms of a part."""
     return shape_mass(shape) if stated is None else stated
@@ -72,8 +79,10 @@ def module_masses(module: ModuleType) -> tuple[tuple[int, Pose, float], ...]:
     """Per weight of a module: the joint that carries it (-1: the module frame), where its centre is there, its mass in
     kilograms. The drive of a joint sits where the joint is, on what carries it. Where parts overlap, both count."""
     found = [
-        (e.joint, e.placement, part_mass(e.shape, e.mass)) for e in module.effectors if e.shape is not None
-    ]
+        (e.joint, part_pose(e.placement, part), mass)
+        for e in module.effectors if e.shape is not None
+        for part, mass in solid_masses(e.shape, part_mass(e.shape, e.mass))
+    ]  # fmt: skip
     found += [(k.joint, k.placement, part_mass(k.shape, k.mass)) for k in module.links]
     found += [(j.parent, j.placement, j.mass) for j in module.joints if j.mass]
     found += [(i.joint, (*i.centre, 0.0, 0.0, 0.0, 1.0), i.mass) for i in module.inertials]

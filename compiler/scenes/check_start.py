@@ -150,7 +150,10 @@ def _modules(world: ir.World) -> Iterator[Volume]:
         type_ = module.type
         frames = joint_frames(type_, module.pose, module.joints)
         ends = [end for end in type_.effectors if end.shape is not None]
-        shapes = [(f"{module.name}.{e.name}", e.joint, e.placement, e.shape) for e in ends if e.shape is not None]
+        shapes = [
+            (f"{module.name}.{e.name}", e.joint, part_pose(e.placement, part), part.shape)
+            for e in ends if e.shape is not None for part in e.shape.solids
+        ]  # fmt: skip
         shapes += [(module.name, link.joint, link.placement, link.shape) for link in type_.links]
         called = part_names(module.name, [name for name, *_ in shapes])
         for number, (part, (name, joint, placement, shape)) in enumerate(zip(called, shapes, strict=True)):

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .. import ir
-from ..poses import compose, inverse, position
+from ..poses import compose, inverse, part_pose, position
 from .sunken_ends import balls_of, below
 
 ALIKE = 1e-3
@@ -21,12 +21,17 @@ def covers(effector: ir.Effector, link: ir.Link) -> bool:
     """Whether a link's shape moves with an effector and lies in its shape, but for what coarse bodies stand out."""
     if effector.shape is None or effector.joint != link.joint:
         return False
+    return any(_holds(part.shape, part_pose(effector.placement, part), link) for part in effector.shape.solids)
+
+
+def _holds(shape: ir.Shape, placement: ir.Pose, link: ir.Link) -> bool:
+    """Whether a link's shape lies in a convex shape."""
     room = ALIKE
     if link.shape.kind == ir.ShapeKind.CONVEX:
-        room = max(room, min(MOST, COARSE * _half(effector.shape)))
-    inside = compose(inverse(effector.placement), link.placement)
+        room = max(room, min(MOST, COARSE * _half(shape)))
+    inside = compose(inverse(placement), link.placement)
     return all(
-        below(effector.shape, position(compose(inside, (*at, 0.0, 0.0, 0.0, 1.0)))) - radius >= -room
+        below(shape, position(compose(inside, (*at, 0.0, 0.0, 0.0, 1.0)))) - radius >= -room
         for at, radius in _points(link.shape)
     )
 

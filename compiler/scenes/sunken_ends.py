@@ -30,7 +30,7 @@ def sunken(module: ir.ModuleType) -> Iterator[tuple[ir.Effector, float, bool]]:
         while frame is not None:
             links = [link for link in module.links if link.joint == frame]
             depth = max((_depth(link, place, balls) for link in links), default=0.0)
-            foremost = [_foremost(effector.shape)]
+            foremost = _foremost(effector.shape)
             ahead = max((_depth(link, place, foremost) for link in links if frame == effector.joint >= 0), default=0.0)
             if max(depth, ahead) > DEEP:
                 yield effector, max(depth, ahead), depth > DEEP
@@ -52,14 +52,18 @@ def _outwards(
     return joint.parent, compose(joint.placement, place)
 
 
-def _foremost(shape: ir.Shape) -> Ball:
-    """The point of a shape that is farthest along z, its outward normal."""
-    (_, _, height), radius = max(balls_of(shape), key=lambda ball: ball[0][2] + ball[1])
-    return (0.0, 0.0, height + radius), 0.0
+def _foremost(shape: ir.Shape) -> list[Ball]:
+    """The points of a shape that are farthest along z, its outward normal, one of each part that is; these are over the
+    middle of the part."""
+    tops = [(part.at, max(at[2] + radius for at, radius in balls_of(part.shape))) for part in shape.solids]
+    highest = max(at[2] + top for at, top in tops)
+    return [((at[0], at[1], highest), 0.0) for at, top in tops if at[2] + top > highest - STILL]
 
 
 def balls_of(shape: ir.Shape) -> list[Ball]:
     """Balls whose hull holds a shape."""
+    if shape.parts:
+        return [(_sum(at, part.at), radius) for part in shape.parts for at, radius in balls_of(part.shape)]
     match shape.kind:
         case ir.ShapeKind.SPHERE:
             return [((0.0, 0.0, 0.0), shape.size[0])]
@@ -68,6 +72,10 @@ def balls_of(shape: ir.Shape) -> list[Ball]:
         case _:
             x, y, z = (side / 2 for side in box_sides(shape))
             return [((a * x, b * y, c * z), 0.0) for a, b, c in product((-1, 1), repeat=3)]
+
+
+def _sum(a: ir.Vec3, b: ir.Vec3) -> ir.Vec3:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 def _depth(link: ir.Link, place: ir.Pose, balls: Sequence[Ball]) -> float:

@@ -16,10 +16,12 @@ from ...langs.source import Source
 from .. import ir
 from ..checks.context import Context
 from ..checks.names import Scope
+from ..hulls import HullError, convex_shape, corners_around
 from ..physics.masses import shape_volume
 from ..physics.statements import StatedPart
 from ..physics.urdf_inertials import UnfitInertia, read_inertial
-from ..poses import compose, make
+from ..poses import compose, inverse, make, orientation, part_pose, position, rotate
+from ..unions import union, union_in_place
 from ..urdf_files import mesh_name
 from .covered_links import covers
 from .urdf_joints import JointBuilder
@@ -28,6 +30,8 @@ from .urdf_reading import Reading, UrdfJoint
 
 SIZES = {"sphere": ("radius",), "cylinder": ("radius", "length"), "capsule": ("radius", "length")}
 FIRST_WITH_CAPSULES = "1.1"
+ALIGNED = 1.0 - 1e-12
+"""The last number of a quaternion from which on it turns nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +82,7 @@ def build_urdf(
     if not reading.sound or joints is None:
         return None
     placed = [_effector(context, end, frames, shapes) for end in ends]
-    taken = [p[1] for p in placed if p is not None]
+    taken = [shape for p in placed if p is not None for shape in p[1]]
     effectors = tuple(p[0] for p in placed if p is not None)
     if len(effectors) < len(ends):
         return None
@@ -129,7 +133,8 @@ def _shapes(
     reading: Reading, link: ElementTree.Element, frames: Frames, weighed: bool, whole: bool
 ) -> Iterator[_LinkShape]:
     """The collision shapes of a link. Those that have no volume, or are unknown, are left out with a warning; those of
-    a link that is `weighed` by its inertial have no weight of their own. An effector takes meshes as a `whole`."""
+    a link that is `weighed` by its inertial have no weight of their own. An effector takes a mesh as a `whole`, with
+    all its parts."""
     name = link.get("name", "")
     joint, frame = frames[name]
     for collision in link.findall("collision"):
@@ -148,10 +153,11 @@ def _shapes(
 def _made(
     reading: Reading, link: str, form: ElementTree.Element, whole: bool
 ) -> Sequence[tuple[ir.Shape, ir.Vec3]]:
-    """The shapes of an element: of a hollow mesh its parts, unless it is taken as a `whole`."""
+    """The shapes of an element: of a hollow mesh its parts, as one shape where it is taken as a `whole`."""
     body = reading.context.library.meshes.get(mesh_name(reading.source.path, form)) if form.tag == "mesh" else None
-    if body is not None and body.parts and not whole:
-        return [(ir.Shape(ir.ShapeKind.CONVEX, size), middle) for size, middle in body.parts]
+    if body is not None and body.parts:
+        parts = [(ir.Shape(ir.ShapeKind.CONVEX, size), middle) for size, middle in body.parts]
+        return [union([(middle, shape) for shape, middle in parts])] if whole else parts
     made = _shape(reading, link, form)
     return () if made is None else (made,)
 
@@ -200,8 +206,9 @@ def _stood_for(
 
 def _effector(
     context: Context, end: End, frames: Frames, shapes: Sequence[_LinkShape]
-) -> tuple[ir.Effector, _LinkShape | None] | None:
-    """The effector, and the shape of its link that it takes over where it has none of its own."""
+) -> tuple[ir.Effector, Sequence[_LinkShape]] | None:
+    """The effector, and the shapes of its link that it takes over where it has none of its own: one with its frame,
+    unless the effector states where it is, several as they lie around the effector's."""
     link = end.item.link
     assert link is not None
     if link.value not in frames:
@@ -212,16 +219,36 @@ def _effector(
         end.item.name, end.type, joint, compose(frame, end.place), end.shape, end.said.mass, end.said.holds
     )
     if end.shape is not None:
-        return replace(own, mass=end.said.weight(shape_volume(end.shape))), None
-    candidates = [s for s in shapes if s.name == link.value]
-    if len(candidates) != 1 or end.item.at is not None or end.item.normal is not None:
+        return replace(own, mass=end.said.weight(shape_volume(end.shape))), ()
+    found = [s for s in shapes if s.name == link.value]
+    if not found:
         help = f'write `effector {end.item.name}: "{link.value}" sphere(4 cm)`'
-        message = f"this effector needs a shape: link `{link.value}` has {len(candidates)} collision shapes"
-        if len(candidates) == 1:
-            message = "an effector with a place or normal of its own needs a shape of its own"
+        message = f"this effector needs a shape: link `{link.value}` has 0 collision shapes"
         context.findings.report("E0509", end.item.span, message, help=help)
         return None
-    only = candidates[0]
-    mass = end.said.weight(shape_volume(only.link.shape))
-    mass = only.link.mass if mass is None else mass
-    return replace(own, placement=only.link.placement, shape=only.link.shape, mass=mass), only
+    shape, place = found[0].link.shape, found[0].link.placement
+    if len(found) > 1 or end.item.at is not None or end.item.normal is not None:
+        place = own.placement
+        try:
+            shape = union_in_place([part for s in found for part in _seen_from(place, s.link)])
+        except HullError as error:
+            message = f"the collision shapes of link `{link.value}` are no body: {error}"
+            context.findings.report("E0509", end.item.span, message)
+            return None
+    mass = end.said.weight(shape_volume(shape))
+    mass = found[0].link.mass if mass is None else mass
+    return replace(own, placement=place, shape=shape, mass=mass), found
+
+
+def _seen_from(frame: ir.Pose, link: ir.Link) -> Iterator[tuple[ir.Vec3, ir.Shape]]:
+    """The convex parts of a link's shape, turned like a frame, and where they are in it: what is turned otherwise, and
+    is no ball, as the body around it."""
+    at = compose(inverse(frame), link.placement)
+    for part in link.shape.solids:
+        pose = part_pose(at, part)
+        if part.shape.kind == ir.ShapeKind.SPHERE or abs(at[6]) > ALIGNED:
+            yield position(pose), part.shape
+        else:
+            turned = [rotate(orientation(pose), corner) for corner in corners_around(part.shape).tolist()]
+            shape, middle, _ = convex_shape([[a + b for a, b in zip(c, position(pose), strict=True)] for c in turned])
+            yield middle, shape

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...langs.frozen import dataclass
 from ..extents import box_sides
 from ..hulls import Array, convex_geometry
-from ..ir import Chain, ModuleType, Pose, Problem, Shape, ShapeKind, Value
+from ..ir import Chain, Effector, ModuleType, Pose, Problem, Shape, ShapeKind, Value
 from ..physics.scene_loads import SceneLoads
 from ..poses import Quaternion, compose, joint_frames, make, orientation, part_pose, position, rotate
 from ..remembering import remembered
@@ -199,8 +199,8 @@ class SceneLengths:
         return self._pairs[key]
 
     def _bearers(self, i: int) -> tuple[Placed, ...]:
-        """The shapes of an object that things stand on: of a body of several parts the first."""
-        return self._shapes[i][:1] if self.names[i] in self.problem.world.bodies else self._shapes[i]
+        """The shapes of an object that things stand on: of a body or an effector of several parts the first."""
+        return self._shapes[i] if self.names[i] in self.problem.world.modules else self._shapes[i][:1]
 
     def _placed(self, name: str) -> tuple[Placed, ...]:
         """The shapes of an object at the start: a body's, an effector's, or all of a module's links and effectors."""
@@ -213,18 +213,19 @@ class SceneLengths:
             frames = joint_frames(module.type, module.pose, module.joints)
             links = [Placed(link.shape, compose(frames[link.joint], link.placement)) for link in module.type.links]
             ends = [e for e in module.type.effectors if e.shape is not None]
-            return (*links, *(Placed(e.shape, compose(frames[e.joint], e.placement)) for e in ends if e.shape))
+            return (*links, *(p for e in ends for p in _end(e, compose(frames[e.joint], e.placement))))
         found = world.effector(name)
         if found is None:
             return ()
         module, effector = found
         frame = joint_frames(module.type, module.pose, module.joints)[effector.joint]
-        return (Placed(effector.shape or Shape(ShapeKind.SPHERE, (0.0,)), compose(frame, effector.placement)),)
+        return _end(effector, compose(frame, effector.placement))
 
     def _measure(self, i: int, placed: tuple[Placed, ...]) -> None:
-        body = self.problem.world.bodies.get(self.names[i])
-        if body is not None and body.shape.parts:
-            self._radius[i] = shape_radius(body.shape)
+        body, end = self.problem.world.bodies.get(self.names[i]), self.problem.world.effector(self.names[i])
+        whole = body.shape if body is not None else end[1].shape if end is not None else None
+        if whole is not None and whole.parts:
+            self._radius[i] = shape_radius(whole)
         if len(placed) != 1:
             return
         shape, pose = placed[0].shape, placed[0].pose
@@ -238,6 +239,12 @@ class SceneLengths:
         self._half[i], self._round[i] = half, radius
         self._top[i, 2] += half[2] + radius
         self._face[i] = half[:2]
+
+
+def _end(effector: Effector, pose: Pose) -> tuple[Placed, ...]:
+    """The shapes of an effector at a pose; one without is a point."""
+    shape = effector.shape or Shape(ShapeKind.SPHERE, (0.0,))
+    return tuple(Placed(part.shape, part_pose(pose, part)) for part in shape.solids)
 
 
 def grown_box(shape: Shape, pose: Pose) -> tuple[tuple[float, float, float], float] | None:

@@ -212,7 +212,10 @@ def _module(mujoco: PythonModule, spec: Any, name: str, module: ir.Module) -> di
         made[index], names[name, index] = body, f"m.{name}.{index}"
         _pad(mujoco, body, (name, index))
     parts = [(k.joint, k.shape, k.placement) for k in module.type.links]
-    parts += [(e.joint, e.shape, e.placement) for e in module.type.effectors if e.shape is not None]
+    parts += [
+        (e.joint, part.shape, compose(e.placement, part.placement))
+        for e in module.type.effectors if e.shape is not None for part in e.shape.solids
+    ]  # fmt: skip
     for carrier, shape, placement in parts:
         _shown(mujoco, made[carrier], shape, placement)
     return names

@@ -127,7 +127,10 @@ class _UrdfWriter:
         link = self.links[node] = Xml.SubElement(self.root, "link", name=_called(self.modules, node))
         placed = [(pose_of(k.placement), k.shape) for k in module.links if k.joint == own]
         ends = [e for e in module.effectors if e.joint == own]
-        placed += [(pose_of(e.placement), e.shape) for e in ends if e.shape is not None]
+        placed += [
+            (compose(pose_of(e.placement), pose_of([*part.at, *HERE[3:]])), part.shape)
+            for e in ends if e.shape is not None for part in e.shape.solids
+        ]  # fmt: skip
         solids = [self._shape(link, compose(offset, place), shape) for place, shape in placed]
         told = self.weights.solids.get(node)
         if told is not None and told.mass > 0.0:

@@ -67,8 +67,9 @@ def _movers(world: ir.World) -> list[tuple[str, Placed]]:
         frames = joint_frames(module.type, module.pose, module.joints)
         for effector in module.type.effectors:
             if effector.shape is not None:
-                placed = Placed(effector.shape, compose(frames[effector.joint], effector.placement))
-                found.append((f"{module.name}.{effector.name}", placed))
+                pose = compose(frames[effector.joint], effector.placement)
+                for part in effector.shape.solids:
+                    found.append((f"{module.name}.{effector.name}", Placed(part.shape, part_pose(pose, part))))
     return found + [(b.name, placed) for b in world.solids if b.movable for placed in _placed(b)]
 
 

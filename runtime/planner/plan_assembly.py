@@ -103,7 +103,8 @@ def _needs(world: ir.World) -> list[str]:
     follows, passive = any(j.follows is not None for j in joints), any(j.passive for j in joints)
     jerk, places = any(math.isfinite(j.jerk) for j in joints), any(not b.collides for b in world.bodies.values())
     told = [(record.COUPLINGS, follows), (record.PASSIVE, passive), (record.JERK, jerk), (record.PLACES, places)]
-    told.append((record.PARTS, any(b.shape.parts for b in world.bodies.values())))
+    ends = [e.shape for m in world.modules.values() for e in m.type.effectors if e.shape is not None]
+    told.append((record.PARTS, any(s.parts for s in (*ends, *(b.shape for b in world.bodies.values())))))
     return [need for need, has in told if has]
 
 

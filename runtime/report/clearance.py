@@ -204,11 +204,13 @@ def _module_parts(plan: Plan, chosen: NDArray[np.intp], times: Array) -> Iterato
         named = [(f"{module.name}, link {k + 1}", x.joint, x.shape, x.placement) for k, x in enumerate(module.links)]
         named += [(f"{module.name}.{e.name}", e.joint, e.shape, e.placement) for e in module.effectors if e.shape]
         for name, joint, record, placement in named:
-            shape = _shape(record)
-            if shape is not None:
-                frame = frames[min(max(joint + 1, 0), len(frames) - 1)]
-                place = np.broadcast_to(pose_rows([placement])[0], frame.shape)
-                yield _Moving(name, (module.name, joint), shape, compose(frame, place), there)
+            frame = frames[min(max(joint + 1, 0), len(frames) - 1)]
+            place = compose(frame, np.broadcast_to(pose_rows([placement])[0], frame.shape))
+            for part in record.solids:
+                shape = _shape(part.shape)
+                if shape is not None and len(part.at) == 3:
+                    local = np.broadcast_to([*part.at, 0.0, 0.0, 0.0, 1.0], place.shape)
+                    yield _Moving(name, (module.name, joint), shape, compose(place, local), there)
 
 
 def _body_parts(plan: Plan, chosen: NDArray[np.intp]) -> Iterator[_Moving]:

@@ -116,8 +116,7 @@ class Guards:
     def _find_shapes(self, name: str) -> Iterator[_Placed]:
         body, end = self._world.bodies.get(name), self._world.effector(name)
         if body is not None:
-            for part in body.shape.solids:
-                yield _Placed(part.shape, frames(body.pose).compose(frames(part.placement)))
+            yield from _parts(body.shape, frames(body.pose))
             return
         module = end[0] if end is not None else self._world.modules[name]
         if module.name not in self._joints:
@@ -125,11 +124,11 @@ class Guards:
         joints = self._joints[module.name]
         if end is not None:
             shape = end[1].shape or ir.Shape(ir.ShapeKind.SPHERE, (POINT,))
-            yield _Placed(shape, joints[end[1].joint].compose(frames(end[1].placement)))
+            yield from _parts(shape, joints[end[1].joint].compose(frames(end[1].placement)))
             return
         for effector in module.type.effectors:
             if effector.shape is not None:
-                yield _Placed(effector.shape, joints[effector.joint].compose(frames(effector.placement)))
+                yield from _parts(effector.shape, joints[effector.joint].compose(frames(effector.placement)))
         for link in module.type.links:
             yield _Placed(link.shape, joints[link.joint].compose(frames(link.placement)))
 
@@ -148,6 +147,12 @@ class Guards:
         sides[upright] = FACE
         top = Frames(at.position + half * at.rotation[:, :, upright], at.rotation)
         return _Placed(ir.Shape(ir.ShapeKind.BOX, tuple(sides)), top)
+
+
+def _parts(shape: ir.Shape, at: Frames) -> Iterator[_Placed]:
+    """The convex shapes of a shape at a frame."""
+    for part in shape.solids:
+        yield _Placed(part.shape, at.compose(frames(part.placement)))
 
 
 def _solid(shape: ir.Shape) -> Any:

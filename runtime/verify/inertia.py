@@ -85,7 +85,11 @@ def weights(module: ir.ModuleType) -> list[tuple[int, ir.Pose, float, Array]]:
 
     def add(joint: int, placement: ir.Pose, shape: ir.Shape, stated: float | None) -> None:
         mass = mass_of(shape) if stated is None else stated
-        found.append((joint, placement, mass, moments(shape, mass)))
+        alone = [mass_of(part.shape) for part in shape.solids]
+        for part, own in zip(shape.solids, alone, strict=True):
+            x, y, z = frames(placement).compose(frames(part.placement)).position[0].tolist()
+            share = mass * own / sum(alone)
+            found.append((joint, (x, y, z, *placement[3:]), share, moments(part.shape, share)))
 
     for end in module.effectors:
         if end.shape is not None:

@@ -62,8 +62,11 @@ def solids(plan: Plan) -> list[Solid]:
     for module in plan.modules:
         for effector in module.effectors:
             if effector.shape is not None:
-                name = f"{module.name}.{effector.name}"
-                found.append(_solid(name, module.name, effector.joint, effector.placement, effector.shape))
+                name, at = f"{module.name}.{effector.name}", frames(effector.placement)
+                for part in effector.shape.solids:
+                    inner = at.compose(frames([*part.at, *IDENTITY[3:]]))
+                    where = [*inner.position[0].tolist(), *effector.placement[3:]]
+                    found.append(_solid(name, module.name, effector.joint, where, part.shape))
         for number, link in enumerate(module.links):
             name = f"{module.name} link {number + 1}"
             found.append(_solid(name, module.name, link.joint, link.placement, link.shape))

@@ -73,9 +73,10 @@ def check_structure(plan: Plan, findings: Findings) -> Samples | None:
         if need not in KNOWN_NEEDS:
             findings.fail("structure", f"the plan needs {need}, which is not known")
     joints = [j for m in plan.modules for j in m.joints]
+    ends = [e.shape for m in plan.modules for e in m.effectors if e.shape is not None]
     for need, has in ((COUPLINGS, any(j.follows for j in joints)), (PASSIVE, any(j.passive for j in joints)),
                       (PLACES, not all(b.collides for b in plan.bodies)),
-                      (PARTS, any(b.shape.parts for b in plan.bodies)),
+                      (PARTS, any(s.parts for s in (*ends, *(b.shape for b in plan.bodies)))),
                       (STATICS, told(plan) is not None)):  # fmt: skip
         if has and need not in plan.needs:
             findings.fail("structure", f"the plan has {need}, but does not say that it needs that")

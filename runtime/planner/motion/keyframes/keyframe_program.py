@@ -220,8 +220,11 @@ class SwitchProgram:
 
     @cached_property
     def _of_parts(self) -> frozenset[str]:
-        """The bodies that are made of several parts."""
-        return frozenset(b.name for b in self.problem.world.bodies.values() if b.shape.parts)
+        """The bodies and effectors that are made of several parts."""
+        world = self.problem.world
+        bodies = frozenset(b.name for b in world.bodies.values() if b.shape.parts)
+        ends = ((name, e) for name, module in world.modules.items() for e in module.type.effectors)
+        return bodies | {f"{name}.{e.name}" for name, e in ends if e.shape is not None and e.shape.parts}
 
     def program(self) -> Program:
         """The program over the pairs that take part at present."""

@@ -70,7 +70,7 @@ def phase_parts(lineage: Lineage, world: World, obstacles: list[Obstacle]) -> Ph
         names = part_names(module, [tag or module for tag in tags])
         for part, tag, name in zip(own, tags, names, strict=True):
             node, local = links[part.joint]
-            at, whole = local @ pose_matrix(part.placement), seen_whole(part.shape)
+            at, whole = local @ pose_matrix(part.placement), part.several or seen_whole(part.shape)
             parts.append(MovingPart(node, at, part.shape, module, tag, name, whole))
     for name, (node, local) in tree.bodies.items():
         if world.bodies[name].collides:

@@ -112,8 +112,11 @@ class Surroundings:
             own = self._frames[module.name]
             for e in module.type.effectors:
                 if e.shape is not None:
-                    pose = own[e.joint] @ pose_matrix(e.placement)
-                    found.append((place, Obstacle(e.shape, pose, module.name, f"{module.name}.{e.name}")))
+                    pose, tag = own[e.joint] @ pose_matrix(e.placement), f"{module.name}.{e.name}"
+                    found += [
+                        (place, Obstacle(part.shape, pose @ pose_matrix(part.placement), module.name, tag))
+                        for part in e.shape.solids
+                    ]
             for link in module.type.links:
                 pose = own[link.joint] @ pose_matrix(link.placement)
                 found.append((place, Obstacle(link.shape, pose, module.name, None)))
