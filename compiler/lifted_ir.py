@@ -83,7 +83,7 @@ class Var:
 
 @dataclass(frozen=True, slots=True)
 class Any_:
-    """`ANY`: matches every object; only inside deleted literals and `previous` patterns."""
+    """`ANY`: matches every object; only inside deleted literals and `previous` patterns, as conditions say `exists`."""
 
     span: Span | None = field(default=None, compare=False, repr=False)
 

@@ -134,7 +134,7 @@ CODES: dict[str, CodeInfo] = {
     "E0302": CodeInfo("contradicting effects", "logic",
         "One rule adds and deletes the same literal."),
     "E0303": CodeInfo("wildcard out of place", "logic",
-        "ANY stands only in deleted literals and after `previous is`."),
+        "ANY stands only in the literals of conditions, in deleted ones and after `previous is`."),
     "E0304": CodeInfo("wrong `functional in`", "logic",
         "It names one parameter of the same predicate."),
     "E0305": CodeInfo("effect on a fixed predicate", "logic",

@@ -90,7 +90,7 @@ WORDS: Mapping[str, Word] = {
     "not": Word("control", "does not hold; among effects, is deleted"),
     "previous": Word("control", "the action before the last, in a heuristic"),
     "is": Word("control", "behind `previous`: names its rule"),
-    "ANY": Word("control", "fits everything; in deleted literals and behind `previous is`"),
+    "ANY": Word("control", "fits everything; in conditions, deleted literals and behind `previous is`"),
     "min": Word("control", "the smaller of some values, or the smallest over all values of the variables"),
     "max": Word("control", "the larger of some values, or the largest over all values of the variables"),
     "sum": Word("control", "the sum over all values of the variables"),

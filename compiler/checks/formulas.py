@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from ...langs import syntax
 from .. import ir
@@ -36,7 +37,7 @@ def check_formula(context: Context, scope: Scope, formula: syntax.Formula) -> ir
             return _check_previous(context, scope, formula)
 
 
-def _check_condition(context: Context, scope: Scope, literal: syntax.Literal) -> ir.Literal | None:
+def _check_condition(context: Context, scope: Scope, literal: syntax.Literal) -> ir.Formula | None:
     if literal.motion:
         context.findings.report(
             "E0310",
@@ -55,7 +56,23 @@ def _check_condition(context: Context, scope: Scope, literal: syntax.Literal) ->
     if scope.place == "motion":
         context.findings.report("E0311", literal.span, "a motion predicate cannot read logic literals")
         return None
+    if any(isinstance(argument, syntax.Wildcard) for argument in literal.args):
+        return _some(check_literal(context, scope.with_wildcard(), literal), context, scope)
     return check_literal(context, scope, literal)
+
+
+def _some(literal: ir.Literal | None, context: Context, scope: Scope) -> ir.Formula | None:
+    """That a literal holds for some objects in place of `ANY`."""
+    if literal is None:
+        return None
+    variables: list[ir.Variable] = []
+    arguments = list(literal.args)
+    for k, declared in enumerate(context.logic[literal.predicate].variables):
+        if isinstance(arguments[k], ir.Any_):
+            name = scope.fresh(f"any{k + 1}")
+            variables.append(replace(declared, name=name))
+            arguments[k] = ir.Var(name, literal.span)
+    return ir.Exists(tuple(variables), replace(literal, args=tuple(arguments)))
 
 
 def check_literal(context: Context, scope: Scope, literal: syntax.Literal) -> ir.Literal | None:

@@ -55,8 +55,8 @@ def _check_wildcard(context: Context, scope: Scope, term: syntax.Wildcard) -> Ty
         context.findings.report(
             "E0303",
             term.span,
-            "`ANY` stands only in deleted literals and after `previous is`",
-            help="bind a variable with `exists` instead" if scope.place == "rule" else None,
+            "`ANY` stands only in the literals of conditions, in deleted ones and after `previous is`",
+            help="bind a variable with `exists`, or a parameter, instead" if scope.place == "rule" else None,
         )
     return Typed(ir.Any_(term.span), UNKNOWN)
 
