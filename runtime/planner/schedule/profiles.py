@@ -50,8 +50,8 @@ def retimed(world: World, path: PhasePath, tick: float) -> PhasePath:
     rows = np.stack([path.modules[m][:, 7 + k] for m, k in moved], axis=1)
     joints = [world.modules[m].type.joints[k] for m, k in moved]
     limits = _Limits(*(np.array([getattr(j, name) for j in joints]) for name in ("speed", "acceleration", "jerk")))
-    made = _fastest_profile(rows, limits, tick)
-    if made is None or made[1] >= before.duration - 0.5 * tick:
+    made = _fastest_profile(rows, limits, tick, before.duration - 0.5 * tick)
+    if made is None:
         return before if limits.excess(_joints_of(before, moved), before.duration) <= 1.0 else path_as_is(path, tick)
     return _on_ticks(path, *made)
 
@@ -85,14 +85,14 @@ def _on_ticks(path: PhasePath, shares: Array, duration: float) -> PhasePath:
 # --- the law of time -----------------------------------------------------------------------------------------------
 
 
-def _fastest_profile(rows: Array, limits: _Limits, tick: float) -> tuple[Array, float] | None:
-    """Shares of the path's own time at ticks, and seconds: the shortest that keeps all limits with one of some ramps.
-    Longer ramps help only where jerk is limited."""
+def _fastest_profile(rows: Array, limits: _Limits, tick: float, below: float) -> tuple[Array, float] | None:
+    """Shares of the path's own time at ticks, and seconds `below` some: the shortest that keeps all limits with one of
+    some ramps. Longer ramps help only where jerk is limited."""
     curve = _Curve(rows)
     found: tuple[Array, float] | None = None
     factor = 1.0
     while factor < 64.0:
-        made = _profile(curve, limits, tick, factor)
+        made = _profile(curve, limits, tick, factor, below)
         if made is not None and (found is None or made[1] < found[1]):
             found = made
         if not np.isfinite(limits.jerk).any() or (found is not None and made is not None and made[1] > found[1]):
@@ -129,7 +129,9 @@ def _derivatives(values: Array, step: float) -> tuple[Array, Array]:
     return slopes_at_knots(values, bent) / step, bent / step**2
 
 
-def _profile(curve: _Curve, limits: _Limits, tick: float, factor: float) -> tuple[Array, float] | None:
+def _profile(
+    curve: _Curve, limits: _Limits, tick: float, factor: float, below: float
+) -> tuple[Array, float] | None:  # fmt: skip
     """With ramps `factor` times as long as they are at least. Where the stored spline passes a limit, that is lowered
     around there, a few times; what is left is slowed down as a whole."""
     ones = np.ones(len(curve.first))
@@ -145,11 +147,12 @@ def _profile(curve: _Curve, limits: _Limits, tick: float, factor: float) -> tupl
         slow, total = made, duration
         for _ in range(SCHEDULE.slower):
             excess = limits.excess(slow, total)
-            if excess <= 1.0:
+            slower = max(total * excess, total + tick)
+            if excess <= 1.0 or slower >= below:
                 break
-            stretch = max(total * excess, total + tick) / (law.duration + ramp)
+            stretch = slower / (law.duration + ramp)
             slow, times, total = _stored(curve, law, ramp, tick, stretch)
-        if limits.excess(slow, total) <= 1.0 and (best is None or total < best[1] - STILL):
+        if total < (below if best is None else best[1] - STILL) and limits.excess(slow, total) <= 1.0:
             best = times, total
         if best is not None and best[1] <= duration + tick + STILL:  # lower limits gain a tick at most
             break
