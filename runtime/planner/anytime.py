@@ -58,7 +58,7 @@ def _followed(steps: Steps, search: Callable[[], Clocked], most: int) -> int:
         if candidate is None:
             break
         most -= 1
-        if not steps.take(candidate) or steps.worth() >= best:
+        if steps.take(candidate) and steps.worth() >= best:
             break
     return most
 

@@ -103,6 +103,14 @@ def test_the_value_is_told_with_bounds_and_gap(
         assert objective["gap"][claim] == pytest.approx(objective["value"] - bound)
 
 
+def test_what_is_lighter_is_looked_for_behind_refused_candidates() -> None:
+    """Two crawlers are the first to come up, slow under their weight; four candidates later one alone does it."""
+    task = load(EXAMPLES / "real_climb.tamp")
+    (plan,) = task.solve(minimise="duration", time=300.0).plans
+    assert {phase.rule for phase in plan.record.phases} == {"step", "grasp"} and plan.record.times[-1] < 10.0
+    assert len({module for module, *_ in (phase.action.split("(")[1].split(".") for phase in plan.record.phases)}) == 1
+
+
 def test_plans_without_an_objective_are_what_they_were(tmp_path: Path) -> None:
     task = load(EXAMPLES / "climb.tamp", n=4)
     plain, asked = task.solve(time=60), task.solve(time=60, minimise="actions")

@@ -37,8 +37,8 @@ Mode = frozenset[Fact]
 class Pace:
     """What an action of a rule is worth at least: its `seconds` of motion, which makespan counts `makespan` times, and
     `more`, what the objective adds up over actions, beside `cost` times the action's own cost. With `ways`, actions
-    whose postures are known take as long as the way between them, others the `usual` seconds of their rule: no bound
-    any more, but what to expect."""
+    whose postures are known take as long as the way between them, as many times `slower` as those of their rule were,
+    others the `usual` seconds of their rule: no bound any more, but what to expect."""
 
     seconds: Mapping[str, float]
     more: Mapping[str, float]
@@ -46,6 +46,7 @@ class Pace:
     cost: float
     ways: Ways | None = None
     usual: Mapping[str, float] = field(default_factory=dict)
+    slower: Mapping[str, float] = field(default_factory=dict)
 
 
 class Ways:
@@ -210,8 +211,10 @@ class ClockedSearch:
     def _on_the_way(self, ways: Ways, step: _Step, number: int, last: tuple[int, ...]) -> float:
         found = [ways.seconds(self._modules[k], last[k], number) for k in step.waits]
         known = [seconds for seconds in found if seconds is not None]
-        usual = self._pace.usual.get(self._successors.action(number).rule, step.seconds)
-        return max(known, default=0.0) if len(known) == len(found) else usual
+        rule = self._successors.action(number).rule
+        if len(known) < len(found):
+            return self._pace.usual.get(rule, step.seconds)
+        return max(known, default=0.0) * self._pace.slower.get(rule, 1.0)
 
     def _added(self, number: int) -> float:
         rule = self._successors.action(number).rule

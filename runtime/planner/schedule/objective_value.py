@@ -20,7 +20,7 @@ from .profiles import STILL
 
 THESE, ANY, ALIKE = "these actions", "any actions", "any actions, none below those here"
 """What a bound holds for. Of the last, no action takes less than the least one of its rule in the plans that were made,
-and one of a rule that was never used no less than the least of all."""
+and one of a rule that was never used no less than the shortest way between switches takes straight ahead."""
 
 
 def valued(

@@ -58,7 +58,7 @@ class ScheduleSettings:
     )
     better: int = setting(
         4, "candidates", "How many candidates that may be better are taken to motion behind the first plan at most, "
-        "where no gap is asked for: no more once one was not better.",
+        "where no gap is asked for: no more once the plan of one was not better.",
         "Each may cost as much as the plan itself.",
     )
     worthwhile: float = setting(

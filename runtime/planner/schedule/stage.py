@@ -98,8 +98,13 @@ class Scheduler:
         slower, heavy = slowed(skeleton, faster, start_configuration(self._problem))
         if heavy:
             return [path_as_is(path, tick) for path in paths]
-        return [f if s.duration <= f.duration else path_as_is(replace(f, duration=s.duration), tick)
-                for f, s in zip(faster, slower, strict=True)]  # fmt: skip
+        return [self._borne(*laws, tick) for laws in zip(paths, faster, slower, strict=True)]
+
+    def _borne(self, path: PhasePath, faster: PhasePath, slower: PhasePath, tick: float) -> PhasePath:
+        """The fastest law where it need not be slower, else the better one of that and the law that the path has."""
+        if slower.duration <= faster.duration:
+            return faster
+        return path_as_is(min(replace(faster, duration=slower.duration), path, key=lambda p: p.duration), tick)
 
     def _best(
         self, skeleton: Skeleton, actions: Sequence[Action], order: Precedence, paths: Sequence[PhasePath],
