@@ -19,6 +19,7 @@ from .batch_kinematics import BatchKinematics, Indices
 from .collision_spheres import Lineage, seen_whole
 from .contact_margins import NEVER, REQUIRED, Kinds, cross_kinds
 from .joint_forest import PhaseTree
+from .pair_groups import PairGroups
 from .resting_shapes import Obstacle
 from .settings import PHASES
 
@@ -98,6 +99,10 @@ class ExactGeometry:
         parts = phases[0].parts
         self.nodes = np.array([p.node for p in parts], dtype=np.intp)
         self.pairs = np.array(phases[0].pairs, dtype=np.intp).reshape(-1, 2)
+        owners: dict[str, int] = {}
+        self.groups = PairGroups(
+            self.pairs, np.array([owners.setdefault(p.owner, len(owners)) for p in parts], dtype=np.intp)
+        )
         above = Lineage(phases[0].tree).above
         self.moved_by = above[self.nodes + 1]
         shapes: dict[Shape, int] = {NOTHING: 0}
@@ -146,6 +151,7 @@ class ExactGeometry:
         result = object.__new__(ExactGeometry)
         result.phases = [self.phases[i] for i in index]
         result.kinematics, result.nodes, result.pairs = self.kinematics.take(index), self.nodes, self.pairs
+        result.groups = self.groups
         result.moved_by, result.forms, result.half = self.moved_by, self.forms, self.half
         result._whole, result._rests_whole, result.wholes = self._whole[index], self._rests_whole[index], self.wholes
         result.form, result.rest, result.local = self.form[index], self.rest[index], self.local[index]
@@ -266,12 +272,23 @@ def near_entries(geometry: ExactGeometry, frames: Array, room: Array) -> list[En
         a, o, k = a[row], o[row], k[row]
         found.append(Entries(False, a, o, k, t, geometry.obstacle_kinds[a, o, k]))
     if len(geometry.pairs):
-        i, j = geometry.pairs.T
+        found.append(_pairs_near(geometry, centres, grown))
+    return found
+
+
+def _pairs_near(geometry: ExactGeometry, centres: Array, grown: Array) -> Entries:
+    i, j = geometry.pairs.T
+    if len(geometry.pairs) > PHASES.many_part_pairs:
+        p, k, t = geometry.groups.meeting(centres, grown)
+        apart = centres[i[p], :, k, t] - centres[j[p], :, k, t]
+        near = (apart * apart).sum(axis=1) < (grown[i[p], k, t] + grown[j[p], k, t]) ** 2
+        chosen = np.flatnonzero(near & (geometry.pair_kinds[p, k] != NEVER))
+        p, k, t = p[chosen], k[chosen], t[chosen]
+    else:
         apart = centres[i] - centres[j]
         near = (apart * apart).sum(axis=1) < (grown[i] + grown[j]) ** 2
         p, k, t = np.nonzero(near & (geometry.pair_kinds != NEVER)[:, :, None])
-        found.append(Entries(True, i[p], j[p], k, t, geometry.pair_kinds[p, k]))
-    return found
+    return Entries(True, i[p], j[p], k, t, geometry.pair_kinds[p, k])
 
 
 @dataclass(slots=True)

@@ -76,7 +76,7 @@ def penalty(batch: Batch, inner: Array, weight: float, widening: float = 1.0) ->
         amount, slope = (rows.scale * rows.amount)[order], (rows.scale[:, None] * rows.slope)[order]
         found, first = np.unique(rows.place[order], return_index=True)
         pull = weight * np.add.reduceat(slope * amount[:, None], first)
-        squares = weight * np.add.reduceat(slope[:, :, None] * slope[:, None, :], first)
+        squares = weight * np.array([rows.T @ rows for rows in np.split(slope, first[1:])])
         _spread(batch.looks, found, pull, squares, gradient, hessian)
     return Penalty(value, gradient, hessian, overlap)
 

@@ -15,6 +15,7 @@ from .collision_spheres import Ball, Lineage, Meetings, balls_around, moving_bal
 from .contact_margins import NEVER, Kinds, cross_kinds
 from .exact_check import PhaseParts, phase_parts
 from .joint_forest import PhaseTree
+from .pair_groups import PairGroups
 from .resting_shapes import Obstacle
 
 
@@ -72,9 +73,8 @@ class Geometry:
         number = np.zeros(len(balls), np.intp)
         for group, (_, mine, _) in enumerate(self.points.groups):
             number[mine] = group
-        self.joined, self.join = np.unique(number[self.pairs], axis=0, return_inverse=True)
-        """The pairs `(joins, 2)` of nodes, by their place in the groups of the points, between whose spheres pairs are,
-        and of each pair that of its nodes."""
+        self.groups = PairGroups(self.pairs, number)
+        """The pairs by the nodes that carry their spheres."""
         count = max(len(p.obstacles) for p in parts)
         self.shapes = Shapes([
             [(o.shape, o.pose) for o in p.obstacles] + [None] * (count - len(p.obstacles)) for p in parts
@@ -107,7 +107,7 @@ class Geometry:
         result.kinematics, result.points = self.kinematics.take(index), self.points.take(index)
         result.radius, result.moved_by, result.pairs = self.radius, self.moved_by, self.pairs
         result.touching, result.shapes = self.touching, self.shapes.take(index)
-        result.joined, result.join = self.joined, self.join
+        result.groups = self.groups
         result.obstacle_kinds = self.obstacle_kinds[:, :, index]
         result.pair_kinds = self.pair_kinds[:, index]
         return result

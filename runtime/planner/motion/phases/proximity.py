@@ -74,13 +74,9 @@ def _near_by_nodes(
     geometry: Geometry, points: Array, margin: float
 ) -> tuple[Indices, Indices, Indices, Array]:  # fmt: skip
     """The same, by boxes around the spheres of each node first."""
-    groups = geometry.points.groups
-    order, first = np.concatenate([mine for _, mine, _ in groups]), np.cumsum([0, *(len(m) for _, m, _ in groups[:-1])])
-    ordered, radius = points[order], geometry.radius[order, :, :, None] + margin / 2
-    low, high = np.minimum.reduceat(ordered - radius, first), np.maximum.reduceat(ordered + radius, first)
-    one, other = geometry.joined.T
-    meet = ((low[one] <= high[other]) & (low[other] <= high[one])).all(axis=1)
-    p, k, t = np.nonzero(meet[geometry.join.ravel()] & (geometry.pair_kinds != NEVER)[..., None])
+    p, k, t = geometry.groups.meeting(points, geometry.radius + margin / 2)
+    kept = np.flatnonzero(geometry.pair_kinds[p, k] != NEVER)
+    p, k, t = p[kept], k[kept], t[kept]
     apart = points[geometry.pairs[p, 0], :, k, t] - points[geometry.pairs[p, 1], :, k, t]
     near = np.einsum("mi,mi->m", apart, apart) < (geometry.touching[p, 0, 0] + margin) ** 2
     return p[near], k[near], t[near], apart[near]

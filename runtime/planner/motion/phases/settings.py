@@ -59,6 +59,10 @@ class PhaseSettings:
         "Of more pairs of spheres of moving things, boxes around the spheres of each joint are looked at first.",
         "a crawler has some hundred, a chain of eight more than ten thousand",
     )
+    many_part_pairs: int = setting(
+        300, "pairs", "Of more pairs of true shapes, boxes around all of each thing are looked at first.",
+        "two docked crawlers have 105, four 465; twelve took half a gigabyte otherwise",
+    )
     made: float = setting(1e-4, "rad or m", "How near to its end a path comes that was made, radians or metres.")
     many_spheres: int = setting(
         16, "spheres", "From how many spheres of its cover on the optimiser sees a box or a cylinder as it is.",
