@@ -110,6 +110,17 @@ def test_contradiction_stalls() -> None:
     assert worst[0].amount == pytest.approx(0.5, abs=0.1)
 
 
+def test_what_cannot_come_nearer_is_given_up_soon() -> None:
+    """A sphere and a plane that do not meet: between them both rows are missed, and no step changes that."""
+    sphere = NormGroup(np.array([[0, 1, 2, 3]]))
+    away = linear("equality", [[1.0]], [1.5], [[0]])
+    pull = linear("cost", [[0.3]] * 4, [0.0, 0.3, 0.2, 0.0], [[0], [1], [2], [3]])
+    outcome = solve(Program(np.zeros(0), 4, [sphere, away, pull]), np.full(4, 0.4), SolverOptions(), Budget(None))
+    assert outcome.status == "stalled"
+    assert outcome.iterations < 15  # 24 until all penalties have grown
+    assert outcome.x[0] == pytest.approx(1.09, abs=0.01)
+
+
 def test_what_costs_hold_off_at_first_is_not_given_up() -> None:
     """A cost that weighs as much as rows at first keeps a unit quaternion from being one."""
     norm = NormGroup(np.arange(4).reshape(1, 4))

@@ -121,11 +121,20 @@ class _Descent:
         self.last = violation
 
 
+def _promise(program: Program, x: Array, residuals: tuple[Array, Array, Array]) -> float:
+    """The share of the squared violation that a damped step on violated rows alone would take away, to first order,
+    where some are."""
+    none = (np.zeros_like(residuals[1]), np.zeros_like(residuals[2]))
+    system = program.system(x, residuals, none, 1.0, costs=False)
+    missed = np.concatenate([residuals[1], np.maximum(residuals[2], 0.0)])
+    return -float(system.gradient @ system.step(SOLVER.promise_damping)[0]) / float(missed @ missed)
+
+
 def solve(program: Program, start: Array, options: SolverOptions, budget: Budget) -> SolverResult:
     """Minimise `program` from `start`. Stops feasible, not at an optimum. Raises OutOfTime."""
     run = _Descent(program, start, options)
     best, best_at = np.inf, 0
-    near = options.projected
+    near, poor = options.projected, 0
     for iteration in range(options.iterations):
         budget.check()
         step = run.step()
@@ -136,6 +145,11 @@ def solve(program: Program, start: Array, options: SolverOptions, budget: Budget
             best, best_at = violation, iteration
         if iteration - best_at > options.stall and best > SOLVER.hopeless:
             return SolverResult(run.x, iteration + 1, SolverStatus.STALLED)
+        if iteration % SOLVER.promise_period == 0:
+            slow = violation > SOLVER.hopeless and step < SOLVER.promise_step
+            poor = poor + 1 if slow and _promise(program, run.x, run.residuals) < SOLVER.promise else 0
+            if poor == SOLVER.promises:
+                return SolverResult(run.x, iteration + 1, SolverStatus.STALLED)
         if violation < near and step < SOLVER.settled * options.inner_tolerance:
             x = project(program, run.x, options.tolerance, budget, SOLVER.projections)
             if _violation(program.residuals(x)) < options.tolerance:

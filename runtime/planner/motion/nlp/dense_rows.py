@@ -20,10 +20,12 @@ class DenseRows:
     def __init__(self, groups: Sequence[RowGroup], first_unknown: int, unknowns: int) -> None:
         self._groups, self._first, self._width = groups, first_unknown, unknowns + 1
         self._rows = 0
-        self._targets: list[Indices] = []
+        targets = [np.zeros(0, dtype=np.int64)]
         for group in groups:
-            self._targets.append(self.targets(group.span(), self._rows, group.shape[1]))
+            targets.append(self.targets(group.span(), self._rows, group.shape[1]))
             self._rows += group.shape[0] * group.shape[1]
+        self._always = np.concatenate(targets)
+        self._last: tuple[Array | None, Array] = (None, np.zeros(0))
 
     def columns(self, places: Indices) -> Indices:
         """The columns of places in z; what is no unknown has one of its own behind the others."""
@@ -36,8 +38,10 @@ class DenseRows:
 
     def matrix(self, z: Array, pushing: Sequence[tuple[Array, Indices]]) -> Array:
         """All rows at z `(rows, unknowns)`, behind them Jacobians of what pushes with their places."""
-        values = [group.jacobians(z, ALL)[0].ravel() for group in self._groups]
-        targets, rows = list(self._targets), self._rows
+        if self._last[0] is not z:
+            nothing = np.zeros(0)
+            self._last = z, np.concatenate([nothing, *(g.jacobians(z, ALL)[0].ravel() for g in self._groups)])
+        values, targets, rows = [self._last[1]], [self._always], self._rows
         for jacobian, places in pushing:
             values.append(jacobian.ravel())
             targets.append(self.targets(places, rows, jacobian.shape[1]))
