@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import msgspec
 import pytest
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, Page
 
 from tamplang.runtime.plan import Plan
 from tamplang.runtime.report import write_report
@@ -251,6 +252,33 @@ def test_names_and_views(opened: Opened) -> None:
     page.click("#whole")
 
 
+PLAY = """async data => {
+  const film = document.createElement("video");
+  film.muted = true;
+  film.src = URL.createObjectURL(new Blob([Uint8Array.from(atob(data), c => c.charCodeAt(0))]));
+  await new Promise((go, fail) => { film.onloadeddata = go; film.onerror = () => fail(film.error.message); });
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [film.videoWidth, film.videoHeight];
+  const drawing = canvas.getContext("2d"), pictures = [];
+  for (const moment of [0, 1e6]) {
+    await new Promise(go => { film.onseeked = go; film.currentTime = moment; });
+    drawing.drawImage(film, 0, 0);
+    pictures.push(canvas.toDataURL());
+  }
+  return [film.videoWidth, film.videoHeight, pictures];
+}"""
+
+
+def played(page: Page, film: bytes) -> tuple[int, int, list[str]]:
+    """Width and height of a film, and its first and last picture, as another page plays it."""
+    browser = page.context.browser
+    assert browser is not None
+    other = browser.new_page()
+    width, height, pictures = other.evaluate(PLAY, base64.b64encode(film).decode())
+    other.close()
+    return width, height, pictures
+
+
 def test_pictures_are_saved_and_paper_gets_one_per_switch(opened: Opened) -> None:
     page = opened.page
     with page.expect_download() as saved:
@@ -261,6 +289,9 @@ def test_pictures_are_saved_and_paper_gets_one_per_switch(opened: Opened) -> Non
     with page.expect_download() as film:
         page.click("#film")
     assert film.value.suggested_filename.startswith("climb.")
+    width, height, pictures = played(page, Path(film.value.path()).read_bytes())
+    assert width >= 300 and height >= 200
+    assert len(set(pictures)) == len(pictures)
     page.select_option("#speed", "1")
     opened.seek(0.0)
     page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
