@@ -156,7 +156,10 @@ def _foreign(declaration: syntax.Import) -> Diagnostic:
     head, _, tail = declaration.target.partition(".")
     own = declaration.target.replace(".", "/") + EXTENSION
     help = f'files of your own are quoted: `import "{own}"`'
-    if (tail or head) in neighbours(STANDARD_FOLDER / "any"):
+    known = neighbours(STANDARD_FOLDER / "any")
+    if declaration.target == STANDARD:
+        help = "name what you want of the standard library: " + ", ".join(f"{STANDARD}.{name}" for name in known)
+    elif (tail or head) in known:
         help = f"did you mean `import {STANDARD}.{tail or head}`?"
     return Diagnostic("E0111", f"nothing to import under {declaration.target}", declaration.span, (), help)
 

@@ -56,6 +56,12 @@ def _groups(text: str) -> list[str]:
     return found
 
 
+def _component(match: re.Match[str]) -> str:
+    """`position(X).z`, along an axis of the world."""
+    axis = ", ".join(str(int(match[3] == letter)) for letter in "xyz")
+    return f"dot({match[2]}, ({axis}))"
+
+
 def _infix(match: re.Match[str]) -> str:
     """`(and (a X) (not (b X)))`, with the word between its parts."""
     parts = [re.sub(r"^\(\s*not\s+(\(.*\))\s*\)$", r"not \1", part) for part in _groups(match[2])]
@@ -171,6 +177,12 @@ IDIOMS = (
            "a parameter has a type", _typed_parameter, code="E0003"),
     _idiom(r"\b(?:at|normal|by|along)[ \t]*(?P<x>[\[{]([^\[\]{}\n]*)[\]}])", "a vector stands in parentheses", r"(\2)"),
     _idiom(r"^[ \t]*(?:goal|fact|guide|pre|where|post|cost|start)(?P<x>[ \t]*[:=])", "no sign stands behind this word"),
+    _idiom(r"^[ \t]*(?P<x>(?:(?:at|on)(?:_?[Ss]witch|[ \t]+(?:the|a|each|every)[ \t]+switch)|(?:on|when)[ \t]+switch)"
+           r"\b(?:[ \t]*:)?)", "a row of switches begins with two words", "at switch"),
+    _idiom(rf"(?P<x>({NAME}[ \t]*\([^()\n]*\))[ \t]*\.[ \t]*([xyz])\b)", "a vector has no parts of its own",
+           _component),
+    _idiom(r"(?P<x>,)(?=[ \t]*(?:at|on|in|heading|normal|home|mass|density|torque|speed|holds)\b)",
+           "what is said of an item stands side by side"),
 )  # fmt: skip
 
 
