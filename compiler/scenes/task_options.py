@@ -41,7 +41,7 @@ def _word(context: Context, option: Option, term: syntax.Term) -> str | None:
     word = _text(term)
     if word in option.choices:
         return word
-    near = did_you_mean(word or "", option.choices) if len(word or "") > 3 else None
+    near = did_you_mean(word or "", option.choices) if len(word or "") > 2 else None
     help = near or f"{option.name} is one of {', '.join(option.choices)}"
     context.findings.report("E0210", term.span, f"option `{option.name}` does not take this value", help=help)
     return None
