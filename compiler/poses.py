@@ -94,6 +94,7 @@ def between(a: Vec3, b: Vec3) -> Quaternion:
 def unit(v: Sequence[float]) -> Vec3 | None:
     """`v` scaled to length 1, or None for the zero vector."""
     n = math.sqrt(sum(x * x for x in v))
+    n = n if n < math.inf else math.hypot(*v)
     return (v[0] / n, v[1] / n, v[2] / n) if n > 1e-12 else None
 
 

@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 from xml.parsers import expat
 
 from ..langs.source import Source, Span
+from .xml_marks import COMMENT, DATA, replaced
 
 DEEPEST = 100
 """Elements inside each other. A link needs 5; what is far deeper was made to harm who walks down."""
@@ -26,8 +27,7 @@ _AMPERSAND = re.compile(r"&(?!#?\w+;)")
 _STANDING_FOR_IT = "\ue000"
 """A character that no file has, in place of a `&` that begins no entity, which other readers take as it is."""
 _DOCUMENT_TYPE = re.compile(rb"<!\s*(DOCTYPE|ENTITY)", re.IGNORECASE)
-_DECLARATION = re.compile(r"\s*<\?xml[^>]*\?>")
-_HIDDEN = re.compile(r"<!\[CDATA\[.*?\]\]>|<!--.*?-->", re.DOTALL)
+_DECLARATION = re.compile(r"\A\s*<\?xml[^>]*\?>")
 
 
 class XmlError(Exception):
@@ -79,7 +79,7 @@ def read_xml(text: str) -> ElementTree.Element:
     parser = expat.ParserCreate("utf-8")
     parser.ordered_attributes = False
     try:
-        plain = _HIDDEN.sub(_blanks, _DECLARATION.sub(_blanks, text, count=1))
+        plain = replaced(_DECLARATION.sub(lambda m: _blanks(m[0]), text, count=1), (COMMENT, DATA), _blanks)
         content = _AMPERSAND.sub(_STANDING_FOR_IT, plain).encode()
     except UnicodeEncodeError:
         raise XmlError("this is not XML", 1, 1) from None
@@ -136,6 +136,6 @@ def _error(parser: expat.XMLParserType, message: str) -> XmlError:
     return XmlError(message, parser.ErrorLineNumber, parser.ErrorColumnNumber + 1)
 
 
-def _blanks(match: re.Match[str]) -> str:
+def _blanks(hidden: str) -> str:
     """Blanks in place of a comment, so that all else keeps its line and column."""
-    return match[0] if match[0].startswith("<![") else re.sub(r"[^\n]", " ", match[0])
+    return hidden if hidden.startswith(DATA[0]) else re.sub(r"[^\n]", " ", hidden)

@@ -189,7 +189,7 @@ class _CatalogueReading:
             for connector in _list(bodies[body], "connectors"):
                 gender = GENDERS.get(str(connector.get("gender", "h")).lower())
                 if gender is None:
-                    raise _Unfit(f"connector `{_id(connector)}` is of gender `{connector['gender']}`")
+                    raise _Unfit(f"connector `{_id(connector)}` is of gender `{str(connector['gender'])[:40]}`")
                 name = names.fresh(_id(connector))
                 ends.append(RobotEnd(name, "connector", body, _pose(connector.get("pose"))))
                 size = json.dumps([connector.get("type", ""), connector.get("size", [])])

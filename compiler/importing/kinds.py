@@ -9,10 +9,10 @@ from pathlib import PurePath
 
 from ...langs.diagnostics import Diagnostic
 from ...langs.frozen import dataclass
+from ..xml_marks import COMMENT, INSTRUCTION, replaced
 
 HEAD = 64_000
 """Bytes that are looked at: comments may stand before what tells the kind."""
-_BESIDE = re.compile(r"<!--.*?-->|<\?.*?\?>", re.DOTALL)
 _PDDL = re.compile(r"\(\s*define\s*\(\s*(domain|problem)\b", re.IGNORECASE)
 _CATALOGUE = re.compile(r'"(modules|joints|bodies|obstacles)"\s*:')
 _COMMENT = re.compile(r";[^\n]*")
@@ -67,7 +67,7 @@ def kind_of_text(path: str, head: str) -> FileKind | None:
     ending = PurePath(path).suffix.lower()
     if ending == ".tamp":
         return None
-    text = _BESIDE.sub("", head).lstrip()
+    text = replaced(head, (COMMENT, INSTRUCTION), lambda _: "").lstrip()
     if match := re.match(r"<([\w:.-]+)", text):
         key = _ROOTS.get(match[1])
         if key == "urdf" and (ending == ".xacro" or "<xacro:" in text):

@@ -244,8 +244,12 @@ def import_mjcf(source: Source) -> Models:
 
 def _compiled(mujoco: Any, text: str, assets: dict[str, bytes]) -> Compiled | str:
     """What MuJoCo makes of the text, or what it says is wrong with it."""
+    import warnings
+
     try:
-        model = mujoco.MjSpec.from_string(text, assets=assets).compile()
+        with warnings.catch_warnings():  # what MuJoCo warns of is how it would simulate
+            warnings.simplefilter("ignore")
+            model = mujoco.MjSpec.from_string(text, assets=assets).compile()
     except (ValueError, RuntimeError) as error:
         return str(error)
     return Compiled.of(mujoco, model)

@@ -192,6 +192,9 @@ class _Builder:
             shown = zip(("yaw", "pitch", "roll"), AXES, strict=True)
             return [(f"{name}.{n}", "revolute", (x, y, z), a, IDENTITY, -math.pi, math.pi) for n, a in shown]
         i, j, k = self.v["jnt_axis"][joint]
+        if i == j == k == 0:
+            self._leave("joint", name, f"the axis of joint `{name}` is no direction, and the joint is held")
+            return []
         start = self.v["qpos0"][self.v["jnt_qposadr"][joint]]
         turn = make((0.0, 0.0, 0.0), about((i, j, k), -start))
         shift = turn if kind == HINGE else make((-start * i, -start * j, -start * k), STRAIGHT)

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from xml.sax.saxutils import quoteattr
 
+from ..checks.values import LONGEST
 from ..ir import Pose, Shape, ShapeKind, Vec3
 from ..poses import compose, make, orientation, rotate
 from .models import (
@@ -28,7 +29,7 @@ from .models import (
 )
 
 MOST = 1e9
-"""Metres and other units: what is larger is a mistake, and no number for a scene."""
+"""What is larger is a mistake, and no number for a scene."""
 
 
 def program(models: Models, files: dict[str, str], scene: str) -> str:
@@ -161,6 +162,8 @@ def urdf(robot: RobotModel) -> str:
 
 
 def _geometry(form: Form) -> str:
+    for size in form.size:
+        _within(size)
     if form.kind == "box":
         return f'<box size="{_xyz(form.size)}"/>'
     if form.kind == "sphere":
@@ -171,6 +174,8 @@ def _geometry(form: Form) -> str:
 
 
 def _origin(pose: Pose) -> str:
+    for place in pose[:3]:
+        _within(place)
     turn = "" if pose[3:6] == (0.0, 0.0, 0.0) else f' quat_xyzw="{_xyz(pose[3:])}"'
     return f'<origin xyz="{_xyz(pose[:3])}"{turn}/>'
 
@@ -190,7 +195,14 @@ def _number(value: float) -> str:
     return f"{value:.15g}".replace("e+", "e")
 
 
+def _within(metres: float) -> None:
+    """Raises OverflowError for a size or a place that no scene has."""
+    if not abs(metres) <= LONGEST:
+        raise OverflowError(f"{metres:g} m")
+
+
 def _length(value: float) -> str:
+    _within(value)
     return "0 m" if value == 0 else f"{_number(value)} m"
 
 

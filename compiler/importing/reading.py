@@ -9,6 +9,7 @@ from ...langs.formatter import format_made
 from ...langs.frozen import dataclass
 from ...langs.reader import read_bytes
 from ...langs.source import Source, Span
+from .faults import MOST_FAULTS
 from .kinds import KINDS, FileKind, kind_of_text
 from .model_texts import program, urdf
 from .models import Models
@@ -86,12 +87,13 @@ def _models(source: Source, key: str) -> Models:
 
 def _imported(models: Models, stem: str, source: Source) -> Imported:
     if not models.robots and not models.things and not models.declarations:
-        raise _refusal("E0020", f"`{source.path}` holds no robot and no body that others may hit")
+        nothing = Diagnostic("E0020", f"`{source.path}` holds no robot and no body that others may hit")
+        raise SourceError([nothing, *models.told[:MOST_FAULTS]])
     start = Span(source.path, 0, 0, 1, 1, 1, 1)
     models.told += [Diagnostic("W0019", message, start) for message in cut_roots(models)]
     names = {robot.name: _file_name(stem, robot.name, k) for k, robot in enumerate(models.robots, 1)}
-    texts = {names[robot.name]: urdf(robot) for robot in models.robots}
     try:
+        texts = {names[robot.name]: urdf(robot) for robot in models.robots}
         text = format_made(program(models, names, plain_name(stem)))
     except OverflowError as error:
         raise _refusal("E0022", f"`{source.path}` puts something at {error}: that is no place in a scene") from None

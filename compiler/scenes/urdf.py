@@ -16,12 +16,11 @@ from ...langs.source import Source
 from .. import ir
 from ..checks.context import Context
 from ..checks.names import Scope
-from ..hulls import HullError, convex_shape, corners_around
+from ..checks.values import LONGEST
 from ..physics.masses import shape_volume
 from ..physics.statements import StatedPart
 from ..physics.urdf_inertials import UnfitInertia, read_inertial
 from ..poses import compose, inverse, make, orientation, part_pose, position, rotate
-from ..unions import union, union_in_place
 from ..urdf_files import mesh_name
 from .covered_links import covers
 from .urdf_joints import JointBuilder
@@ -156,6 +155,8 @@ def _made(
     """The shapes of an element: of a hollow mesh its parts, as one shape where it is taken as a `whole`."""
     body = reading.context.library.meshes.get(mesh_name(reading.source.path, form)) if form.tag == "mesh" else None
     if body is not None and body.parts:
+        from ..unions import union
+
         parts = [(ir.Shape(ir.ShapeKind.CONVEX, size), middle) for size, middle in body.parts]
         return [union([(middle, shape) for shape, middle in parts])] if whole else parts
     made = _shape(reading, link, form)
@@ -185,6 +186,8 @@ def _shape(reading: Reading, link: str, form: ElementTree.Element) -> tuple[ir.S
     sizes = tuple(s for s in size if s is not None)
     if min(sizes) < 0:
         reading.fault(form, f"the {form.tag} of link `{link}` has a size of {min(sizes):g} m")
+    elif max(sizes) > LONGEST:
+        reading.fault(form, f"the {form.tag} of link `{link}` is larger than {LONGEST:g} m")
     elif min(sizes) == 0:
         reading.warn(form, f"the {form.tag} of link `{link}` has no volume and is left out")
     else:
@@ -228,6 +231,9 @@ def _effector(
         return None
     shape, place = found[0].link.shape, found[0].link.placement
     if len(found) > 1 or end.item.at is not None or end.item.normal is not None:
+        from ..hulls import HullError
+        from ..unions import union_in_place
+
         place = own.placement
         try:
             shape = union_in_place([part for s in found for part in _seen_from(place, s.link)])
@@ -243,6 +249,8 @@ def _effector(
 def _seen_from(frame: ir.Pose, link: ir.Link) -> Iterator[tuple[ir.Vec3, ir.Shape]]:
     """The convex parts of a link's shape, turned like a frame, and where they are in it: what is turned otherwise, and
     is no ball, as the body around it."""
+    from ..hulls import convex_shape, corners_around
+
     at = compose(inverse(frame), link.placement)
     for part in link.shape.solids:
         pose = part_pose(at, part)

@@ -11,6 +11,7 @@ from ...langs.frozen import dataclass
 from ...langs.source import Source, Span
 from .. import ir
 from ..checks.context import Context
+from ..checks.values import LONGEST
 from ..poses import make, unit
 from ..urdf_files import at_least_1_1, three, turned
 from ..xml_texts import XmlError, read_xml, span_of
@@ -218,6 +219,9 @@ class Reading:
             found = (math.nan,) * 3
         if not all(map(math.isfinite, found)):
             self.fault(element, f"`{name}` of this `{element.tag}` is not three numbers", _to_make(element.get(name)))
+            return None
+        if element.tag != "axis" and max(map(abs, found)) > LONGEST:
+            self.fault(element, f"`{name}` of this `{element.tag}` is beyond {LONGEST:g} m")
             return None
         return found
 

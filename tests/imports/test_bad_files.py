@@ -86,6 +86,10 @@ BAD: dict[str, Callable[[str], str]] = {
     + ("\nInclude: </dev/zero>" if "ssBox" in t else ""),
     "with many thousand elements": lambda t: t.replace("><", ">" + "<a/>" * 20_000 + "<", 1).replace(
         '"joints": [', '"x": [' + "0, " * 50_000 + '0], "joints": [') + " " * 1_000_000,
+    "with comments that never end": lambda t: "<!--" * 100_000 + t,
+    "with instructions that never end": lambda t: "<?" * 200_000 + t,
+    "behind many blanks": lambda t: " " * 900_000 + t,
+    "far away": lambda t: t.replace("0 0 1", "0 0 1e300").replace('radius="', 'radius="1e300'),
     "with a null": lambda t: t.replace('"b"', "null").replace("[", "[null, "),
     "with letters of other scripts": lambda t: t.replace('"a"', '"\u0661\u4e2d"').replace("a (", "\u0661 ("),
 }
