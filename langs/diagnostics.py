@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 
 from .frozen import dataclass
-from .source import Span
+from .source import Source, Span
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,16 +40,9 @@ class Diagnostic:
         """What a notebook shows: the message as on a terminal, with its lines where the file can be read."""
         from html import escape
 
-        from .reader import read_source
         from .render import render
 
-        sources = {}
-        for file in {s.file for s in (self.span, *(x.span for x in self.labels)) if s is not None}:
-            try:
-                sources[file] = read_source(file)
-            except Error:
-                continue
-        return f"<pre>{escape(render([self], sources))}</pre>"
+        return f"<pre>{escape(render([self], sources_of([self])))}</pre>"
 
 
 class Error(Exception):
@@ -62,6 +55,20 @@ class SourceError(Error):
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
         self.diagnostics = tuple(diagnostics)
         super().__init__("; ".join(f"{d.code} {d.message}" for d in self.diagnostics))
+
+
+def sources_of(diagnostics: Iterable[Diagnostic]) -> dict[str, Source]:
+    """The texts that diagnostics speak of, by path, as far as they can be read."""
+    from .reader import read_source
+
+    spans = [span for d in diagnostics for span in (d.span, *(x.span for x in d.labels)) if span is not None]
+    sources = {}
+    for file in {span.file for span in spans}:
+        try:
+            sources[file] = read_source(file)
+        except Error:
+            continue
+    return sources
 
 
 class UsageError(Error):

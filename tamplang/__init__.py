@@ -14,17 +14,19 @@ if TYPE_CHECKING:
     from .runtime.native import MissingLibrary
     from .runtime.parallel import ClusterUnavailable
     from .runtime.plan_files import PlanFileError
+    from .runtime.simulation.actuators import Noise
     from .texts import Text, degrees, fill, metres, radians
 
 __all__ = [
-    "ClusterUnavailable", "Error", "MissingLibrary", "OutOfTime", "Plan", "PlanFileError", "Result", "RunResult",
-    "SourceError", "Task", "Text", "UsageError", "__version__", "degrees", "fill", "load", "loads", "metres", "radians",
-    "read_plan",
+    "ClusterUnavailable", "Error", "MissingLibrary", "Noise", "OutOfTime", "Plan", "PlanFileError", "Result",
+    "RunResult", "SourceError", "Task", "Text", "UsageError", "__version__", "degrees", "fill", "load", "loads",
+    "metres", "radians", "read_plan",
 ]  # fmt: skip
 _HOMES = {
     "ClusterUnavailable": ".runtime.parallel",
     "Error": ".langs.diagnostics",
     "MissingLibrary": ".runtime.native",
+    "Noise": ".runtime.simulation.actuators",
     "OutOfTime": ".runtime.budget",
     "PlanFileError": ".runtime.plan_files",
     "SourceError": ".langs.diagnostics",
@@ -50,5 +52,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """All names, also those that are not loaded yet."""
-    return sorted({*globals(), *__all__})
+    """What is offered, also what is not loaded yet, and the module's own attributes."""
+    return sorted({*(name for name in globals() if name.startswith("__")), *__all__})

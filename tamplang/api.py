@@ -5,7 +5,9 @@ Importing this module loads nothing of the planner; each function loads what it 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Plan", "Result", "RunResult", "Task", "load", "loads", "read_plan", "task_of_plan"]
 
+ENGINE = "mujoco"
 BESIDE_OPTIONS = ("horizon", "jobs", "cluster", "progress", "found")
 """What `Task.solve` takes besides the planner's options."""
 RUN_OPTIONS = ("plan", "horizon", "noise", "latency", "time", "seed", "engine", "minimise", "progress")
@@ -48,9 +51,10 @@ def load(path: str | PathLike[str], /, task: str | None = None, seed: int = 0, *
     from .runtime.native import prefer_one_thread
 
     prefer_one_thread()
+    _check_seed(seed)
     texts = {name: str(value) for name, value in parameters.items()}
-    problem, warnings = compile_problem(path, task, texts, seed)
-    return Task(problem, warnings)
+    with _shown_as_on_the_terminal():
+        return Task(*compile_problem(path, task, texts, seed))
 
 
 def loads(text: str, /, task: str | None = None, seed: int = 0, **parameters: str | float) -> Task:
@@ -64,8 +68,39 @@ def loads(text: str, /, task: str | None = None, seed: int = 0, **parameters: st
     from .runtime.native import prefer_one_thread
 
     prefer_one_thread()
+    _check_seed(seed)
+    if not isinstance(text, str):
+        from .langs.diagnostics import UsageError
+
+        raise UsageError(f"a program is a text, not {text!r:.40}")
     texts = {name: str(value) for name, value in parameters.items()}
-    return Task(*compile_text(str(text), "<text>", task, texts, seed))
+    with _shown_as_on_the_terminal(str(text)):
+        return Task(*compile_text(str(text), "<text>", task, texts, seed))
+
+
+@contextmanager
+def _shown_as_on_the_terminal(text: str = "") -> Iterator[None]:
+    """Around what compiles: a traceback ends with all that is wrong, with its lines, as the command shows it."""
+    from .langs.diagnostics import SourceError
+
+    try:
+        yield
+    except SourceError as error:
+        from .langs.diagnostics import sources_of
+        from .langs.render import render
+        from .langs.source import Source
+
+        sources = {**sources_of(error.diagnostics), "<text>": Source("<text>", text)}
+        error.add_note(f"\n{render(error.diagnostics, sources)}")
+        raise
+
+
+def _check_seed(seed: object) -> None:
+    """Raises UsageError unless a seed is a whole number."""
+    if isinstance(seed, bool) or not isinstance(seed, int):
+        from .langs.diagnostics import UsageError
+
+        raise UsageError(f"a seed is a whole number, not {seed!r}")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -192,10 +227,26 @@ class Task:
             raise UsageError(f"there is no option `{name}`", help=did_you_mean(name, RUN_OPTIONS))
         check_given("python", {"minimise": minimise, "time": time})
         _check_count("horizon", horizon, "auto")
+        _check_seed(seed)
+        _check_run(noise, latency, engine)
         record = None if plan is None else record_of(plan)
         told = run_callback(progress)
         found = execute(self.problem, record, horizon, noise, time, seed, latency, told, engine, minimise)
         return RunResult(*found)
+
+
+def _check_run(noise: object, latency: object, engine: object) -> None:
+    """Raises UsageError unless these options of a run are None or what they should be."""
+    from .langs.diagnostics import UsageError, did_you_mean
+    from .runtime.simulation.actuators import Noise
+
+    if noise is not None and not isinstance(noise, Noise):
+        raise UsageError(f"option `noise` is a `tamplang.Noise`, not {noise!r}")
+    number = isinstance(latency, int | float) and not isinstance(latency, bool) and 0.0 <= latency < math.inf
+    if latency is not None and not number:
+        raise UsageError(f"option `latency` is a number of seconds from 0, not {latency!r}")
+    if engine not in (None, ENGINE):
+        raise UsageError(f"option `engine` is {ENGINE}, not {engine!r}", help=did_you_mean(str(engine), [ENGINE]))
 
 
 def _check_count(name: str, value: object, word: str | None = None) -> None:

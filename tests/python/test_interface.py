@@ -7,6 +7,7 @@ import math
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas
@@ -138,3 +139,32 @@ def test_progress_goes_to_functions_and_to_bars() -> None:
     assert bar.total == 20.0 and 0.0 < bar.n < 20.0 and steps
     with pytest.raises(tamplang.UsageError, match="progress"):
         tamplang.loads(LAMP).solve(progress=3)
+
+
+def test_a_traceback_ends_with_what_the_terminal_shows() -> None:
+    with pytest.raises(tamplang.SourceError) as raised:
+        tamplang.loads("rule light( { post (lit) }")
+    (note,) = raised.value.__notes__
+    assert "error[E0005]" in note and "rule light( { post (lit) }" in note and "^" in note
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        ({"noise": 3}, "tamplang.Noise"), ({"engine": "mujco"}, "did you mean `mujoco`"),
+        ({"latency": -1}, "seconds from 0"), ({"seed": "a"}, "whole"),
+    ],
+)  # fmt: skip
+def test_what_a_run_does_not_take_is_told(options: dict[str, object], word: str) -> None:
+    run: Any = tamplang.loads(LAMP).run
+    with pytest.raises(tamplang.UsageError, match=word):
+        run(**options)
+
+
+def test_what_is_no_program_and_no_seed_is_told() -> None:
+    loads: Any = tamplang.loads
+    with pytest.raises(tamplang.UsageError, match="a program is a text"):
+        loads(None)
+    with pytest.raises(tamplang.UsageError, match="a seed is a whole number"):
+        loads(LAMP, seed="a")
+    assert tamplang.Noise(drive=0.0).drive == 0.0 and "_HOMES" not in dir(tamplang)
