@@ -41,7 +41,10 @@ class Space(Protocol):
 
 
 class _Checker:
-    """Whether poses of one phase are free, on what the optimiser sees, with the contacts of the phase exempt."""
+    """Whether poses of one phase are free, on what the optimiser sees, with the contacts of the phase exempt. What is
+    thin is missed between them unless edges are looked at `closely`."""
+
+    closely = True
 
     def __init__(self, batch: Batch, phase: int) -> None:
         self.batch = batch.take(np.array([phase]))
@@ -78,7 +81,7 @@ class _Checker:
         poses = starts[edge] + (number / count[edge])[:, None] * way[edge]
         blocked = np.where(self.free(poses), len(edge), number)
         until = np.minimum(np.minimum.reduceat(blocked, first) - 1, count)
-        if until.any():
+        if self.closely and until.any():
             until = self._looked_at_closely(starts, way / count[:, None], until)
         return starts + (until / count)[:, None] * way, until == count
 
@@ -232,6 +235,19 @@ def resample(line: Array, slices: int) -> Array:
     return _along(line, share * share * (3.0 - 2.0 * share))
 
 
+def _connected(
+    checker: _Checker, start: Array, end: Array, random: np.random.Generator, budget: Budget, rounds: int
+) -> Array | None:
+    """As `connect`. Most of the time would go into close looks at edges that no way takes: trees grow without them, and
+    with them only where the way that was found is none."""
+    checker.closely = False
+    line = connect(checker, start, end, random, budget, rounds)
+    checker.closely = True
+    if line is None or checker.advance(line[:-1], line[1:])[1].all():
+        return line
+    return connect(checker, start, end, random, budget, rounds)
+
+
 def sampled_starts(
     batch: Batch, phase: int, random: np.random.Generator, budget: Budget, rounds: int, cuts: Sequence[int]
 ) -> list[Array]:
@@ -241,7 +257,7 @@ def sampled_starts(
     start, end = batch.start[phase], batch.end[phase]
     if not checker.free(np.stack([start, end])).all():
         return []
-    line = connect(checker, start, end, random, budget, rounds)
+    line = _connected(checker, start, end, random, budget, rounds)
     if line is None:
         return []
     lines = [line] * len(cuts)
