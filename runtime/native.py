@@ -6,6 +6,8 @@ import importlib
 import os
 import sys
 from functools import cache
+from importlib.machinery import PathFinder
+from importlib.util import find_spec, module_from_spec
 from types import ModuleType
 
 from ..langs.diagnostics import Error
@@ -37,6 +39,22 @@ def load_native(name: str, distribution: str) -> ModuleType:
         else:
             hint = f"install it again: pip install --force-reinstall {distribution}"
         raise MissingLibrary(name, reason, hint) from error
+
+
+def load_part(package: str, name: str) -> ModuleType | None:
+    """The module `name` of a package without all that the package itself loads; None where that cannot be."""
+    whole = find_spec(package)
+    *folders, _ = name.split(".")
+    places = [os.path.join(place, *folders) for place in (whole and whole.submodule_search_locations) or ()]
+    spec = PathFinder.find_spec(f"{package}.{name}", places)
+    if spec is None or spec.loader is None:
+        return None
+    module = module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except ImportError:  # where the package has yet to say where its own libraries are
+        return None
+    return module
 
 
 def load_extra(name: str, extra: str) -> ModuleType:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...compiler.distinct import distinct
 from ...compiler.hulls import convex_geometry
 from ...compiler.ir import Shape, ShapeKind
 from ...compiler.motion.collision import bounding_radius
@@ -171,7 +172,7 @@ class Pairing:
         cases = [(one == ROUND) & (two == ROUND), (one == ROUND) & (two == BOX), (one == BOX) & (two == ROUND)]
         self._turned = cases[2]
         self._kind = np.select(cases, [PAIRS_ROUND, PAIRS_BOXED, PAIRS_BOXED], PAIRS_SLOW)
-        self._kinds = np.unique(self._kind).tolist()
+        self._kinds = distinct(self._kind).tolist()
         self._rounds = np.where(cases[2], second, first), np.where(cases[2], first, second)
         both = forms.radius[form[first]] + forms.radius[form[second]]
         self._sizes = np.concatenate([forms.half[form[self._rounds[1]]], both[:, None]], axis=1)

@@ -19,7 +19,7 @@ from ...langs.source import Span
 from .. import plan as record
 from ..feed_forward import with_statics
 from ..geometry.resampling import Resampled, resample_all
-from ..native import MissingLibrary, load_native
+from ..native import MissingLibrary, load_native, load_part
 from ..skeleton import Array, Phase, PhasePath, Skeleton, start_configuration
 from .motion.settings import ACCEPTANCE
 from .search.stepper import Stepper
@@ -30,8 +30,8 @@ ROUNDING = 1e-9
 """A body whose pose changes by less than this rests."""
 Places = Mapping[ir.Fact, Span | None]
 """Where literals are written."""
-LIBRARIES = {"numpy": "numpy", "casadi": "casadi", "pinocchio": "pin", "coal": "coal", "scipy": "scipy"}
-"""Compiled libraries, and the Python packages that bring them."""
+LIBRARIES = {"numpy": "numpy", "casadi": "casadi", "pinocchio": "pin", "coal": "coal"}
+"""Compiled libraries, and the Python packages that bring them; besides SciPy, of which only parts are loaded."""
 
 
 class SampledMotion(Protocol):
@@ -114,6 +114,9 @@ def _versions() -> dict[str, str]:
     for name, package in LIBRARIES.items():
         with suppress(MissingLibrary):
             found[name] = load_native(name, package).__version__
+    with suppress(MissingLibrary):
+        part = load_part("scipy", "version")
+        found["scipy"] = load_native("scipy", "scipy").__version__ if part is None else part.version
     return found
 
 

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...compiler import ir
+from ...compiler.distinct import distinct
 from ...langs.frozen import dataclass
 from ..plan import Plan
 from .findings import Findings
@@ -71,7 +72,7 @@ class Course:
             until = min(end, *self._begins[index + 1 : index + 2], np.inf)
             if course.speed == 0.0 or until <= course.start or ends[-1] == 0.0:
                 continue
-            passed = np.unique(np.concatenate([ends, 2.0 * ends[-1] - ends])) if course.returns else ends
+            passed = distinct(np.concatenate([ends, 2.0 * ends[-1] - ends])) if course.returns else ends
             lap = 2.0 * ends[-1] / course.speed
             first = np.floor((max(start, course.start) - course.start) / lap) if course.returns else 0.0
             last = np.floor((until - course.start) / lap) if course.returns else 0.0

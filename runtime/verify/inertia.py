@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from ...compiler import ir
+from ...compiler.distinct import distinct
 from .geometry import Array, Frames, Indices, frames
 from .shapes import volume
 
@@ -43,10 +44,10 @@ def _filled(boxes: Sequence[ir.SolidPart]) -> float:
         return 0.0
     middles, halves = np.array([b.at for b in boxes]), 0.5 * np.array([b.shape.size for b in boxes])
     low, high, total = middles - halves, middles + halves, 0.0
-    levels = np.unique([low[:, 2], high[:, 2]])
+    levels = distinct(np.concatenate([low[:, 2], high[:, 2]]))
     for bottom, top in pairwise(levels):
         cut = (low[:, 2] <= bottom) & (high[:, 2] >= top)
-        across, along = (np.unique([low[cut, k], high[cut, k]]) for k in (0, 1))
+        across, along = (distinct(np.concatenate([low[cut, k], high[cut, k]])) for k in (0, 1))
         filled = np.zeros((max(len(across) - 1, 0), max(len(along) - 1, 0)), dtype=bool)
         for near, far in zip(low[cut], high[cut], strict=True):
             x, y = (slice(*np.searchsorted(grid, (near[k], far[k]))) for k, grid in ((0, across), (1, along)))

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import numpy as np
 
 from ...compiler import ir
+from ...compiler.distinct import distinct
 from ...langs.frozen import dataclass
 from ..plan import Plan
 from .geometry import Array, Frames, Indices, frames
@@ -160,7 +161,7 @@ class Sampler:
             marks.append(course.corners(start, end))
             jumps.append(course.jumps(start, end))
         jumped = np.concatenate(jumps)
-        times = np.unique(np.concatenate([*marks, jumped, jumped - INSTANT]))
+        times = distinct(np.concatenate([*marks, jumped, jumped - INSTANT]))
         times = times[(times >= start) & (times <= end)]
         times = times[np.concatenate([[True], np.diff(times) > SAME])]
         middle = 0.5 * (times[1:] + times[:-1])

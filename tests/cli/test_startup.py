@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -109,3 +111,21 @@ def test_ctrl_c_while_python_ends_is_quiet() -> None:
     )
     assert (process.returncode, process.stderr) == (-signal.SIGINT, "")
     assert process.stdout.startswith("tamplang ")
+
+
+def test_a_solve_and_its_check_load_no_more_of_numpy_and_scipy_than_they_use(tmp_path: Path) -> None:
+    program = (
+        "import sys; from tamplang.cli import run; status = run(sys.argv[1:]); "
+        "print('loaded:', *sorted(sys.modules), file=sys.stderr); sys.exit(status)"
+    )
+    plan = tmp_path / "a.plan.json"
+    for arguments in (["solve", str(ROOT / "examples" / "pick_and_place.tamp"), "-p", "objects=1", "--out", str(plan)],
+                      ["verify", str(plan)]):  # fmt: skip
+        process = subprocess.run(
+            [sys.executable, "-c", program, *arguments], env=environment(), capture_output=True, text=True, timeout=60
+        )
+        assert process.returncode == 0, process.stderr
+        loaded = set(process.stderr.rpartition("loaded:")[2].split())
+        assert "numpy" in loaded
+        assert not loaded & {"numpy.ma", "scipy"}
+    assert json.loads(plan.read_text())["versions"]["scipy"]

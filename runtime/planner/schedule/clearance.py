@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ....compiler.distinct import distinct
 from ...geometry.exact_distances import Indices, distances
 from ...skeleton import Array, Configuration, Skeleton
 from .dependencies import Precedence
@@ -153,7 +154,7 @@ class SegmentClearances:
         stretch, i, k = np.nonzero(lower < required)
         if not len(stretch):
             return np.zeros(0, dtype=np.intp)
-        values = self._measured(first, second, ends, np.unique(np.concatenate([stretch, stretch + 1])), i, k, stretch,
+        values = self._measured(first, second, ends, distinct(np.concatenate([stretch, stretch + 1])), i, k, stretch,
                                 required[i, k] + way[stretch, i, k])  # fmt: skip
         suspect = 0.5 * (values[0] + values[1] - way[stretch, i, k]) < required[i, k]
         return self._fine(first, second, ways, stretch[suspect], i[suspect], k[suspect], required, count)
@@ -184,7 +185,7 @@ class SegmentClearances:
         """Of suspected stretches those in which a closer look finds a pair too near, or cannot tell."""
         bad: set[int] = set()
         looks = SCHEDULE.fine
-        for tick in np.unique(stretch).tolist():
+        for tick in distinct(stretch).tolist():
             chosen = stretch == tick
             a, b = i[chosen], k[chosen]
             at = np.arange(tick * looks, min((tick + 1) * looks, count - 1) + 1)

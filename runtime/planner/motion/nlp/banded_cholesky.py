@@ -6,25 +6,16 @@ short task takes to solve, and SciPy itself a twentieth of that.
 
 from __future__ import annotations
 
-import os
-from importlib.machinery import PathFinder
-from importlib.util import find_spec, module_from_spec
 from typing import Any
 
+from ....native import load_part
 from ....skeleton import Array
 
 
 def _routines() -> Any:
-    package = find_spec("scipy")
-    places = [os.path.join(place, "linalg") for place in (package and package.submodule_search_locations) or ()]
-    spec = PathFinder.find_spec("scipy.linalg._flapack", places)
-    try:
-        if spec is not None and spec.loader is not None:
-            module = module_from_spec(spec)
-            spec.loader.exec_module(module)
-            return module
-    except ImportError:  # where SciPy has yet to say where its own libraries are
-        pass
+    part = load_part("scipy", "linalg._flapack")
+    if part is not None:
+        return part
     from scipy.linalg import lapack
 
     return lapack

@@ -14,6 +14,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from .....compiler.distinct import distinct
 from .....compiler.ir import ModuleType, World
 from ....geometry.transforms import coupled
 from ....skeleton import Array, BodyPoses, Configuration, fixed_poses, movable
@@ -73,7 +74,7 @@ class UnknownsLayout:
         for name in self.names:
             if name in chosen:
                 places = self._spread(name, held.get(name, frozenset()))
-                size = self.sizes[name] if places is None else len(np.unique(places[places >= self.end]))
+                size = self.sizes[name] if places is None else len(distinct(places[places >= self.end]))
                 if not size:
                     continue
                 offsets[name] = self.end
@@ -88,14 +89,14 @@ class UnknownsLayout:
             return None
         entries = np.arange(self.sizes[name]) if leaders is None else leaders
         kept = np.isin(entries, list(held))
-        own = np.unique(entries[~kept])
+        own = distinct(entries[~kept])
         before = self.slot(len(self.slices) - 1, name)
         return np.where(kept, before[entries], self.end + np.searchsorted(own, entries))
 
     def joints(self, name: str) -> Indices:
         """The entries of a module's slot that are values of joints which follow no other."""
         leaders = self._leaders.get(name)
-        return np.arange(7, self.sizes[name]) if leaders is None else np.unique(leaders)[7:]
+        return np.arange(7, self.sizes[name]) if leaders is None else distinct(leaders)[7:]
 
     def free_start(self, free: Iterable[str], held: Mapping[str, frozenset[int]]) -> None:
         """Make these slots of slice 0 unknowns too, but for the entries that are `held`; before any slice is added."""

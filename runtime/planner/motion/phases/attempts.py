@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .....compiler.distinct import distinct
 from ....budget import Budget
 from ....seeds import Seed
 from ....skeleton import Array
@@ -128,7 +129,7 @@ def attempt(group: PhaseGroup, index: Indices, inner: Array, schedule: Schedule,
     _keep_best(group, index, batch, batch.with_ends(inner), budget)
     group.detour |= ~group.solved
     for looks in PHASES.repair_looks:
-        near = np.unique(index[~group.solved[index] & (group.clearance[index] > -PHASES.repaired)])
+        near = distinct(index[~group.solved[index] & (group.clearance[index] > -PHASES.repaired)])
         if len(near):
             iterations += _repair(group, near, looks, budget)
     return iterations

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .....compiler.distinct import distinct
 from .....compiler.ir import JointKind
 from ....skeleton import Array
 from .collision_spheres import Ball
@@ -103,7 +104,7 @@ class Points:
     def _group(self) -> None:
         """Nodes with their points, and whether these are the same in all phases."""
         self.groups: list[tuple[int, Indices, bool]] = []
-        for node in np.unique(self.nodes).tolist():
+        for node in distinct(self.nodes).tolist():
             mine = np.flatnonzero(self.nodes == node)
             spread = np.abs(self.centres[:, mine] - self.centres[:1, mine]).max(initial=0.0)
             self.groups.append((node, mine, bool(spread < SAME)))

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from .....compiler.distinct import distinct
 from .....compiler.ir import Fact, Problem
 from .....compiler.physics.frames import Poses, poses
 from .....compiler.physics.safety import safety_of
@@ -38,7 +39,7 @@ class PhaseLoads:
         at = self._poses(values)
         ratios = self._ratios(values, at)
         time, row = np.nonzero(ratios > STATICS.room)
-        times, joints = np.unique(time), values.shape[1]
+        times, joints = distinct(time), values.shape[1]
         if not len(times):
             return time, np.zeros(0), np.zeros((0, joints))
         varied = values[times][:, None] + PHASES.load_difference * np.eye(joints)

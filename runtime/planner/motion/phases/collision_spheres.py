@@ -11,6 +11,7 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
+from .....compiler.distinct import distinct
 from .....compiler.ir import IDENTITY, JointKind, ModuleType, Shape, ShapeKind, World
 from .....compiler.motion.collision import (
     ON_AXIS,
@@ -84,7 +85,7 @@ class Lineage:
         centres = np.array([b.centre for b in balls])
         result = np.empty(len(first))
         kinds = nodes[first] * (len(self.tree.parents) + 1) + nodes[second]
-        for kind in np.unique(kinds):
+        for kind in distinct(kinds):
             rows = np.flatnonzero(kinds == kind)
             i, k = first[rows], second[rows]
             length, *tops = self.span(balls[i[0]].node, balls[k[0]].node)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .....compiler.distinct import distinct
 from ....skeleton import Array
 from .batch_kinematics import Indices
 from .exact_check import near_entries
@@ -85,7 +86,7 @@ def _axes_near(batch: Batch, frames: Array, node: int) -> list[Array]:
     for entries in near_entries(geometry, frames, room):
         if not entries.among:
             mine = geometry.nodes[entries.first] == node
-            found += [geometry.at[0, o, :3, :3].T for o in np.unique(entries.second[mine])]
+            found += [geometry.at[0, o, :3, :3].T for o in distinct(entries.second[mine])]
     return found
 
 
