@@ -91,7 +91,7 @@ def arm_scene(
 
 
 def solve(scene: tuple[Skeleton, list[Configuration]], seed: int = 0) -> BoundResult:
-    return solve_sequence_path(*scene, SETTINGS, Seed(seed), Budget(20.0))
+    return solve_sequence_path(*scene, SETTINGS, Seed(seed), Budget(100.0))
 
 
 def penetration(skeleton: Skeleton, result: BoundResult) -> float:

@@ -187,8 +187,8 @@ def test_polishing_saves_cost_and_says_how_much() -> None:
 def test_hard_phases_fail_soon_when_switches_can_be_drawn_anew() -> None:
     walls = [box("east", (1.0, 0.06, 0.3), (0.62, 0.0, 0.0)), box("west", (1.0, 0.06, 0.3), (-0.62, 0.0, 0.0))]
     scene = arm_scene(planar_arm(2, 0.4), walls, (0.8, 0.2), (-0.8, -0.2))
-    soon = solve_sequence_path(*scene, SETTINGS, Seed(0), Budget(20.0), thorough=False)
-    late = solve_sequence_path(*scene, SETTINGS, Seed(0), Budget(20.0))
+    soon = solve_sequence_path(*scene, SETTINGS, Seed(0), Budget(100.0), thorough=False)
+    late = solve_sequence_path(*scene, SETTINGS, Seed(0), Budget(100.0))
     assert not soon.feasible and not late.feasible and soon.iterations < late.iterations
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -27,7 +28,8 @@ TO_THE_END = Schedule(weight=1e5, iterations=100, tolerance=1e-5)
 
 @dataclass(slots=True)
 class PhaseGroup:
-    """A batch with the best path of each phase so far; `detour` tells which phases no straight start solved."""
+    """A batch with the best path of each phase so far; `detour` tells which phases no straight start solved. Of one
+    that was `left` not everything was tried, as another one failed that takes far less."""
 
     batch: Batch
     paths: Array
@@ -35,6 +37,12 @@ class PhaseGroup:
     solved: NDArray[np.bool_]
     clearance: Array
     detour: NDArray[np.bool_]
+    left: bool = False
+
+    @property
+    def width(self) -> int:
+        """How many joints move in each phase."""
+        return int(self.paths.shape[2])
 
 
 def start_group(batch: Batch) -> PhaseGroup:
@@ -145,21 +153,28 @@ def _repair(group: PhaseGroup, phases: Indices, looks: int, budget: Budget) -> i
 
 def solve_groups(groups: Sequence[PhaseGroup], seed: Seed, budget: Budget, thorough: bool) -> int:
     """Attempt after attempt, each at all groups, until every phase is solved; returns the iterations of the longest
-    phases. Unless `thorough`, phases are left unsolved after QUICK_LEVELS and one look for a way among samples."""
+    phases. Unless `thorough`, phases are left unsolved after QUICK_LEVELS and one look for a way among samples, and
+    that is spared those of many more joints than others that failed: it takes long, and the skeleton is refused."""
     iterations = 0
     randoms = [seed.child("group", k).random() for k in range(len(groups))]
     for group in groups:
         every = np.arange(len(group.batch))
         iterations += attempt(group, every, straight(group.batch), Schedule(), budget)
-    quick = PHASES.quick_levels
+    quick, phases = PHASES.quick_levels, sum(len(group.batch) for group in groups)
+    tries = min(PHASES.most_tries, 1 + phases // PHASES.phases_per_try)
     for levels, rounds in ((PHASES.levels[:quick], PHASES.quick_rounds), (PHASES.levels[quick:], PHASES.rounds)):
         for level in levels:
             for group, random in zip(groups, randoms, strict=True):
                 if not group.solved.all():
                     iterations += _try_bumped(group, *level, random, budget)
-        for group, random in zip(groups, randoms, strict=True):
-            if not group.solved.all():
-                iterations += _try_sampled(group, rounds, random, budget)
+        least = math.inf
+        for group, random in sorted(zip(groups, randoms, strict=True), key=lambda pair: pair[0].width):
+            group.left = not thorough and not group.solved.all() and group.width >= PHASES.far_wider * least
+            for _ in range(tries if not group.left else 0):
+                if not group.solved.all():
+                    iterations += _try_sampled(group, rounds, random, budget)
+            if not group.left:
+                least = least if group.solved.all() else min(least, group.width)
         if not thorough:
             break
     return iterations

@@ -96,7 +96,7 @@ def solve_sequence_path(
     result.violations += [v for group in groups for v in _blocked(group.batch)]
     if not result.violations:
         result.iterations = solve_groups(groups, seed, budget, thorough)
-        failures = [v for group in groups for v in _failures(group, skeleton.problem.world)]
+        failures = [v for group in groups if not group.left for v in _failures(group, skeleton.problem.world)]
         result.violations += [v for v in failures if v.kind != Breach.STEP]
         coarse = {v.phase for v in failures if v.kind == Breach.STEP}
         before = cost_of(skeleton.problem.world, trees, kept)
