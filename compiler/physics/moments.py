@@ -8,13 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..ir import Shape, ShapeKind
+from .masses import solid_masses
 
 Array = NDArray[np.float64]
 
 
 def shape_moments(shape: Shape, mass: float) -> Array:
     """The matrix (3, 3) in kg m² of a solid shape of that mass, along its axes; a convex one counts as the box around
-    it, which is never less."""
+    it, which is never less, one of several parts as these where they are, about the middle of them all."""
+    if shape.parts:
+        whole = np.zeros((3, 3))
+        for part, own in solid_masses(shape, mass):
+            at = np.array(part.at)
+            whole += shape_moments(part.shape, own) + own * (at @ at * np.eye(3) - np.outer(at, at))
+        return whole
     size = shape.size
     if shape.kind in (ShapeKind.BOX, ShapeKind.CONVEX):
         sides = size if shape.kind == ShapeKind.BOX else np.ptp(np.asarray(size).reshape(-1, 3), axis=0).tolist()

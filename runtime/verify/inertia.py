@@ -57,7 +57,14 @@ def _filled(boxes: Sequence[ir.SolidPart]) -> float:
 
 
 def moments(shape: ir.Shape, mass: float) -> Array:
-    """The inertia (3, 3) of a solid shape about its middle, kg m²; a convex one counts as the box around it."""
+    """The inertia (3, 3) of a solid shape about its middle, kg m²; a convex one counts as the box around it, one of
+    several parts as these."""
+    if shape.parts:
+        own = np.array([mass_of(part.shape) for part in shape.parts])
+        shares, at = mass * own / own.sum(), np.array([part.at for part in shape.parts])
+        turning = sum(moments(part.shape, float(m)) for part, m in zip(shape.parts, shares, strict=True))
+        squares = np.einsum("n,ni,nj->ij", shares, at, at)
+        return np.asarray(turning + np.trace(squares) * np.eye(3) - squares)
     size = shape.size
     if shape.kind == ir.ShapeKind.SPHERE:
         squares = [size[0] ** 2 / 5.0] * 3

@@ -14,13 +14,16 @@ from msgspec import structs
 
 from tamplang import cli
 from tamplang.compiler.convex_cuts import cut, hull_volume
-from tamplang.compiler.ir import Shape
+from tamplang.compiler.ir import Shape, ShapeKind
 from tamplang.compiler.mesh_surfaces import surface_of
+from tamplang.compiler.physics.masses import shape_mass
+from tamplang.compiler.physics.moments import shape_moments
 from tamplang.compiler.pipeline import compile_problem
 from tamplang.compiler.unions import union
 from tamplang.runtime.export.mujoco import scene
 from tamplang.runtime.plan_files import read_plan
 from tamplang.runtime.verify import verify
+from tamplang.runtime.verify.inertia import mass_of, moments
 
 CRATE = [(15, 12, 0), (15, 12, 12), (14, 11, 12), (14, 11, 1)]
 """Half sides in x and y, and heights, of the outline of a crate, centimetres."""
@@ -133,6 +136,23 @@ def test_a_bad_surface_is_told_and_what_it_holds_is_the_same(
     shape = problem.world.bodies["m"].shape
     assert len(shape.parts) == 5
     assert shape.parts[0].at[2] == pytest.approx(-0.055) and max(abs(x) for x in shape.parts[0].at[:2]) < 1e-6
+
+
+def test_a_hollow_box_turns_like_a_box_less_its_hollow() -> None:
+    """About the middle of it, by the planner and by the verifier."""
+    walls = [((x, 0.0, 0.005), (0.01, 0.24, 0.11)) for x in (-0.145, 0.145)]
+    walls += [((0.0, y, 0.005), (0.28, 0.01, 0.11)) for y in (-0.115, 0.115)]
+    parts = [((0.0, 0.0, -0.055), (0.30, 0.24, 0.01)), *walls]
+    shape, _ = union([(at, Shape(ShapeKind.BOX, size)) for at, size in parts])
+
+    def of_box(x: float, y: float, z: float, up: float) -> np.ndarray:
+        mass = 1000.0 * x * y * z
+        own = mass / 12.0 * np.diag([y * y + z * z, x * x + z * z, x * x + y * y])
+        return own + mass * up * up * np.diag([1.0, 1.0, 0.0])
+
+    wanted = of_box(0.30, 0.24, 0.12, 0.0) - of_box(0.28, 0.22, 0.11, 0.005)
+    for made in (shape_moments(shape, shape_mass(shape)), moments(shape, mass_of(shape))):
+        assert made == pytest.approx(wanted, rel=1e-9, abs=1e-12)
 
 
 @pytest.mark.parametrize(("faces", "code", "message"), [
