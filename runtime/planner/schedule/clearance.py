@@ -127,15 +127,18 @@ class SegmentClearances:
             self._both[key] = NEVER
             if end - begin > 1:
                 part = slice(begin, end), slice(begin - shift * looks, end - shift * looks)
-                ticks = self._too_near(a.at(part[0]), b.at(part[1]), self._margin)
+                ticks = self._too_near(a.at(part[0]), b.at(part[1]), self._margin, first_only=True)
                 if len(ticks):
                     self._both[key] = int(ticks[0]) + begin // looks
         return self._both[key]
 
     # --- distances along motions -----------------------------------------------------------------------------------
 
-    def _too_near(self, first: SolidFrames, second: SolidFrames, wished: float) -> Indices:
-        """The ticks in which some pair is nearer than it may, at looks or between."""
+    def _too_near(
+        self, first: SolidFrames, second: SolidFrames, wished: float, first_only: bool = False
+    ) -> Indices:  # fmt: skip
+        """The ticks in which some pair is nearer than it may, at looks or between; only the first of them where that is
+        enough."""
         count = max(len(first.positions), len(second.positions))
         reach_a, reach_b = self.solids.forms.reach[first.solids], self.solids.forms.reach[second.solids]
         one, two = (np.broadcast_to(f.positions, (count, *f.positions.shape[1:])) for f in (first, second))
@@ -157,7 +160,7 @@ class SegmentClearances:
         values = self._measured(first, second, ends, distinct(np.concatenate([stretch, stretch + 1])), i, k, stretch,
                                 required[i, k] + way[stretch, i, k])  # fmt: skip
         suspect = 0.5 * (values[0] + values[1] - way[stretch, i, k]) < required[i, k]
-        return self._fine(first, second, ways, stretch[suspect], i[suspect], k[suspect], required, count)
+        return self._fine(first, second, ways, stretch[suspect], i[suspect], k[suspect], required, count, first_only)
 
     def _nearest_at(self, first: SolidFrames, second: SolidFrames, required: Array) -> Indices:
         rows, columns = np.indices(required.shape).reshape(2, -1)
@@ -180,7 +183,7 @@ class SegmentClearances:
 
     def _fine(
         self, first: SolidFrames, second: SolidFrames, ways: Sequence[Array], stretch: Indices, i: Indices, k: Indices,
-        required: Array, count: int,
+        required: Array, count: int, first_only: bool,
     ) -> Indices:  # fmt: skip
         """Of suspected stretches those in which a closer look finds a pair too near, or cannot tell."""
         bad: set[int] = set()
@@ -203,4 +206,6 @@ class SegmentClearances:
             least = np.where(touching, values.min(axis=1), between.min(axis=1))
             if (least < need).any():
                 bad.add(int(tick))
+                if first_only:
+                    break
         return np.array(sorted(bad), dtype=np.intp)
