@@ -34,44 +34,52 @@ def shared(
             total += (1.0 if edge.near == node else -1.0) * np.hstack(known[edge])
         weights[node] = total
     found = {e: (np.zeros((count, 3)), np.zeros((count, 3))) for e in ring}
+    equal = _balance(ring, inner)
+    rows, limits = _rows(problem, ring, {n: f.spread(count) for n, f in nodes.items()}, count, safety)
     for t in range(count):
-        solved = _solved(problem, ring, inner, nodes, weights, t, count, safety)
+        solved = _solved(equal, -np.concatenate([weights[node][t] for node in inner]), rows[t], limits)
         for number, edge in enumerate(ring):
             found[edge][0][t] = solved[6 * number : 6 * number + 3]
             found[edge][1][t] = solved[6 * number + 3 : 6 * number + 6]
     return found
 
 
-def _solved(
-    problem: ir.Problem, ring: tuple[Joined, ...], inner: list[Node], nodes: Mapping[Node, Frames],
-    weights: Mapping[Node, Array], t: int, count: int, safety: float,
-) -> Array:  # fmt: skip
-    from scipy.optimize import linprog
-
-    width = 6 * len(ring)
-    equal = np.zeros((6 * len(inner), width + 2))
-    right = np.zeros(6 * len(inner))
+def _balance(ring: tuple[Joined, ...], inner: list[Node]) -> Array:
+    """What the wrenches of a ring put on its inner nodes, as a matrix over them, the ratio, and what lifts."""
+    equal = np.zeros((6 * len(inner), 6 * len(ring) + 2))
     for row, node in enumerate(inner):
         block = slice(6 * row, 6 * row + 6)
-        right[block] = -weights[node][t]
         for number, edge in enumerate(ring):
             columns = slice(6 * number, 6 * number + 6)
             if edge.near == node:
                 equal[block, columns] += np.eye(6)
             elif edge.far == node:
                 equal[block, columns] -= np.eye(6)
-    rows, limits = [np.zeros(width + 2)], [0.0]
-    for number, edge in enumerate(ring):
-        for functional, share, constant in _bounds(problem, edge, nodes, t, count, safety):
-            whole = np.zeros(width + 2)
-            whole[6 * number : 6 * number + 6] = functional
-            whole[width], whole[width + 1] = -share, -(share == 0.0)
-            rows.append(whole)
-            limits.append(constant)
+    return equal
+
+
+def _rows(
+    problem: ir.Problem, ring: tuple[Joined, ...], nodes: Mapping[Node, Frames], count: int, safety: float
+) -> tuple[Array, Array]:
+    """The rows `(T, R, 6 E + 2)` of all strengths, and what each is at most."""
+    width = 6 * len(ring)
+    bounded = [(number, *row) for number, edge in enumerate(ring) for row in _bounds(problem, edge, nodes, safety)]
+    rows, limits = np.zeros((count, len(bounded) + 1, width + 2)), np.zeros(len(bounded) + 1)
+    for row, (number, functionals, share, constant) in enumerate(bounded, start=1):
+        rows[:, row, 6 * number : 6 * number + 6] = functionals
+        rows[:, row, width], rows[:, row, width + 1] = -share, -(share == 0.0)
+        limits[row] = constant
+    return rows, limits
+
+
+def _solved(equal: Array, right: Array, rows: Array, limits: Array) -> Array:
+    from scipy.optimize import linprog
+
+    width = equal.shape[1] - 2
     cost = np.zeros(width + 2)
     cost[width], cost[width + 1] = 1.0, LIFTED
     bounds = [(None, None)] * width + [(0.0, None)] * 2
-    solved = linprog(cost, np.array(rows), np.array(limits), equal, right, bounds, method="highs")
+    solved = linprog(cost, rows, limits, equal, right, bounds, method="highs")
     if solved.x is None:
         return np.full(width, math.nan)
     off = np.abs(equal @ solved.x - right).max(initial=0.0)
@@ -79,10 +87,9 @@ def _solved(
 
 
 def _bounds(
-    problem: ir.Problem, edge: Joined, nodes: Mapping[Node, Frames], t: int, count: int, safety: float
+    problem: ir.Problem, edge: Joined, nodes: Mapping[Node, Frames], safety: float
 ) -> list[tuple[Array, float, float]]:
-    """Rows functional · wrench <= share · ratio + constant."""
-    one = {n: f[np.array([t])] if len(f) == count else f for n, f in nodes.items()}
+    """Rows functional `(T, 6)` · wrench <= share · ratio + constant."""
     found: list[tuple[Array, float, float]] = []
 
     def within(functional: Array, strength: float) -> None:
@@ -91,29 +98,29 @@ def _bounds(
 
     if edge.joint_of:
         joint = next(j for j in problem.world.modules[edge.names[0]].type.joints if j.name == edge.names[1])
-        axis = one[edge.far].rotation[0] @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
-        place = one[edge.far].position[0]
+        axis = nodes[edge.far].rotation @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
+        place = nodes[edge.far].position
         turning = joint.kind == ir.JointKind.REVOLUTE
         strength = joint.torque if moves(edge, nodes) else max(joint.torque, joint.brake)
-        within(_about(axis, place) if turning else np.hstack([axis, np.zeros(3)]), strength)
-        side = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-        side /= np.linalg.norm(side)
-        for direction in _round(side, np.cross(axis, side)):
-            within(_about(direction, place), joint.bearing * math.cos(math.pi / CORNERS))
+        within(_about(axis, place) if turning else _along(axis), strength)
+        side = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis), axis=1)])
+        side /= np.linalg.norm(side, axis=1, keepdims=True)
+        if math.isfinite(joint.bearing):
+            for direction in _round(side, np.cross(axis, side)):
+                within(_about(direction, place), joint.bearing * math.cos(math.pi / CORNERS))
         return found
     if not edge.strength:
         return found
-    places, turns, radius = meeting_place(problem, edge, one)
-    place, axes = places[0], turns[0]
+    place, axes, radius = meeting_place(problem, edge, nodes)
     most, shear, bending, twisting, friction = edge.strength
     contact = edge.manner in ("pad", "rest")
     sticks = (most if edge.manner == "pad" else 0.0) if contact else math.inf
-    pull = np.hstack([axes[:, 2], np.zeros(3)])
+    pull = _along(axes[:, :, 2])
     inside = math.cos(math.pi / CORNERS)
     if edge.manner == "grip":
         shear = min(shear, friction * most)
-    for direction in _round(axes[:, 0], axes[:, 1]):
-        slide, bend = np.hstack([direction, np.zeros(3)]), _about(direction, place)
+    for direction in _round(axes[:, :, 0], axes[:, :, 1]):
+        slide, bend = _along(direction), _about(direction, place)
         within(slide, shear * inside)
         within(bend, bending * inside)
         if contact and math.isfinite(sticks):
@@ -124,7 +131,7 @@ def _bounds(
                 if not math.isfinite(bending):
                     share = radius * inside / safety
                     found.append((sign * bend + share * pull, 0.0, share * sticks))
-    within(_about(axes[:, 2], place), twisting)
+    within(_about(axes[:, :, 2], place), twisting)
     if not contact:
         within(pull, most)
     elif math.isfinite(sticks):
@@ -132,9 +139,14 @@ def _bounds(
     return found
 
 
+def _along(direction: Array) -> Array:
+    """The force of a wrench along directions `(T, 3)`, as a functional of force and moment about the origin."""
+    return np.concatenate([direction, np.zeros_like(direction)], axis=1)
+
+
 def _about(direction: Array, place: Array) -> Array:
-    """The moment of a wrench about a line through `place`, as a functional of force and moment about the origin."""
-    return np.hstack([np.cross(place, direction), direction])
+    """The moment of a wrench about a line through `place`, as such a functional."""
+    return np.concatenate([np.cross(place, direction), direction], axis=1)
 
 
 def _round(first: Array, second: Array) -> list[Array]:
