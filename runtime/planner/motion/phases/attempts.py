@@ -167,10 +167,11 @@ def solve_groups(groups: Sequence[PhaseGroup], seed: Seed, budget: Budget, thoro
             for group, random in zip(groups, randoms, strict=True):
                 if not group.solved.all():
                     iterations += _try_bumped(group, *level, random, budget)
-        least = math.inf
+        least, narrowest = math.inf, min((group.width for group in groups), default=0)
         for group, random in sorted(zip(groups, randoms, strict=True), key=lambda pair: pair[0].width):
+            looks = tries if group.width < PHASES.once_from * narrowest else 1
             group.left = not thorough and not group.solved.all() and group.width >= PHASES.far_wider * least
-            for _ in range(tries if not group.left else 0):
+            for _ in range(0 if group.left else looks):
                 if not group.solved.all():
                     iterations += _try_sampled(group, rounds, random, budget)
             if not group.left:

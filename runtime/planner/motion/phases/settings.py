@@ -30,7 +30,11 @@ class PhaseSettings:
         8, "phases", "Of every so many phases more there is one more look for a way among samples, …",
         "the more phases there are the dearer it is to draw the switches of all anew for one without a path",
     )
-    most_tries: int = setting(3, "looks", "… at most so many.", "not measured")
+    most_tries: int = setting(3, "looks", "… at most so many, …", "not measured")
+    once_from: float = setting(
+        4.0, "1", "… but for phases of so many times the joints of the narrowest ones, which are looked at once.",
+        "a look at 84 joints takes ten times as long as one at 28",
+    )
     cuts: tuple[int, ...] = setting(
         (8, 16), "cuts",
         "How often corners of a sampled polyline are cut for each of the starts along it.",
