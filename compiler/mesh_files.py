@@ -17,6 +17,7 @@ from ..langs.diagnostics import Diagnostic
 from ..langs.source import Source
 from ..langs.trees import parts
 from .foreign import Files, Missing
+from .named_meshes import FORMATS
 from .xml_texts import XmlError, refuse_document_types
 
 if TYPE_CHECKING:
@@ -27,8 +28,6 @@ class Empty(ValueError):
 
 
 MESH_CALLS = ("mesh", "hull")
-FORMATS = (".stl", ".obj", ".ply", ".dae")
-"""Endings of meshes that are one file: what lies in several cannot go with a plan."""
 LONG = 500_000
 """Bytes of a file that takes a twentieth of a second to read: larger ones are read apart."""
 OBJ_LINES = (b"v", b"vt", b"vn", b"f")

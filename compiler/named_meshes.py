@@ -15,6 +15,8 @@ ABOVE = 32
 """How many folders above a file are searched for a package."""
 DEEPEST = 8
 """How many folders of a name are left away at most."""
+FORMATS = (".stl", ".obj", ".ply", ".dae")
+"""Endings of meshes that are one file: what lies in several cannot go with a plan."""
 _SCHEME = re.compile(r"(package|model)://")
 
 
@@ -49,6 +51,8 @@ def named_mesh(path: str, name: str, scale: Sequence[float], files: Files) -> Na
     if not name.strip():
         raise UnreadMesh("a mesh has no file")
     file, place, fits = _found(path, name, files)
+    if posixpath.splitext(file)[1].lower() not in FORMATS:
+        raise UnreadMesh(f'the mesh file "{name}" cannot be read: it is none of {", ".join(FORMATS)}')
     beside_package = "" if fits else f"; no folder of the name of its package holds it, so {file} is taken"
     try:
         body = mesh_body(file, files.read(file), scale)

@@ -69,7 +69,7 @@ class RaiScene:
         known = next((n for n in (entry.name, entry.prefix + entry.name) if n in self.frames), None)
         if entry.edits or entry.deletes:
             if known is None:
-                self.fault(entry.span, f"there is no frame `{entry.name}` to change")
+                self.faults.note(entry.span, f"there is no frame `{entry.name}` to change: rai goes on without")
             elif entry.deletes:
                 del self.frames[known]
             else:

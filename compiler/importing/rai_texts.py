@@ -48,15 +48,25 @@ class RaiAttribute:
         except ValueError:
             return ()
 
+    def _seven(self) -> tuple[float, ...]:
+        """The numbers of a text that holds seven and nothing else but brackets, which rai takes for a pose."""
+        words = self.value.strip("[] ").replace(",", " ").split() if isinstance(self.value, str) else []
+        try:
+            return tuple(float(word) for word in words) if len(words) == 7 else ()
+        except ValueError:
+            return ()
+
     def pose(self) -> Pose:
         """As a pose: `t(…) d(…) q(…)` in their order, or 3 numbers, 4 of a quaternion, or 7. Raises ValueError."""
-        if isinstance(self.value, tuple):
-            found = self.numbers()
+        plain = self._seven()
+        if plain or isinstance(self.value, tuple):
+            found = plain or self.numbers()
             if len(found) not in (3, 4, 7) or not all(map(math.isfinite, found)):
                 raise ValueError("it is not 3, 4 or 7 finite numbers")
             place = found[:3] if len(found) != 4 else (0.0, 0.0, 0.0)
             turn = found[-4:] if len(found) > 3 else (1.0, 0.0, 0.0, 0.0)
             return make((place[0], place[1], place[2]), _quaternion(turn))
+        assert isinstance(self.value, str)
         pose, text, at = IDENTITY, self.value.removeprefix("T ").strip(), 0
         while at < len(text):
             match = _STEP.match(text, at)

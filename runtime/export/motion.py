@@ -28,6 +28,9 @@ class Trajectory:
     dq: Array
     ddq: Array
 
+    def __repr__(self) -> str:
+        return f"<Trajectory of {', '.join(self.joints) or 'no joint'}: {len(self.t)} samples, {self.t[-1]:.2f} s>"
+
 
 def times(plan: Plan, rate: float | None = None) -> Array:
     """Strictly increasing times: those of the samples of the plan, or so many a second, the end included."""

@@ -57,7 +57,7 @@ def test_a_scene_lies_where_rai_puts_it(command: Command) -> None:
     [
         ("a", "E0020"), ("a {", "E0019"), ("a: { b: ", "E0019"), ("a (", "E0019"), ("}", "E0019"), ("a b c", "E0019"),
         ("a: { { }", "E0019"), ("$", "E0020"), ('a: { "', "E0019"), ("a {} a {}", "E0022"), ("a (b) {}", "E0022"),
-        ("Edit a: {}", "E0022"), ("Delete a:", "E0022"), ("a {} b {} c (a b) {}", "E0022"),
+        ("Edit a: {}", "E0020"), ("Delete a:", "E0020"), ("a {} b {} c (a b) {}", "E0022"),
         ("Include: <s.g>", "E0022"), ("Include: </etc/passwd>", "E0022"), ("Include: <none.g>", "E0022"),
         ("Include", "E0019"), ('a: { Q: "t(0 0)" }', "E0019"), ('a: { Q: "t(0 0 inf)" }', "E0019"),
         ('a: { Q: "z(0 0 1)" }', "E0019"), ("a: { Q: [1, 2] }", "E0019"), ("a: { Q: [0, 0, 0, 0] }", "E0019"),
@@ -70,3 +70,12 @@ def test_bad_scenes_are_refused(command: Command, text: str, code: str) -> None:
     Path("s.g").write_text(text + "\n")
     told = refused(command, {code}, "s.g")
     assert code == "E0020" or "--> s.g:1:" in told
+
+
+@pytest.mark.parametrize("written", ['"[-0.4, -0.3, 0, 0.707107, 0, 0, 0.707107]"', '"-.4 -.3 0 .707107 0 0 .707107"'])
+def test_a_text_of_seven_numbers_is_a_pose_and_a_change_of_nothing_is_told(command: Command, written: str) -> None:
+    box = f"a (w): {{ Q: {written}, shape: box, size: [.1, .1, .1] }}"
+    Path("s.g").write_text(f"w: {{}}\n{box}\nEdit b: {{ mass: 1 }}\n")
+    answer = command("import", "s.g", "-o", "o.tamp")
+    assert answer.status == 0 and "W0019" in answer.told and "no frame `b`" in answer.told, answer.told
+    assert "at (-0.4 m, -0.3 m, 0 m) heading 1.570796326" in Path("o.tamp").read_text()
