@@ -16,6 +16,7 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 MOST = 10**18 - 1
 """The greatest whole number of an option: it fits wherever it is stored."""
 _WHOLE = re.compile(r"\s*[+-]?[0-9]+\s*")
+_TIME = re.compile(r"\s*([0-9.eE+-]+)\s*(s|min)\s*")
 
 
 def _parse(context: click.Context, option: click.Parameter, texts: tuple[str, ...]) -> dict[str, str]:
@@ -51,10 +52,16 @@ class Real(click.FloatRange):
 
 
 class Seconds(Real):
-    """A budget above 0; `inf` is none."""
+    """A budget above 0, in seconds unless a unit of time says otherwise; `inf` is none."""
 
     def __init__(self) -> None:
         super().__init__(min=0, min_open=True)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        match = _TIME.fullmatch(str(value))
+        if match is None:
+            return super().convert(value, param, ctx)
+        return super().convert(match[1], param, ctx) * (60.0 if match[2] == "min" else 1.0)
 
 
 class ObjectiveText(click.ParamType[str]):
