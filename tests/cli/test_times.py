@@ -9,7 +9,7 @@ from tamplang.cli.parameters import Seconds
 
 
 @pytest.mark.parametrize(
-    ("text", "seconds"), [("60", 60.0), ("1.5 s", 1.5), ("10s", 10.0), ("2min", 120.0), ("0.5 min", 30.0), ("1e2", 100.0)]
+    ("text", "seconds"), [("60", 60.0), ("1.5 s", 1.5), ("10s", 10.0), ("2min", 120.0), ("0.5 min", 30.0)]
 )
 def test_times_have_units(text: str, seconds: float) -> None:
     assert Seconds().convert(text, None, None) == seconds
