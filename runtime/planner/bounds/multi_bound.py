@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 from ....compiler.ir import Action, Problem
+from ....compiler.objectives import ACTIONS
 from ....langs.counting import counted
 from ...budget import Budget, unless_spent
 from ...geometry.attachments import followers
@@ -134,13 +135,14 @@ class MultiBound(Solves):
         timing: TimingRecord,
     ) -> tuple[Plan, list[PhasePath]]:  # fmt: skip
         """The plan with the verifier's verdict in it, without one where there was no time for it, and its motion. One
-        that is refused gets a second motion, with larger margins and from another seed. Raises OutOfTime."""
+        that is refused gets a second motion, with larger margins, from another seed, and between switches that were not
+        moved for the sake of the objective: where rows bound what is measured, these may miss it. Raises OutOfTime."""
         plan, paths = self._verified(skeleton, actions, judgement, statistics, timing), judgement.paths or []
         if plan.verdict is None or plan.verdict.verified:
             return plan, paths
         careful, seed = self.settings, self.seed
         try:
-            self.settings = careful.wider(BOUNDS.wider_margin)
+            self.settings = replace(careful.wider(BOUNDS.wider_margin), objective=ACTIONS)
             self.seed = seed.child("wider")
             own = self.unit.skeleton(skeleton)
             judgement = self.unit.judgement(self.motion(own, self._sequence(own, self.seed, None, tries=self.tries)))
