@@ -61,7 +61,7 @@ def _largest(items: Sequence[Expression]) -> Expression:
 
 
 def rounded_box_distance(excess: Sequence[Expression]) -> Expression:
-    """Signed distance to a box from how far a point is beyond its sides along each axis (design section 6)."""
+    """Signed distance to a box from how far a point is beyond its sides along each axis."""
     outside = ca.vertcat(*[ca.fmax(e, 0) for e in excess])
     return _length(outside) + ca.fmin(_largest(excess), 0)
 

@@ -132,3 +132,21 @@ def _anchors(text: str) -> set[str]:
 def test_the_glossary_is_sorted() -> None:
     words = re.findall(r"^\| (\w[\w ]*) \|", (DOCS / "glossary.md").read_text(encoding="utf-8"), re.MULTILINE)[1:]
     assert words == sorted(words, key=str.lower) and len(words) > 15
+
+
+def test_what_stands_beside_the_thesis_exists() -> None:
+    """Every file that the page names, and in it every name that is said to be there; and every rule of the appendix."""
+    page = (DOCS / "thesis.md").read_text(encoding="utf-8")
+    files = re.findall(r"`((?:\w+/)+\w+\.(?:py|tamp))`", page)
+    assert len(files) > 50 and [f for f in files if not (ROOT / f).is_file()] == []
+    named = re.findall(r"((?:(?:, | and )?`\w+`)+) in `([\w/]+\.(?:py|tamp))`", page)
+    pairs = [(name, file) for names, file in named for name in re.findall(r"\w+", names.replace(" and ", " "))]
+    assert len(pairs) > 50
+    assert [p for p in pairs if not _declares((ROOT / p[1]).read_text(encoding="utf-8"), p[0])] == []
+    rules = re.findall(r"^rule (\w+)", (ROOT / "stdlib" / "thesis.tamp").read_text(encoding="utf-8"), re.MULTILINE)
+    assert len(rules) == 7 and [r for r in rules if f"\n| {r} " not in page] == []
+
+
+def _declares(text: str, name: str) -> bool:
+    words = r"class|def|rule|motion|predicate|derived|function|heuristic|module|task"
+    return re.search(rf"^\s*(?:{words}) [(\[]?{name}\b", text, re.MULTILINE) is not None

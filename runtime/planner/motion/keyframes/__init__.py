@@ -1,4 +1,4 @@
-"""P_seq: configurations at the switches of a skeleton (thesis, section 3.2.1).
+"""P_seq: configurations at the switches of a skeleton (thesis, section 3.2).
 
 `sequence` is the bound; it asks `sliding_windows` for long skeletons, they ask `multi_start` for a few successive
 switches, which solves `keyframe_program` from `initial_guesses` (with `posture_samples`, `clear_postures`,

@@ -1,4 +1,4 @@
-"""The program of P_seq: one slice per phase, which is its switch (thesis section 3.2.1)."""
+"""The program of P_seq: one slice per phase, which is its switch (thesis section 3.2)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""P_seq: switch configurations of a skeleton (thesis section 3.2.1; design section 6)."""
+"""P_seq: switch configurations of a skeleton (thesis section 3.2)."""
 
 from __future__ import annotations
 

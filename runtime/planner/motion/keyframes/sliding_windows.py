@@ -1,4 +1,4 @@
-"""P_seq of long skeletons by sliding windows with backtracking (design section 6)."""
+"""P_seq of long skeletons by sliding windows with backtracking."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Augmented-Lagrangian Gauss-Newton on banded or dense normal equations (thesis section 3.2.3; Toussaint 2014, "A novel
+"""Augmented-Lagrangian Gauss-Newton on banded or dense normal equations (thesis section 3.2; Toussaint 2014, "A novel
 augmented Lagrangian approach for inequalities and convergent any-time non-central updates")."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The motion of one phase that is no set of open chains: closed chains, and `during` rows (design section 6).
+"""The motion of one phase that is no set of open chains: closed chains, and `during` rows.
 
 The phase is solved on its own between its two switches, as a motion program over the poses of all modules. Closure
 holds at its slices; so that it also holds on the spline between them, the path is sampled more densely and projected
