@@ -123,7 +123,8 @@ class _Loader:
         if found.code != "E0010":
             return Diagnostic(found.code, found.message, declaration.span, (), found.help)
         what = f'"{declaration.target}"' if declaration.is_path else declaration.target
-        near = neighbours(location)
+        own = Path(declaration.span.file)
+        near = [name for name in neighbours(location) if location.with_name(f"{name}{own.suffix}") != own]
         names = get_close_matches(location.stem, near, n=3, cutoff=0.5)
         help = _read_otherwise(declaration)
         if help is None and names:

@@ -12,8 +12,21 @@ import click
 ROOT = Path(__file__).resolve().parents[2]
 
 
+def complete_codes(context: click.Context, parameter: click.Parameter, beginning: str) -> list[str]:
+    """The codes that begin so."""
+    from ..langs.codes import CODES
+
+    return [code for code in CODES if code.startswith(beginning.upper())]
+
+
+def complete_commands(context: click.Context, parameter: click.Parameter, beginning: str) -> list[str]:
+    """The commands that begin so."""
+    group = context.parent.command if context.parent is not None else None
+    return [name for name in group.commands if name.startswith(beginning)] if isinstance(group, click.Group) else []
+
+
 @click.command()
-@click.argument("code", required=False)
+@click.argument("code", required=False, shell_complete=complete_codes)
 @click.option("--list", "listed", is_flag=True, help="List all codes with their titles.")
 def explain(code: str | None, listed: bool) -> None:
     """Explain the diagnostic CODE, such as E0301."""
@@ -35,7 +48,7 @@ def explain(code: str | None, listed: bool) -> None:
 
 
 @click.command("help")
-@click.argument("command", required=False)
+@click.argument("command", required=False, shell_complete=complete_commands)
 @click.pass_context
 def help_command(context: click.Context, command: str | None) -> None:
     """Say what COMMAND does, as `tamplang COMMAND --help` does; without COMMAND, list the commands."""

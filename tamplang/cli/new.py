@@ -11,9 +11,17 @@ import click
 from .develop import ROOT
 
 
+def complete_examples(context: click.Context, parameter: click.Parameter, beginning: str) -> list[str]:
+    """The examples that begin so."""
+    return [name for name in (*examples(), "list") if name.startswith(beginning)]
+
+
 @click.command()
 @click.argument("name", required=False)
-@click.option("--from", "example", metavar="EXAMPLE", help="Copy an example instead; `--from list` lists them.")
+@click.option(
+    "--from", "example", metavar="EXAMPLE", shell_complete=complete_examples,
+    help="Copy an example instead; `--from list` lists them.",
+)  # fmt: skip
 def new(name: str | None, example: str | None) -> None:
     """Write NAME.tamp, a small commented task that solves in seconds."""
     if example == "list":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,8 @@ import click
 
 PAUSE = 0.3
 """Seconds between two looks at the disk: soon enough for a person, and next to no work."""
+GRACE = 10.0
+"""Seconds that a command gets after Ctrl-C to keep what it found: none takes longer, but one that was not reached."""
 
 watch_option: Callable[[Any], Any] = click.option(
     "--watch", is_flag=True, help="Do it again whenever a file changes, until Ctrl-C."
@@ -20,15 +23,27 @@ watch_option: Callable[[Any], Any] = click.option(
 
 def watching(files: Sequence[Path], arguments: Sequence[str]) -> int:
     """Run `tamplang` with these arguments now and after every change; ends by KeyboardInterrupt only."""
-    import subprocess
-
     command = [sys.executable, "-m", "tamplang", *(a for a in arguments if a != "--watch")]
     while True:
         before = stamps(files)
-        subprocess.run(command, check=False)
+        _carried_out(command)
         click.echo("watching; Ctrl-C ends", err=True)
         while stamps(files) == before:
             time.sleep(PAUSE)
+
+
+def _carried_out(command: Sequence[str]) -> None:
+    """Run a command to its end, also after Ctrl-C, which reaches it too."""
+    import subprocess
+
+    process = subprocess.Popen(command)
+    try:
+        process.wait()
+    except KeyboardInterrupt:
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(GRACE)
+        process.terminate()
+        raise
 
 
 def stamps(files: Sequence[Path]) -> dict[Path, tuple[int, int] | None]:

@@ -116,6 +116,20 @@ def test_completion_in_the_shell(tmp_path: Path, shell: str) -> None:
     assert "tamplang" in done.stdout and "complete" in done.stdout, done
 
 
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [("explain e010", "E0103"), ("help so", "solve"), ("new --from clim", "climb"), ("solve --bound seq", "seq-path")],
+)
+def test_words_are_completed(tmp_path: Path, words: str, found: str) -> None:
+    program = "import sys; sys.argv[0] = 'tamplang'; from tamplang.__main__ import main; main()"
+    typed = {"COMP_WORDS": f"tamplang {words}", "COMP_CWORD": str(len(words.split()))}
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False,
+        env={**environment(), **typed, "_TAMPLANG_COMPLETE": "bash_complete"},
+    )  # fmt: skip
+    assert f"plain,{found}" in done.stdout.splitlines(), done
+
+
 def test_solve_tells_nothing_or_everything(tamplang: Tamplang) -> None:
     tamplang("new", "tiny")
     quiet = tamplang("solve", "tiny.tamp", "--bound", "seq", "--quiet")
