@@ -1,5 +1,5 @@
 """Draws the pictures of these pages, from examples that it solves: python docs/write_pictures.py. Needs the extra
-`pictures`, playwright and a Chromium; takes a minute."""
+`pictures`, playwright and a Chromium; takes some minutes."""
 
 from __future__ import annotations
 
@@ -22,12 +22,21 @@ ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enab
 STYLE = """main > section > :not(.stage), .stage > :not(.view) { display: none !important; }
 body, main { margin: 0 !important; padding: 0 !important; } .stage, .view, #pane { border: 0 !important;
 border-radius: 0 !important; width: 100vw !important; height: 100vh !important; max-height: none !important; }"""
-SHOWN: dict[str, tuple[dict[str, int], float]] = {
-    "climb": ({"n": 8}, 0.65),
-    "strut_bridge": ({}, 0.6),
-    "mobile_manipulator": ({"objects": 1}, 0.4),
+SHOWN: dict[str, tuple[str | None, dict[str, float | str], float]] = {
+    "climb": (None, {"n": 8}, 0.65),
+    "rendezvous": (None, {}, 0.6),
+    "chain_climb": (None, {}, 0.95),
+    "terraces": (None, {"width": 1.7}, 0.6),
+    "strut_bridge": (None, {}, 0.6),
+    "mobile_manipulator": (None, {"objects": 1}, 0.4),
+    "quadruped": (None, {}, 1.0),
+    "shared_table": (None, {}, 0.35),
+    "mechanisms": ("drawer", {}, 0.8),
+    "real_bridge": (None, {"drive": "38 N m"}, 1.0),
+    "zoo/quadruped": ("own", {}, 0.6),
+    "zoo/inchworm": ("own", {}, 0.8),
 }
-"""Examples, their parameters, and the share of the motion after which they are drawn."""
+"""Examples, the task, its parameters, and the share of the motion after which they are drawn."""
 
 STIFF = """import std.rules
 module stiff {
@@ -54,10 +63,10 @@ task stiff() {
 def main() -> None:
     """Write a still of each example."""
     FOLDER.mkdir(exist_ok=True)
-    for name, (parameters, share) in SHOWN.items():
-        plan = tamplang.load(ROOT / "examples" / f"{name}.tamp", **parameters).solve(time=120.0).plan
+    for name, (task, parameters, share) in SHOWN.items():
+        plan = tamplang.load(ROOT / "examples" / f"{name}.tamp", task, **parameters).solve(time=120.0).plan
         assert plan is not None, name
-        plan.export("png", FOLDER / f"{name}.png", at=share * plan.record.times[-1])
+        plan.export("png", FOLDER / f"{name.replace('/', '_')}.png", at=share * plan.record.times[-1])
     (FOLDER / "nearest_posture.png").write_bytes(nearest_posture())
 
 

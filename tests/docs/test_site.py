@@ -150,3 +150,15 @@ def test_what_stands_beside_the_thesis_exists() -> None:
 def _declares(text: str, name: str) -> bool:
     words = r"class|def|rule|motion|predicate|derived|function|heuristic|module|task"
     return re.search(rf"^\s*(?:{words}) [(\[]?{name}\b", text, re.MULTILINE) is not None
+
+
+def test_every_example_has_its_place_among_the_examples() -> None:
+    page = (DOCS / "examples.md").read_text(encoding="utf-8")
+    examples = sorted(p.relative_to(ROOT).as_posix() for p in (ROOT / "examples").rglob("*.tamp"))
+    assert len(examples) > 20 and [e for e in examples if f" {e}" not in page] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
+def test_pictures_of_a_page_exist(page: Path) -> None:
+    named = re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.read_text(encoding="utf-8"))
+    assert [n for n in named if not (DOCS / n).is_file()] == []
