@@ -43,9 +43,8 @@ def load(path: str | PathLike[str], /, task: str | None = None, seed: int = 0, *
 
     `seed` steers the random parts of the scene and of the search. `parameters` override those of the task; a length
     or an angle is a text with its unit, such as "20 cm".
-    Raises `tamplang.langs.diagnostics.SourceError` when the program has errors, and
-    `tamplang.compiler.pipeline.UsageError` for a task or a parameter that is unknown or unfit. The time that it takes
-    is not limited: see `Task.solve`.
+    Raises SourceError when the program has errors, and UsageError for a task or a parameter that is unknown or unfit.
+    The time that it takes is not limited: see `Task.solve`.
     """
     from .compiler.pipeline import compile_problem
     from .runtime.native import prefer_one_thread
@@ -153,11 +152,9 @@ class Task:
         `found` gets every verified plan as soon as it stands.
 
         The loops of search, motion and verifier look at the time; reading and compiling are `load`, which has no limit.
-        Around whatever there is, `tamplang.runtime.guard.guarded(seconds, memory)` raises
-        `tamplang.runtime.budget.OutOfTime`, in the main thread.
-        Raises `tamplang.langs.diagnostics.UsageError` for an option that is `unknown` or does not take its value,
-        `tamplang.runtime.native.MissingLibrary` when a system library is missing, and
-        `tamplang.runtime.parallel.ClusterUnavailable` when no cluster answers.
+        Around whatever there is, `tamplang.runtime.guard.guarded(seconds, memory)` raises OutOfTime, in the main
+        thread. Raises UsageError for an option that is `unknown` or does not take its value, MissingLibrary when a
+        system library is missing, and ClusterUnavailable when no cluster answers.
         """
         from .compiler.options import check_given
 
@@ -212,10 +209,9 @@ class Task:
         followed as long as the world allows it. `horizon` actions get their motion in one window, whose planning takes
         `latency` simulated seconds (None: the default); `seed` steers the noise; `minimise` is as in `solve`. With
         `engine` "mujoco" joints go where that lets them, and docks and feet break beyond their strength; only scenes
-        that rest can be carried out so
-        (`tamplang.runtime.simulation.execution.StillOnly`). `progress` is as in `solve`. Raises
-        `tamplang.langs.diagnostics.UsageError` for an option that is `unknown` or does not take its value, and
-        `tamplang.runtime.native.MissingLibrary` when a system library, or the engine, is missing.
+        that rest can be carried out so (`tamplang.runtime.simulation.execution.StillOnly`). `progress` is as in
+        `solve`. Raises UsageError for an option that is `unknown` or does not take its value, and MissingLibrary when
+        a system library, or the engine, is missing.
         """
         from .bars import run_callback
         from .compiler.options import check_given

@@ -79,8 +79,8 @@ class Plan:
 
     def verify(self, time: float | None = None, against: Task | None = None) -> VerdictRecord:
         """Check the plan anew, with none of the planner's code. Its own texts are what it is checked against; with
-        `against`, it is refused where that task says otherwise. Raises `tamplang.runtime.budget.OutOfTime` when `time`
-        seconds are not enough."""
+        `against`, it is refused where that task says otherwise. Raises OutOfTime when `time` seconds are
+        not enough."""
         from .runtime.budget import Budget
         from .runtime.verify import verify
 
@@ -88,8 +88,7 @@ class Plan:
 
     def report(self, path: str | PathLike[str], unchecked: bool = False, time: float | None = None) -> None:
         """Write the report: one HTML file that works offline. A verdict that was read from a file is made anew, within
-        `time` seconds, or, with `unchecked`, shown as what it is. Raises OSError, and
-        `tamplang.runtime.budget.OutOfTime`."""
+        `time` seconds, or, with `unchecked`, shown as what it is. Raises OSError, and OutOfTime."""
         from msgspec.structs import replace as changed
 
         from .runtime.report import write_report
@@ -140,7 +139,7 @@ class Plan:
 
 
 def read_plan(path: str | PathLike[str]) -> Plan:
-    """Read a plan file. Raises `tamplang.runtime.plan_files.PlanFileError`."""
+    """Read a plan file. Raises PlanFileError."""
     from .runtime.native import prefer_one_thread
     from .runtime.plan_files import read_plan as read
 

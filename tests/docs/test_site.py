@@ -162,3 +162,12 @@ def test_every_example_has_its_place_among_the_examples() -> None:
 def test_pictures_of_a_page_exist(page: Path) -> None:
     named = re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.read_text(encoding="utf-8"))
     assert [n for n in named if not (DOCS / n).is_file()] == []
+
+
+def test_scripts_that_pages_name_exist() -> None:
+    """By the end of their path, as pages tell the folder once."""
+    rooms = ("langs", "compiler", "runtime", "tamplang", "benchmarks", "docs", "tests", "editors")
+    known = {f"/{p.relative_to(ROOT).as_posix()}" for room in rooms for p in (ROOT / room).rglob("*.py")}
+    ends = {path[i:] for path in known for i, c in enumerate(path) if c == "/"}
+    named = [(p.name, n) for p in PAGES for n in re.findall(r"`((?:\w+/)*\w+\.py)`", p.read_text(encoding="utf-8"))]
+    assert len(named) > 100 and [n for n in named if f"/{n[1]}" not in ends] == []
