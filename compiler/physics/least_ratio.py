@@ -43,9 +43,11 @@ class Share:
 
 
 def least_ratios(rows: StrengthRows) -> list[Share]:
-    """The best share of every sample. Those behind a sample in which just the same binds are found at once, twice as
-    many whenever all of them were."""
+    """The best share of every sample; no wrenches where nothing states a strength. Those behind a sample in which just
+    the same binds are found at once, twice as many whenever all of them were."""
     count = len(rows.hung)
+    if not len(rows.edges):
+        return [Share(np.zeros(rows.unknowns), 0.0, np.zeros(0))] * count
     found = list[Share]()
     program = _RatioProgram(rows)
     binding, ahead = program.nothing, 1

@@ -109,7 +109,7 @@ def cause(
         program = kind(skeleton, first, last, start, settings, free)
         random = seed.child("cause").random()
         span = SpanSolver(skeleton, first, last, settings, random, budget, start, free)
-        options = replace(span.options, projected=0.0)  # costs may weigh as much as what is missed
+        options = replace(span.options, projected=0.0, persistent=True)  # costs weigh as much as misses
         best: _Nearest | None = None
         guesses = (span.guess(wide=number > 1, steady=number == 0) for number in range(KEYFRAMES.causes_tried))
         known = [switches] if len(switches) == last - first + 2 else []

@@ -18,7 +18,8 @@ from .settings import SOLVER
 class SolverOptions:
     """`mu` is the first penalty weight; the run stops once the scaled violation is below `tolerance` and the step
     below `step_tolerance`, or after `stall` iterations without progress. What violates by less than `projected` is
-    projected onto the rows, where that is possible. Damping is Levenberg-Marquardt."""
+    projected onto the rows, where that is possible. Damping is Levenberg-Marquardt. A `persistent` run goes on where no
+    step promises much, as it does where rows weigh unlike each other."""
 
     mu: float = 1e2
     largest_mu: float = 1e7
@@ -32,6 +33,7 @@ class SolverOptions:
     iterations: int = 150
     stall: int = 20
     projected: float = 0.0
+    persistent: bool = False
 
 
 PATH = SolverOptions(mu=1e3, tolerance=1e-3)
@@ -145,7 +147,7 @@ def solve(program: Program, start: Array, options: SolverOptions, budget: Budget
             best, best_at = violation, iteration
         if iteration - best_at > options.stall and best > SOLVER.hopeless:
             return SolverResult(run.x, iteration + 1, SolverStatus.STALLED)
-        if iteration % SOLVER.promise_period == 0:
+        if iteration % SOLVER.promise_period == 0 and not options.persistent:
             slow = violation > SOLVER.hopeless and step < SOLVER.promise_step
             poor = poor + 1 if slow and _promise(program, run.x, run.residuals) < SOLVER.promise else 0
             if poor == SOLVER.promises:
