@@ -95,7 +95,7 @@ def fmt(files: tuple[Path, ...], only_check: bool, diff: bool, seconds: float, m
                 changed += [file] if _format(file, only_check, diff) else []
     finally:
         for file in changed:
-            if file != STANDARD_INPUT and not diff:
+            if not diff and (only_check or file != STANDARD_INPUT):
                 click.echo(f"{'would change' if only_check else 'changed'}: {file}", err=True)
     return ExitStatus.SOURCE_ERRORS if changed and (only_check or diff) else ExitStatus.DONE
 
@@ -111,10 +111,9 @@ def _format(file: Path, only_check: bool, diff: bool) -> bool:
     if diff:
         import difflib
 
-        lines = difflib.unified_diff(
-            source.text.splitlines(keepends=True), text.splitlines(keepends=True), str(file), f"{file} (laid out)"
-        )
-        click.echo("".join(lines), nl=False)
+        before, after = source.text.splitlines(keepends=True), text.splitlines(keepends=True)
+        for line in difflib.unified_diff(before, after, str(file), f"{file} (laid out)"):
+            click.echo(line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n", nl=False)
     elif file == STANDARD_INPUT and not only_check:
         click.echo(text, nl=False)
     if text == source.text:

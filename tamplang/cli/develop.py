@@ -27,14 +27,15 @@ def complete_commands(context: click.Context, parameter: click.Parameter, beginn
 
 @click.command()
 @click.argument("code", required=False, shell_complete=complete_codes)
-@click.option("--list", "listed", is_flag=True, help="List all codes with their titles.")
+@click.option("--list", "listed", is_flag=True, help="List the codes that begin with CODE, or all, with titles.")
 def explain(code: str | None, listed: bool) -> None:
     """Explain the diagnostic CODE, such as E0301."""
     from ..langs.codes import CODES
     from ..langs.diagnostics import did_you_mean
 
     if listed:
-        click.echo("\n".join(f"{known}  {info.title}" for known, info in CODES.items()))
+        wanted = (code or "").upper()
+        click.echo("\n".join(f"{k}  {info.title}" for k, info in CODES.items() if k.startswith(wanted)))
         return
     if code is None:
         raise click.UsageError("name a code, or list them all with --list")

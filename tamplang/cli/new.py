@@ -55,7 +55,9 @@ def _text(task: str, example: str | None) -> str:
     if example not in known:
         near = did_you_mean(example, known) or f"there are {', '.join(known)}"
         raise click.UsageError(f"there is no example {example!r}; {near}")
-    return re.sub(rf"^task {example}\b", f"task {task}", known[example], flags=re.MULTILINE)
+    text = known[example].replace(f"examples/{example}.tamp", f"{task}.tamp").replace(f"{example}.html", f"{task}.html")
+    text = text.replace(f"{task}.tamp {example}", f"{task}.tamp {task}")
+    return re.sub(rf"^task {example}\b", f"task {task}", text, flags=re.MULTILINE)
 
 
 def examples() -> dict[str, str]:

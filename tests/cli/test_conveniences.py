@@ -50,7 +50,10 @@ def test_check_quiet_tells_errors_only(tamplang: Tamplang, program: Callable[[st
 def test_fmt_of_standard_input(tmp_path: Path) -> None:
     done = piped(tmp_path, UNTIDY, "fmt", "-")
     assert (done.returncode, done.stdout) == (0, "type a < object\n")
-    assert piped(tmp_path, UNTIDY, "fmt", "--check", "-").returncode == 1
+    asked = piped(tmp_path, UNTIDY, "fmt", "--check", "-")
+    assert (asked.returncode, asked.stdout, asked.stderr) == (1, "", "would change: -\n")
+    ends_early = piped(tmp_path, UNTIDY.rstrip("\n"), "fmt", "--diff", "-").stdout.splitlines()
+    assert ends_early.count("\\ No newline at end of file") == 1 and all(line[0] in " +-@\\" for line in ends_early)
 
 
 def test_fmt_shows_differences(tamplang: Tamplang, program: Callable[[str], Path]) -> None:
@@ -71,11 +74,13 @@ def test_help_of_a_command(tamplang: Tamplang) -> None:
 def test_explain_lists_all_codes(tamplang: Tamplang) -> None:
     lines = tamplang("explain", "--list").stdout.splitlines()
     assert [line.split()[0] for line in lines] == list(CODES)
+    assert tamplang("explain", "--list", "s").stdout.splitlines() == [line for line in lines if line.startswith("S")]
 
 
 def test_new_from_an_example(tamplang: Tamplang, tmp_path: Path) -> None:
     assert tamplang("new", "mine", "--from", "climb").returncode == 0
-    assert "task mine(" in (tmp_path / "mine.tamp").read_text()
+    text = (tmp_path / "mine.tamp").read_text()
+    assert "task mine(" in text and "solve mine.tamp" in text and "examples/" not in text
     assert tamplang("check", "mine.tamp").returncode == 0
     assert "did you mean `climb`?" in tamplang("new", "x", "--from", "clim").stderr
     assert [line.split()[0] for line in tamplang("new", "--from", "list").stdout.splitlines()] == list(examples())
