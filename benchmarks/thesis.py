@@ -119,8 +119,8 @@ def markdown(rows: Sequence[Row], runs: bench.Runs, seeds: int) -> str:
         "",
         f"{bench.today()}, {bench.machine()}, seeds 0 to {seeds - 1}; at most {peak} MB. Times are medians over seeds; "
         f"the goal is a {bench.FACTOR}th of the thesis' time (a {ASPIRED}th is aspired to) where that is above "
-        f"{bench.LONG:g} s, else {bench.SHORT_GOAL:g} s without process start. Rows without heuristics "
-        "use the default search."
+        f"{bench.LONG:g} s, else {bench.SHORT_GOAL:g} s without process start. Ours are the "
+        "same runs with and without heuristics: the default search asks for none."
     ]
     title = ""
     for row in rows:
