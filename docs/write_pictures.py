@@ -26,7 +26,7 @@ SHOWN: dict[str, tuple[str | None, dict[str, float | str], float]] = {
     "climb": (None, {"n": 8}, 0.65),
     "rendezvous": (None, {}, 0.6),
     "chain_climb": (None, {}, 0.95),
-    "terraces": (None, {"width": 1.7}, 0.6),
+    "terraces": (None, {"width": "1.7 m"}, 0.6),
     "strut_bridge": (None, {}, 0.6),
     "mobile_manipulator": (None, {"objects": 1}, 0.4),
     "quadruped": (None, {}, 1.0),

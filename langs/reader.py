@@ -73,7 +73,9 @@ def read_bytes(path: str) -> bytes:
 
 
 def _near(path: str) -> str | None:
-    """The hint to the program in the same folder that has nearly this name."""
+    """The hint to the program in the same folder that has nearly this name; or to what reads standard input."""
+    if path == "-":
+        return "`check` and `fmt` alone read standard input; save the program to a file"
     folder, name = os.path.split(path)
     try:
         programs = [n for n in os.listdir(folder or ".") if n.endswith(".tamp")]

@@ -34,6 +34,11 @@ def test_check_reads_standard_input(tmp_path: Path) -> None:
     assert piped(tmp_path, "type a < object\n", "check", "-").returncode == 0
 
 
+def test_what_does_not_read_standard_input_says_what_does(tmp_path: Path) -> None:
+    done = piped(tmp_path, "task t() { }", "solve", "-")
+    assert done.returncode == 1 and "`check` and `fmt` alone read standard input" in done.stderr
+
+
 def test_standard_input_imports_from_the_current_folder(tmp_path: Path) -> None:
     (tmp_path / "own.tamp").write_text("type board < object\n")
     done = piped(tmp_path, 'import "own.tamp"\ntype plank < board\n', "check", "-")
