@@ -158,6 +158,16 @@ def test_every_example_has_its_place_among_the_examples() -> None:
     assert len(examples) > 20 and [e for e in examples if f" {e}" not in page] == []
 
 
+def test_the_tasks_and_parameters_of_the_examples_page_are_there() -> None:
+    """Each command compiles its task, with the parameters that it gives."""
+    commands = re.findall(r"^tamplang (?:solve|run) (.+)$", (DOCS / "examples.md").read_text(encoding="utf-8"), re.M)
+    assert len(commands) > 20
+    for words in map(shlex.split, commands):
+        given = [words[i + 1].partition("=") for i, word in enumerate(words) if word == "-p"]
+        tasks = [word for word in words[1:2] if not word.startswith("-")]
+        tamplang.load(ROOT / words[0], *tasks, **{name: value for name, _, value in given})
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
 def test_pictures_of_a_page_exist(page: Path) -> None:
     named = re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.read_text(encoding="utf-8"))
