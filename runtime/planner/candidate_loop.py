@@ -103,6 +103,8 @@ class CandidateLoop:
                 self.penalties.refused(candidate.numbers, conflict.first, conflict.last)
             paths = conflict.bound not in (Bound.SEQ, Bound.STATICS, Bound.EXPECTED)
             self.paths_refused |= paths
+            if conflict.obstacles:
+                self.search.no_goods.openings.forbid(candidate.numbers[conflict.last], conflict.obstacles)
             anywhere = not self.rounds and not paths and 0 < conflict.last < self.remembered
             from_start = conflict.from_start and not anywhere
             if from_start and conflict.bound == Bound.SEQ:

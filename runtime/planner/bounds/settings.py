@@ -66,6 +66,11 @@ class BoundSettings:
         "What P_path of one skeleton may take.",
         "about 12 s, at 25 to 50 µs each",
     )
+    soon_redraws: int = setting(
+        1, "times",
+        "The same, where something is in the way that could be moved.",
+        "a rover before a shut gate took 12 s for each of 16 draws",
+    )
     redrawn_phases: int = setting(
         32, "phases",
         "So many phases are drawn anew in all where none closes a loop.",

@@ -20,6 +20,7 @@ from ..motion.path.whole_path import solve_path
 from ..motion.settings import MotionSettings
 from ..schedule.shorter_ways import with_shorter_ways
 from ..statics import asked, borne, slowed
+from .movable_obstacles import obstacles
 from .requests import AttemptRequest, PathRequest, SequenceRequest, sequence_path
 from .settings import BOUNDS
 from .speculation import Speculation
@@ -76,10 +77,14 @@ class Solves:
         blamed = [{v.phase for v in result.violations}]
         if not result.feasible:
             self.cut = blame(Bound.SEQ_PATH, result, blamed, len(first))
-        sequence, result = self._redrawn(skeleton, first, sequence, result, blamed)
+        phase, movable = self._obstacles(first, sequence, result)
+        sequence, result = self._redrawn(skeleton, first, sequence, result, blamed, bool(movable))
         if result.feasible:
             self.cut = None
             return self._timed(first, result, sequence.configurations[len(first) + 1 :])
+        if movable and self._obstacles(first, sequence, result) == (phase, movable):
+            told = tuple(v for v in result.violations if v.phase == phase)
+            return Judgement(False, conflicts=[Conflict(Bound.SEQ_PATH, 0, phase, True, told, obstacles=movable)])
         bound = Bound.SEQ_PATH
         if self.finest == Bound.PATH and not all(v.kind in LOADS for v in result.violations):
             known = sequence.configurations[: len(first) + 1]
@@ -89,14 +94,22 @@ class Solves:
             bound = Bound.PATH
         return Judgement(False, conflicts=[blame(bound, result, blamed, len(first))])
 
+    def _obstacles(self, first: Skeleton, sequence: BoundResult, result: BoundResult) -> tuple[int, frozenset[str]]:
+        """What keeps a motion from being found that could be moved away, as long as such candidates come first."""
+        if result.feasible or self.tries is None:
+            return 0, frozenset()
+        return obstacles(first, sequence, result, self.settings, self.seed, self.budget)
+
     def _redrawn(
-        self, skeleton: Skeleton, first: Skeleton, sequence: BoundResult, result: BoundResult, blamed: list[set[int]]
-    ) -> tuple[BoundResult, BoundResult]:
-        """The switches of a skeleton and the motion of its `first` phases between them, drawn anew until they have one;
-        `blamed` is told which phases had none. Raises OutOfTime."""
+        self, skeleton: Skeleton, first: Skeleton, sequence: BoundResult, result: BoundResult, blamed: list[set[int]],
+        soon: bool = False,
+    ) -> tuple[BoundResult, BoundResult]:  # fmt: skip
+        """The switches of a skeleton and the motion of its `first` phases between them, drawn anew until they have one,
+        once only and without much effort where it is to be refused `soon`; `blamed` is told which phases had
+        none. Raises OutOfTime."""
         held: set[frozenset[int]] = set()
         mends = MENDS if len(skeleton) > KEYFRAMES.longest_whole else ()
-        draws, loaded = self._draws(first), 0
+        draws, loaded = BOUNDS.soon_redraws if soon else self._draws(first), 0
         for draw in (*mends, *range(1, draws + 1)):
             loaded += bool(result.violations) and all(v.kind in LOADS for v in result.violations)
             if result.feasible or loaded > BOUNDS.loaded_redraws:
@@ -117,7 +130,7 @@ class Solves:
                     self._expect_attempt(skeleton, sequence, result, draw + 1, len(first))
                 before = result if isinstance(draw, Mend) else None
                 seed = self.seed if isinstance(draw, Mend) else self.seed.child("attempt", draw)
-                path = self._sequence_path(first, sequence, draw not in QUICK_MENDS, before, seed)
+                path = self._sequence_path(first, sequence, draw not in QUICK_MENDS and not soon, before, seed)
             result = path
             blamed.append({v.phase for v in result.violations})
             self.cut = blame(Bound.SEQ_PATH, result, blamed, len(first))

@@ -16,7 +16,7 @@ from .settings import BOUNDS
 class Conflict:
     """Phases `first` … `last` of a skeleton cannot be done one after the other; with `from_start` only when they begin
     in the start configuration (then `first` is 0). `switches` are the state before and the postures that P_seq came to,
-    where it refuses."""
+    where it refuses; `obstacles` the bodies without which the last of them would have a motion."""
 
     bound: Bound
     first: int
@@ -24,6 +24,7 @@ class Conflict:
     from_start: bool
     violations: tuple[Violation, ...]
     switches: tuple[Configuration, ...] = field(default=(), compare=False, repr=False)
+    obstacles: frozenset[str] = frozenset()
 
 
 @dataclass(slots=True)

@@ -127,6 +127,8 @@ class Refusals:
         notes += [*self._still(skeleton, conflict), *self._lasting(skeleton, conflict)]
         if cause is not None and cause.why == Why.CONTRADICTED:
             notes += self._held_since(skeleton, conflict.last, cause.names)
+        if conflict.obstacles:
+            notes.append(f"without {', '.join(sorted(conflict.obstacles))} at the place of the start there is a motion")
         if count > 1:
             notes.append(f"this was met in {count} such sequences; the smallest miss is shown")
         row = f"{self._reason(conflict)}{told(cause)}"

@@ -1,0 +1,59 @@
+"""Things in the way of a motion that some action could move away: a gate across the only door, a box in a passage."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ....compiler.ir import Problem
+from ....compiler.motion.collision import contacts
+from ...budget import Budget
+from ...geometry.attachments import followers
+from ...seeds import Seed
+from ...skeleton import BoundResult, Breach, Skeleton, beginning
+from ..conflicts.lifting import objects_of
+from ..motion.acceptance import clashes, dense
+from ..motion.phases.settings import PHASES
+from ..motion.settings import MotionSettings
+from .requests import sequence_path
+
+
+def obstacles(
+    skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, settings: MotionSettings, seed: Seed,
+    budget: Budget,
+) -> tuple[int, frozenset[str]]:  # fmt: skip
+    """The first phase for which P_seqPath found no motion between the switches of `sequence`, and the bodies at their
+    places of the start that keep it from having one though something could move them: without them there is a motion,
+    which goes through these. None where what overlaps is less than a passage. Raises OutOfTime."""
+    worst = min(refused.violations, key=lambda v: (v.phase, -v.amount))
+    none = worst.phase, frozenset[str]()
+    standing = _standing(skeleton, worst.phase)
+    if worst.kind != Breach.COLLISION or worst.amount < PHASES.stuck or not standing:
+        return none
+    first = beginning(skeleton, worst.phase + 1)
+    known = replace(
+        refused, configurations=refused.configurations[: len(first) + 1], paths=refused.paths[: len(first)],
+        violations=[v for v in refused.violations if v.phase == worst.phase],
+    )  # fmt: skip
+    clear = replace(first, problem=_without(skeleton.problem, standing))
+    found = sequence_path(clear, sequence, settings, seed, budget, thorough=False, known=known)
+    if not found.feasible:
+        return none
+    start = found.configurations[worst.phase]
+    motion = dense(skeleton.problem, first.phases[-1].mode, found.paths[-1], start)
+    met = clashes(skeleton.problem, worst.phase, contacts(first)[-1], motion, start)
+    return worst.phase, standing.intersection(name for clash in met for name in clash.names)
+
+
+def _standing(skeleton: Skeleton, phase: int) -> frozenset[str]:
+    """The bodies that can be moved, stand where they do at the start in a phase, and are not what it is about."""
+    problem = skeleton.problem
+    moved = frozenset(objects_of(skeleton.phases[phase].action)).union(
+        *(followers(problem, p.mode) for p in skeleton.phases[: phase + 1])
+    )
+    return frozenset(b.name for b in problem.world.solids if b.movable and b.name not in moved)
+
+
+def _without(problem: Problem, names: frozenset[str]) -> Problem:
+    """The problem in which nothing collides with these bodies."""
+    bodies = {n: replace(b, collides=False) if n in names else b for n, b in problem.world.bodies.items()}
+    return replace(problem, world=replace(problem.world, bodies=bodies))
