@@ -77,6 +77,13 @@ class Plan:
         """The actions in order."""
         return tuple(phase.action for phase in self.record.phases)
 
+    @property
+    def verified(self) -> bool:
+        """Whether this process found nothing wrong with the plan, at the end of which the goal holds. What a file says
+        of itself does not count: `verify` looks anew."""
+        verdict = self.record.verdict
+        return self.fresh and verdict is not None and verdict.verified and verdict.goal_reached
+
     def verify(self, time: float | None = None, against: Task | None = None) -> VerdictRecord:
         """Check the plan anew, with none of the planner's code. Its own texts are what it is checked against; with
         `against`, it is refused where that task says otherwise. Raises OutOfTime when `time` seconds are

@@ -74,6 +74,7 @@ def test_numerical_libraries_have_one_thread_unless_told_otherwise(before: dict[
 def test_texts_are_loaded_and_shown_in_short() -> None:
     assert doctest.testmod(api, extraglobs={"loads": tamplang.loads}).failed == 0
     plan = tamplang.read_plan(PLAN)
+    assert not plan.verified and plan.verify().verified
     assert len(repr(plan)) < 100 and plan.record.task.name in repr(plan)
     assert plan.actions[0].split("(")[0] in plan._repr_html_()
     light = "predicate (lit) rule light() { pre not (lit) post (lit) }"
