@@ -1,5 +1,6 @@
 """The least moments that a reach asks for: never more than any posture bears, and enough to refuse what none does."""
 
+import math
 from itertools import pairwise
 
 import numpy as np
@@ -12,7 +13,7 @@ from tamplang.compiler.physics.structure import structure
 from tamplang.compiler.pipeline import compile_text
 from tamplang.runtime.planner.lgp import SolveOptions, solve
 from tamplang.runtime.planner.statics.least_moments import Region, Site, least_moments
-from tamplang.runtime.planner.statics.nearness import AS_PLACED
+from tamplang.runtime.planner.statics.nearness import AS_PLACED, radius_of
 
 TEXT = """import std.rules
 
@@ -111,3 +112,13 @@ def test_what_no_posture_bears_is_refused_before_any_posture_is_asked_for() -> N
     found, refused = solved("9.5 N m")
     (grasp,) = (told for action, told in refused.items() if action.startswith("grasp"))
     assert not found and grasp.startswith("statics") and "ground and c.A" in grasp and "in any posture" in grasp
+
+
+def test_an_end_comes_as_far_from_its_frame_as_its_farthest_part() -> None:
+    text = """type tool < effector
+    module fork {
+        effector T: tool union(box(2 cm, 2 cm, 2 cm) at (0, 0, 0), box(2 cm, 2 cm, 2 cm) at (20 cm, 0, 0))
+        joint j: revolute(z) in -1 rad .. 1 rad
+    }
+    task t { fork f: at (0, 0, 0) goal 1 < 2 }"""
+    assert radius_of(compile_text(text, "fork.tamp")[0], "f.T") == pytest.approx(math.hypot(0.21, 0.01, 0.01))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from ....compiler.extents import box_sides
-from ....compiler.ir import Arith, Fact, Function, Number, Problem, Row, ShapeKind, Term, Var, Vector
+from ....compiler.ir import Arith, Fact, Function, Number, Problem, Row, Term, Var, Vector
 from ....compiler.kept_pairs import kept_pairs
+from ....compiler.motion.collision import bounding_radius
 from ...skeleton import Phase
 from .settings import STATICS
 
@@ -105,4 +105,4 @@ def radius_of(problem: Problem, name: str) -> float:
     shape = found[1].shape if found is not None else body.shape if body is not None else None
     if shape is None:
         return 0.0
-    return shape.size[0] if shape.kind == ShapeKind.SPHERE else math.hypot(*box_sides(shape)) / 2.0
+    return bounding_radius(shape)
