@@ -130,6 +130,11 @@ class Joint:
     jerk: float = math.inf
     stated: Span | None = field(default=None, compare=False, repr=False)
 
+    @property
+    def slide(self) -> float:
+        """How far it can carry its frame from where it is placed, metres."""
+        return max(abs(self.lower), abs(self.upper)) if self.kind == JointKind.PRISMATIC else 0.0
+
     def strength(self, *, still: bool) -> float:
         """What it bears along its axis, N m (N): the drive, and while it does not move also the brake."""
         return max(self.torque, self.brake) if still else self.torque

@@ -125,16 +125,14 @@ def _on_edge(body: Hull, edge: tuple[int, int], point: Expression) -> Expression
 def _faces_below(body: Hull, point: Expression) -> Iterator[tuple[Expression, Expression, Array]]:
     """Of each triangle how high a point is above its plane, whether it is right above the triangle itself, and the
     outward normal (3,)."""
-    middle = body.corners.mean(axis=0)
     for triangle in body.triangles.tolist():
         corners = body.corners[triangle]
         across = np.cross(corners[1] - corners[0], corners[2] - corners[0])
-        normal = across / np.linalg.norm(across) * np.copysign(1.0, across @ (corners[0] - middle))
+        normal = across / np.linalg.norm(across)
         height = ca.dot(ca.SX(normal), point - corners[0])
         above = height >= 0
         for k in range(3):
             side = np.cross(corners[(k + 1) % 3] - corners[k], normal)
-            side *= -np.copysign(1.0, side @ (corners[(k + 2) % 3] - corners[k]))
             above = ca.logic_and(above, ca.dot(ca.SX(side), point - corners[k]) <= 0)
         yield height, above, normal
 
@@ -181,11 +179,8 @@ def _separation(a: DistanceShape, b: DistanceShape) -> Expression:
     def along(direction: Expression) -> Expression:
         return ca.fabs(ca.dot(offset, direction)) - extent(a, direction) - extent(b, direction)
 
-    def ahead(direction: Expression) -> Expression:
-        return ca.dot(offset, direction) - extent(a, direction) - extent(b, -direction)
-
     if ShapeKind.CONVEX in (a.kind, b.kind):
-        return ca.fmax(_faces_apart(a, b), _way_apart(a, b, ahead))
+        return ca.fmax(_faces_apart(a, b), _way_apart(a, b))
     axes_a = [axis(a.frame.quaternion, letter) for letter in "xyz"]
     axes_b = [axis(b.frame.quaternion, letter) for letter in "xyz"]
     gaps = [along(direction) for direction in axes_a + axes_b]
@@ -195,15 +190,20 @@ def _separation(a: DistanceShape, b: DistanceShape) -> Expression:
             squared = ca.dot(edge, edge)
             gaps.append(ca.if_else(squared < PARALLEL, -1e3, along(edge / ca.sqrt(squared + SMOOTH))))
     if (a.kind, b.kind) != (ShapeKind.BOX, ShapeKind.BOX):
-        gaps.append(_way_apart(a, b, ahead))
+        gaps.append(_way_apart(a, b))
     return _largest(gaps)
 
 
-def _way_apart(a: DistanceShape, b: DistanceShape, ahead: Callable[[Expression], Expression]) -> Expression:
-    """The separation by `ahead` along the way between two points near to each other; where these meet, very little."""
+def _apart(a: DistanceShape, b: DistanceShape, direction: Expression) -> Expression:
+    """How far `b` begins behind the end of `a` along a unit direction (3,): never more than their distance."""
+    return ca.dot(b.frame.position - a.frame.position, direction) - extent(a, direction) - extent(b, -direction)
+
+
+def _way_apart(a: DistanceShape, b: DistanceShape) -> Expression:
+    """The separation along the way between two points near to each other; where these meet, very little."""
     way = _way_between(a, b)
     squared = ca.dot(way, way)
-    return ca.if_else(squared < NEAR, -1e3, ahead(way / ca.sqrt(squared + SMOOTH)))
+    return ca.if_else(squared < NEAR, -1e3, _apart(a, b, way / ca.sqrt(squared + SMOOTH)))
 
 
 def _way_between(a: DistanceShape, b: DistanceShape) -> Expression:
@@ -244,8 +244,7 @@ def _faces_apart(a: DistanceShape, b: DistanceShape) -> Expression:
         normals = _hull(one).normals if one.kind == ShapeKind.CONVEX else np.vstack([np.eye(3), -np.eye(3)])
         for normal in normals.tolist():
             direction = sum(c * letter for c, letter in zip(normal, letters, strict=True))
-            offset = ca.dot(other.frame.position - one.frame.position, direction)
-            gaps.append(offset - extent(one, direction) - extent(other, -direction))
+            gaps.append(_apart(one, other, direction))
     return _largest(gaps)
 
 

@@ -5,14 +5,9 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 
-from ..ir import Joint, JointKind, ModuleType, Vec3
+from ..ir import ModuleType, Vec3
 from ..joint_lines import line
 from .collision import PATH_MARGIN, module_spheres
-
-
-def _slide(joint: Joint) -> float:
-    """How far a joint can carry its frame from where it is placed."""
-    return max(abs(joint.lower), abs(joint.upper)) if joint.kind == JointKind.PRISMATIC else 0.0
 
 
 def _length_between(type_: ModuleType, a: tuple[int, Vec3], b: tuple[int, Vec3]) -> float:
@@ -23,7 +18,7 @@ def _length_between(type_: ModuleType, a: tuple[int, Vec3], b: tuple[int, Vec3])
         shared = line(type_, other)
         while joint != -1 and joint not in shared:
             placement = type_.joints[joint].placement
-            length += math.hypot(*point) + _slide(type_.joints[joint])
+            length += math.hypot(*point) + type_.joints[joint].slide
             point, joint = (placement[0], placement[1], placement[2]), type_.joints[joint].parent
         ends.append(point)
     return length + math.dist(ends[0], ends[1])

@@ -135,8 +135,7 @@ class SceneLoads:
             if other != before:
                 drive = module.type.joints[joint]
                 leaving = np.asarray(drive.placement[:3]) if other > node else np.zeros(3)
-                travel = max(abs(drive.lower), abs(drive.upper)) if drive.kind == JointKind.PRISMATIC else 0.0
-                step = far + float(np.linalg.norm(leaving - point)) + travel
+                step = far + float(np.linalg.norm(leaving - point)) + drive.slide
                 yield from self._beyond(chain, number, other, node, at, step)
 
     def _radius(self, name: str) -> float:

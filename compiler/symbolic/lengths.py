@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from ..ir import JointKind, Module, ModuleType, Shape, ShapeKind
+from ..ir import Module, ModuleType, Shape, ShapeKind
 from ..poses import position
 
 
@@ -20,8 +20,7 @@ def path_length(module: ModuleType, start: str, end: str) -> float:
         while at >= 0:
             joint = module.joints[at]
             travel += math.hypot(*point)
-            if joint.kind == JointKind.PRISMATIC:
-                travel += max(abs(joint.lower), abs(joint.upper))
+            travel += joint.slide
             at, point = joint.parent, position(joint.placement)
             steps.append((at, point, travel))
         return steps

@@ -38,8 +38,7 @@ def _reach(type_: ir.ModuleType) -> float:
     """How far from its frame a module comes at most, in metres."""
     lengths = [0.0]
     for joint in type_.joints:
-        way = max(abs(joint.lower), abs(joint.upper)) if joint.kind == ir.JointKind.PRISMATIC else 0.0
-        lengths.append(lengths[joint.parent + 1] + math.hypot(*joint.placement[:3]) + way)
+        lengths.append(lengths[joint.parent + 1] + math.hypot(*joint.placement[:3]) + joint.slide)
     places = [(e.joint, e.placement) for e in type_.effectors] + [(k.joint, k.placement) for k in type_.links]
     return max((lengths[joint + 1] + math.hypot(*place[:3]) for joint, place in places), default=0.0)
 

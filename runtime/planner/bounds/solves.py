@@ -77,12 +77,12 @@ class Solves:
         blamed = [{v.phase for v in result.violations}]
         if not result.feasible:
             self.cut = blame(Bound.SEQ_PATH, result, blamed, len(first))
-        phase, movable = self._obstacles(first, sequence, result)
+        before, (phase, movable) = result, self._obstacles(first, sequence, result)
         sequence, result = self._redrawn(skeleton, first, sequence, result, blamed, bool(movable))
         if result.feasible:
             self.cut = None
             return self._timed(first, result, sequence.configurations[len(first) + 1 :])
-        if movable and self._obstacles(first, sequence, result) == (phase, movable):
+        if movable and (result is before or self._obstacles(first, sequence, result) == (phase, movable)):
             told = tuple(v for v in result.violations if v.phase == phase)
             return Judgement(False, conflicts=[Conflict(Bound.SEQ_PATH, 0, phase, True, told, obstacles=movable)])
         bound = Bound.SEQ_PATH

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from ....compiler.extents import box_sides
-from ....compiler.ir import Arith, Effector, Fact, Function, Joint, JointKind, Number, Problem, Term, Var
+from ....compiler.ir import Arith, Effector, Fact, Function, JointKind, Number, Problem, Term, Var
 from ....compiler.physics.frames import GRAVITY, node_weights, poses, rotation
 from ....compiler.physics.outlines import driven_away, foot_radius
 from ....compiler.physics.records import CONTACTS
@@ -177,7 +177,7 @@ class _BearingTree:
         """A point of the robot whose place in the world is known, and how far from there it may be."""
         if edge.is_joint:
             joint = self._problem.world.modules[edge.names[0]].type.joints[edge.joint]
-            return Site(edge.child, (0.0, 0.0, 0.0)), self._at.places[edge.child][0], 2.0 * _slide(joint)
+            return Site(edge.child, (0.0, 0.0, 0.0)), self._at.places[edge.child][0], 2.0 * joint.slide
         if self._still.get(frozenset(edge.names)) != AS_PLACED:
             return None
         own = next((n for n in edge.names if node_of(self._problem, n) == edge.child), None)
@@ -201,7 +201,7 @@ class _BearingTree:
             x, y, z = joint.placement[:3]
             base, moving = Site((edge.names[0], joint.parent), (x, y, z)), Site((edge.names[0], edge.joint), (0.0,) * 3)
             near, far = (base, moving) if edge.child == moving.node else (moving, base)
-            return near, far, _slide(joint)
+            return near, far, joint.slide
         first, second = (self._site(name) for name in edge.names)
         near, far = (first, second) if second.node == edge.child else (second, first)
         apart = self._still.get(frozenset(edge.names), NOWHERE)
@@ -265,11 +265,6 @@ class _BearingTree:
         if found is not None and edge.manner in CONTACTS and driven_away(found):
             return Site((found[0].name, driven(found[0].type, found[1].joint)), (0.0, 0.0, 0.0)), 0.0
         return self._site(edge.place), radius_of(self._problem, edge.place)
-
-
-def _slide(joint: Joint) -> float:
-    """How far a joint can carry its frame from where it is placed."""
-    return max(abs(joint.lower), abs(joint.upper)) if joint.kind == JointKind.PRISMATIC else 0.0
 
 
 def _length(known: Mapping[Node, tuple[float, Array]], node: Node, point: Array) -> float:

@@ -126,8 +126,7 @@ class _Descent:
 def _promise(program: Program, x: Array, residuals: tuple[Array, Array, Array]) -> float:
     """The share of the squared violation that a damped step on violated rows alone would take away, to first order,
     where some are."""
-    none = (np.zeros_like(residuals[1]), np.zeros_like(residuals[2]))
-    system = program.system(x, residuals, none, 1.0, costs=False)
+    system = program.violated(x, residuals)
     missed = np.concatenate([residuals[1], np.maximum(residuals[2], 0.0)])
     return -float(system.gradient @ system.step(SOLVER.promise_damping)[0]) / float(missed @ missed)
 
@@ -178,9 +177,7 @@ def project(program: Program, start: Array, tolerance: float, budget: Budget, it
         seen.append(violation)
         if violation < tolerance or violation > 0.5 * min(seen[: -SOLVER.projections], default=np.inf):
             break
-        none = (np.zeros_like(residuals[1]), np.zeros_like(residuals[2]))
-        system = program.system(x, residuals, none, 1.0, costs=False)
-        direction, _ = system.step(max(1e-8, min(1e-2, 1e-2 * violation)))
+        direction, _ = program.violated(x, residuals).step(max(1e-8, min(1e-2, 1e-2 * violation)))
         largest = float(np.abs(direction).max(initial=0.0))
         x = x + direction * min(1.0, 0.1 / largest if largest > 0 else 1.0)
     return best

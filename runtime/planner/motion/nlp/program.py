@@ -174,6 +174,11 @@ class Program:
         band = sums.band()
         return sums.gradient(), band + self._cost_band if costs else band
 
+    def violated(self, x: Array, residuals: tuple[Array, Array, Array]) -> System:
+        """The system of the rows that are violated at x alone, where `residuals` are those."""
+        none = (np.zeros_like(residuals[1]), np.zeros_like(residuals[2]))
+        return self.system(x, residuals, none, 1.0, costs=False)
+
     def _pushing(self, kind: str, z: Array, pull: Array) -> Iterator[Pushing]:
         """Inequalities or wishes: only instances with a row that pushes are differentiated."""
         pushing = pull.nonzero()[0]

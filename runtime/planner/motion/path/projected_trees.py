@@ -113,9 +113,7 @@ class _Space:
         x = self._states.pack([self._before, *states, self._after])
         for _ in range(steps):
             self._budget.check()
-            residuals = self._program.residuals(x)
-            none = (np.zeros_like(residuals[1]), np.zeros_like(residuals[2]))
-            step, _ = self._program.system(x, residuals, none, 1.0, costs=False).step(PATHS.tree_damping)
+            step, _ = self._program.violated(x, self._program.residuals(x)).step(PATHS.tree_damping)
             x = x + np.clip(step, -stride, stride)
             if np.abs(step).max(initial=0.0) < PATHS.tree_accuracy:
                 break

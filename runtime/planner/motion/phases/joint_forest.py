@@ -172,7 +172,7 @@ def mount_module(
             tree.kinds.append(joint.kind)
             tree.signs.append(sign)
             tree.before.append(_clean(before))
-            tree.slides.append(max(abs(joint.lower), abs(joint.upper)) if joint.kind == JointKind.PRISMATIC else 0.0)
+            tree.slides.append(joint.slide)
             tree.columns.append(columns[leader])
             links[ahead] = (len(tree.parents) - 1, align.T if outward else align.T @ inverse(placement))
             queue.append(ahead)
