@@ -135,7 +135,7 @@ def unless_spent(work: Callable[[], Result]) -> Result | None:
 def is_out_of_memory(error: BaseException) -> bool:
     """Whether an error says that the system gave no more memory, to Python or to a compiled library. Where Python
     itself gets none it may return nothing and not even say so."""
-    told = ("std::bad_alloc", "without setting an exception")
+    told = ("std::bad_alloc", "without setting an exception", "without exception set")
     return isinstance(error, OutOfMemory | MemoryError) or any(words in str(error) for words in told)
 
 

@@ -42,6 +42,9 @@ SHARE = 0.8
 PAGE = os.sysconf("SC_PAGE_SIZE")
 SLACK = 1.25
 """How far above its limit a process may go, with what it has mapped already, before the system refuses more."""
+LIBRARIES = 2**29
+"""But never less than so many bytes: some libraries of linear algebra hang or end the process where the system refuses
+them their buffers. Those of a solve map 220 MB, and more where they see many cores; the timer still looks."""
 
 
 class Guard(Budget):
@@ -167,7 +170,7 @@ def guarded(seconds: float | None, memory: int | None, started: float | None = N
         signal.setitimer(signal.ITIMER_REAL, LOOK, LOOK)
         sys.unraisablehook = lambda unraisable: None if guard.lost(unraisable) else hook(unraisable)
         if memory is not None:
-            _refuse_beyond(int(SLACK * memory), limits)
+            _refuse_beyond(max(int(SLACK * memory), LIBRARIES), limits)
         yield guard
     finally:
         guard.rest()

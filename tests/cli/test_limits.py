@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.trust.families import FAMILIES, MAIN
+from tamplang.runtime.budget import is_out_of_memory
 
 from .conftest import Tamplang
 
@@ -101,3 +102,15 @@ def test_a_search_that_grows_without_end_tells_that_the_memory_is_spent(
 def test_amounts_of_memory(tamplang: Tamplang, program: Path, text: str) -> None:
     process = tamplang("check", program, "--memory", text, "--time", SHORT)
     assert process.returncode == (4 if text == "2" else 2), process.stderr
+
+
+@pytest.mark.parametrize("memory", ["13MB", "100MB"])
+def test_less_memory_than_the_libraries_need_is_told(tamplang: Tamplang, memory: str) -> None:
+    example = Path(__file__).parents[2] / "examples" / "real_climb.tamp"
+    process = tamplang("solve", example, "--memory", memory, "--time", "20")
+    assert process.returncode == 4 and "outcome[S0010]" in process.stderr, process.stderr
+
+
+@pytest.mark.parametrize("message", ["error return without exception set", "NULL without setting an exception"])
+def test_an_error_that_python_could_not_even_make_is_one_of_memory(message: str) -> None:
+    assert is_out_of_memory(SystemError(message)) and not is_out_of_memory(SystemError("bad argument"))
