@@ -8,7 +8,7 @@ import numpy as np
 
 from ...compiler import ir
 from ...compiler.options import OPTIONS
-from .geometry import Indices
+from .geometry import Indices, crossed
 from .kept_poses import kept
 from .rows import MeaninglessRow, Posed, Quantity, name_of
 from .statics import Wrenches, node_frames, node_loads, wrenches_of
@@ -49,7 +49,7 @@ class Gauge:
             kind = next(j for j in self._problem.world.modules[owner].type.joints if j.name == joint)
             frame, (force, moment) = nodes[owner, drive.far[1]], found[drive]
             axis = frame.rotation @ (np.asarray(kind.axis) / np.linalg.norm(kind.axis))
-            acting = moment - np.cross(frame.position, force) if kind.kind == ir.JointKind.REVOLUTE else force
+            acting = moment - crossed(frame.position, force) if kind.kind == ir.JointKind.REVOLUTE else force
             return Quantity(-(acting * axis).sum(axis=1, keepdims=True), "")
         return self._pair(function, names, posed, at)
 
@@ -63,7 +63,7 @@ class Gauge:
         place, axes, _ = meeting_place(self._problem, edge, node_frames(self._problem, posed, at))
         sign = 1.0 if edge.names[1] == pair[0] else -1.0
         push = np.einsum("tij,ti->tj", axes, force)
-        turn = np.einsum("tij,ti->tj", axes, moment - np.cross(place, force))
+        turn = np.einsum("tij,ti->tj", axes, moment - crossed(place, force))
         return Quantity(sign * np.hstack([push, turn]), "")
 
     def _wrenches(self, posed: Posed, at: Indices) -> Wrenches:

@@ -9,6 +9,8 @@ import numpy as np
 
 from ...compiler import ir
 from ...compiler.distinct import distinct
+from ...compiler.remembering import remembered
+from ...langs.frozen import dataclass
 from .geometry import Array, Frames, Indices, frames
 from .shapes import volume
 
@@ -110,6 +112,42 @@ def weights(module: ir.ModuleType) -> list[tuple[int, ir.Pose, float, Array]]:
         matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         found.append((given.joint, (*given.centre, 0.0, 0.0, 0.0, 1.0), given.mass, matrix))
     return found
+
+
+@dataclass(frozen=True, slots=True)
+class Weight:
+    """Kilograms of a rigid part, their `centre` (3,) in its frame, and the `inertia` (3, 3) about that, along the axes
+    of its frame, kg m²."""
+
+    mass: float
+    centre: Array
+    inertia: Array
+
+
+@remembered(8)
+def node_weights(problem: ir.Problem) -> Mapping[tuple[str, int], Weight]:
+    """What weighs in each rigid part that may move: the frame of a module's joint (-1: its own), or a body (-1)."""
+    found: dict[tuple[str, int], Weight] = {}
+    for name, module in problem.world.modules.items():
+        parts: dict[int, list[tuple[ir.Pose, float, Array]]] = {}
+        for joint, placement, mass, inertia in weights(module.type):
+            parts.setdefault(joint, []).append((placement, mass, inertia))
+        found |= {(name, joint): _joined(own) for joint, own in parts.items()}
+    for name, body in problem.world.bodies.items():
+        if body.movable:
+            mass = body_mass(body)
+            found[name, -1] = Weight(mass, np.zeros(3), moments(body.shape, mass))
+    return found
+
+
+def _joined(parts: Sequence[tuple[ir.Pose, float, Array]]) -> Weight:
+    at, masses = frames([placement for placement, _, _ in parts]), np.array([mass for _, mass, _ in parts])
+    total = float(masses.sum())
+    centre = masses @ at.position / total if total else np.zeros(3)
+    whole = np.zeros((3, 3))
+    for turn, out, (_, mass, inertia) in zip(at.rotation, at.position - centre, parts, strict=True):
+        whole += turn @ inertia @ turn.T + mass * (float(out @ out) * np.eye(3) - np.outer(out, out))
+    return Weight(total, centre, whole)
 
 
 def centre_of(module: ir.ModuleType, joints: Mapping[int, Frames], at: Indices) -> tuple[float, Array]:

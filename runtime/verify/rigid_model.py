@@ -10,7 +10,7 @@ import numpy as np
 
 from ...compiler import ir
 from ..native import load_pinocchio
-from .geometry import Array, Frames
+from .geometry import Array, Frames, crossed
 from .inertia import weights
 from .strengths import WORLD, Joined
 
@@ -62,7 +62,7 @@ class RigidModel:
             for node, sign in ((edge.near, 1.0), (edge.far, -1.0)):
                 if node[0] == name:
                     rotation, position = placed[node[1]]
-                    local = np.hstack([rotation.T @ force, rotation.T @ (moment - np.cross(position, force))])
+                    local = np.hstack([rotation.T @ force, rotation.T @ (moment - crossed(position, force))])
                     outside[self._ids[node[1] + 1]] += pin.Force(sign * local)
         values = [self._value(joint, placed) for joint in range(len(self._ids) - 1)]
         base = placed[-1]
@@ -109,7 +109,7 @@ class RigidModel:
             rotation, position = placed[joint]
             force, moment = (w[-1] for w in known[joint])
             turning = "Revolute" in self._model.joints[self._ids[joint + 1]].shortname()
-            acting = moment - np.cross(position, force) if turning else force
+            acting = moment - crossed(position, force) if turning else force
             found.append(abs(float(acting @ (rotation @ axis))))
         return np.array(found)
 

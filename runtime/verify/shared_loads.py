@@ -1,4 +1,6 @@
-"""Loads of closed loops: the balance of every node, and of all loads that balance those that strain the least."""
+"""Loads of closed loops. How these share them is open: a share that balances every node and keeps all strengths shows
+that there is one. The share that a plan tells is tried first, put into balance exactly; at instants where it does not
+do, or none is told, that which strains the least is asked for."""
 
 from __future__ import annotations
 
@@ -8,54 +10,85 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...compiler import ir
-from .geometry import Array, Frames
-from .strengths import Joined, Node, Support, meeting_place, moves
+from .geometry import Array, Flags, Frames, crossed
+from .limits import LIMITS
+from .strengths import Joined, Loads, Node, Support, Wrench, judge, meeting_place, moves
 
 CORNERS = 16
 """Of the polygons inside the circles that bound shear and bending."""
+BALANCE = 1e-6
+"""Share of the greatest load by which loads may be out of balance: rounding."""
 LIFTED = 1e3
 """How dear it is that a foot is pulled, against the ratio of everything else."""
 
 
 def shared(
-    problem: ir.Problem, ring: tuple[Joined, ...], nodes: Mapping[Node, Frames], forces: Mapping[Node, Array],
-    moments: Mapping[Node, Array], known: Mapping[Joined, tuple[Array, Array]], support: Support, safety: float,
-) -> dict[Joined, tuple[Array, Array]]:  # fmt: skip
-    """The wrenches `(T, 3)` of the edges of a ring, far on near, about the origin."""
+    problem: ir.Problem, ring: tuple[Joined, ...], nodes: Mapping[Node, Frames], loads: Loads,
+    known: Mapping[Joined, Wrench], support: Support, safety: float, told: Mapping[Joined, Wrench],
+) -> dict[Joined, Wrench]:  # fmt: skip
+    """The wrenches `(T, 3)` of the edges of a ring, far on near, about the origin; `told` are those that a plan tells
+    of pairs."""
     count = max(len(f) for f in nodes.values())
     root = support.root(ring)
     inner = sorted({n for e in ring for n in (e.near, e.far)} - {root})
-    weights: dict[Node, Array] = {}
-    for node in inner:
+    right = np.zeros((count, 6 * len(inner)))
+    for row, node in enumerate(inner):
         total = np.zeros((count, 6))
-        if node in forces:
-            total += np.hstack([forces[node], moments[node]])
+        if node in loads.forces:
+            total += np.hstack([loads.forces[node], loads.moments[node]])
         for edge in support.hanging(node, ring):
             total += (1.0 if edge.near == node else -1.0) * np.hstack(known[edge])
-        weights[node] = total
-    found = {e: (np.zeros((count, 3)), np.zeros((count, 3))) for e in ring}
-    equal = _balance(ring, inner)
-    rows, limits = _rows(problem, ring, {n: f.spread(count) for n, f in nodes.items()}, count, safety)
-    for t in range(count):
-        solved = _solved(equal, -np.concatenate([weights[node][t] for node in inner]), rows[t], limits)
-        for number, edge in enumerate(ring):
-            found[edge][0][t] = solved[6 * number : 6 * number + 3]
-            found[edge][1][t] = solved[6 * number + 3 : 6 * number + 6]
-    return found
+        right[:, 6 * row : 6 * row + 6] = -total
+    signs = _signs(ring, inner)
+    taken = np.full((count, 6 * len(ring)), math.nan)
+    left = np.ones(count, dtype=bool)
+    if all(e in told for e in ring if not e.joint_of):
+        taken, left = _balanced(ring, signs, right, told)
+        left |= ~_kept(problem, ring, nodes, taken, safety)
+    if left.any():
+        equal = np.hstack([np.kron(signs, np.eye(6)), np.zeros((6 * len(inner), 2))])
+        rows, limits = _rows(problem, ring, {n: f.spread(count) for n, f in nodes.items()}, count, safety)
+        for t in np.flatnonzero(left):
+            taken[t] = _solved(equal, right[t], rows[t], limits)
+    return _by_edge(ring, taken)
 
 
-def _balance(ring: tuple[Joined, ...], inner: list[Node]) -> Array:
-    """What the wrenches of a ring put on its inner nodes, as a matrix over them, the ratio, and what lifts."""
-    equal = np.zeros((6 * len(inner), 6 * len(ring) + 2))
-    for row, node in enumerate(inner):
-        block = slice(6 * row, 6 * row + 6)
-        for number, edge in enumerate(ring):
-            columns = slice(6 * number, 6 * number + 6)
-            if edge.near == node:
-                equal[block, columns] += np.eye(6)
-            elif edge.far == node:
-                equal[block, columns] -= np.eye(6)
-    return equal
+def _by_edge(ring: tuple[Joined, ...], taken: Array) -> dict[Joined, Wrench]:
+    return {edge: (taken[:, 6 * k : 6 * k + 3], taken[:, 6 * k + 3 : 6 * k + 6]) for k, edge in enumerate(ring)}
+
+
+def _signs(ring: tuple[Joined, ...], inner: list[Node]) -> Array:
+    """How the wrench of each edge of a ring counts in the balance of each inner node `(nodes, edges)`."""
+    return np.array([[float(e.near == node) - float(e.far == node) for e in ring] for node in inner])
+
+
+def _balanced(
+    ring: tuple[Joined, ...], signs: Array, right: Array, told: Mapping[Joined, Wrench]
+) -> tuple[Array, Flags]:
+    """Wrenches `(T, 6 E)` that balance, near those told of the pairs, and at which instants they do not: joints bear
+    what these leave, and what is then left for rounding is spread by least squares."""
+    count = len(right)
+    wanted = right.reshape(count, len(signs), 6)
+    taken = np.zeros((count, len(ring), 6))
+    for number, edge in enumerate(ring):
+        if not edge.joint_of:
+            taken[:, number] = np.hstack(told[edge])
+    for free in ([bool(e.joint_of) for e in ring], [True] * len(ring)):
+        own = np.where(free, signs, 0.0)
+        taken += np.linalg.pinv(own) @ (wanted - signs @ taken)
+    off = np.abs(wanted - signs @ taken).max(axis=(1, 2))
+    return taken.reshape(count, -1), ~(off <= BALANCE * (1.0 + np.abs(right).max(axis=1)))
+
+
+def _kept(
+    problem: ir.Problem, ring: tuple[Joined, ...], nodes: Mapping[Node, Frames], taken: Array, safety: float
+) -> Flags:
+    """At which instants `(T,)` all strengths of a ring are kept."""
+    kept = np.ones(len(taken), dtype=bool)
+    for edge, wrench in _by_edge(ring, taken).items():
+        for figure in judge(problem, edge, nodes, *wrench, safety):
+            kept &= figure.amounts <= LIMITS[figure.kind]
+    return kept
 
 
 def _rows(
@@ -83,7 +116,7 @@ def _solved(equal: Array, right: Array, rows: Array, limits: Array) -> Array:
     if solved.x is None:
         return np.full(width, math.nan)
     off = np.abs(equal @ solved.x - right).max(initial=0.0)
-    return np.asarray(solved.x[:width]) if off <= 1e-6 * (1.0 + np.abs(right).max()) else np.full(width, math.nan)
+    return np.asarray(solved.x[:width]) if off <= BALANCE * (1.0 + np.abs(right).max()) else np.full(width, math.nan)
 
 
 def _bounds(
@@ -103,10 +136,10 @@ def _bounds(
         turning = joint.kind == ir.JointKind.REVOLUTE
         strength = joint.torque if moves(edge, nodes) else max(joint.torque, joint.brake)
         within(_about(axis, place) if turning else _along(axis), strength)
-        side = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis), axis=1)])
+        side = crossed(axis, np.eye(3)[np.argmin(np.abs(axis), axis=1)])
         side /= np.linalg.norm(side, axis=1, keepdims=True)
         if math.isfinite(joint.bearing):
-            for direction in _round(side, np.cross(axis, side)):
+            for direction in _round(side, crossed(axis, side)):
                 within(_about(direction, place), joint.bearing * math.cos(math.pi / CORNERS))
         return found
     if not edge.strength:
@@ -146,7 +179,7 @@ def _along(direction: Array) -> Array:
 
 def _about(direction: Array, place: Array) -> Array:
     """The moment of a wrench about a line through `place`, as such a functional."""
-    return np.concatenate([np.cross(place, direction), direction], axis=1)
+    return np.concatenate([crossed(place, direction), direction], axis=1)
 
 
 def _round(first: Array, second: Array) -> list[Array]:

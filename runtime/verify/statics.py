@@ -1,9 +1,10 @@
 """Whether everything bears its loads, times the safety that the task asks for.
 
 Loads are found in another way than the planner's: what an edge bears is the sum of what lies beyond it, found by taking
-the edge away. Where that leaves nothing without support, the edge is part of a closed loop, and the wrenches of all
-edges of that loop are asked for at once, by the balance of every node, from HiGHS; what it says is measured anew. Joint
-torques are repeated by Pinocchio's recursion, module by module, under the wrenches found for its ends.
+the edge away. Where that leaves nothing without support, the edge is part of a closed loop, whose share is open: it is
+the one that the plan tells, put into balance, or where that does not do, the wrenches of all edges of the loop at once,
+by the balance of every node, from HiGHS; either is measured anew. Joint torques are repeated by Pinocchio's recursion,
+module by module, under the wrenches found for its ends.
 """
 
 from __future__ import annotations
@@ -17,15 +18,15 @@ from ...compiler import ir
 from ...compiler.options import OPTIONS
 from ..plan import Plan
 from .findings import Findings
-from .geometry import Array, Frames, Indices, frames
-from .inertia import body_mass, moments, weights
+from .geometry import Array, Frames, Indices, crossed
+from .inertia import node_weights
 from .kept_poses import kept
 from .rigid_model import RigidModel
 from .rows import Posed
 from .sampler import Sampler, Shown
 from .shared_loads import shared
-from .strengths import Joined, Loads, Looked, Support, joined, judge
-from .told_wrenches import check_forces, told_rows
+from .strengths import Joined, Loads, Looked, Support, Wrench, joined, judge
+from .told_wrenches import check_forces, told_pairs, told_rows
 
 LOOKS = 24
 """Instants of a phase at which loads are measured: they find the worst within a thousandth."""
@@ -48,12 +49,12 @@ def check_statics(problem: ir.Problem, plan: Plan, modes: tuple[frozenset[ir.Fac
         findings.check_time()
         times = np.linspace(record.start, record.end, LOOKS + 1)
         at = _looked(problem, modes[index], sampler, index, times, moving)
-        _measure(problem, at, safety, moving, findings)
+        _measure(problem, at, safety, moving, findings, told_pairs(plan, problem, index, at))
         _compare(problem, plan, index, modes[index], at, sampler, moving, findings)
         after = modes[index + 1] if index + 1 < len(modes) else final
         if record.completed:
             at = _looked(problem, after, sampler, index, times[-1:], False)
-            _measure(problem, at, safety, False, findings)
+            _measure(problem, at, safety, False, findings, told_pairs(plan, problem, index + 1, at))
         if index + 1 == len(plan.phases):
             at = _looked(problem, final, sampler, index, times[-1:], False)
             _compare(problem, plan, index + 1, final, at, sampler, False, findings)
@@ -80,8 +81,10 @@ def _looked(
     return Looked(times, nodes, loads, joined(problem, mode, kept(problem, mode)))
 
 
-def _measure(problem: ir.Problem, at: Looked, safety: float, moving: bool, findings: Findings) -> None:
-    wrenches = wrenches_of(problem, at.edges, at.nodes, at.loads, safety)
+def _measure(
+    problem: ir.Problem, at: Looked, safety: float, moving: bool, findings: Findings, told: Mapping[Joined, Wrench]
+) -> None:
+    wrenches = wrenches_of(problem, at.edges, at.nodes, at.loads, safety, told)
     for edge, (force, moment) in wrenches.items():
         for figure in judge(problem, edge, at.nodes, force, moment, safety):
             worst = int(np.argmax(figure.amounts))
@@ -103,22 +106,6 @@ def node_frames(problem: ir.Problem, shown: Posed, at: Indices | slice = slice(N
     return found
 
 
-def _solids(problem: ir.Problem) -> list[tuple[tuple[str, int], ir.Pose, float, Array]]:
-    """Every weight: its node, where it sits there, kilograms, and its inertia about its middle along the axes of that
-    place."""
-    found = [
-        ((name, joint), placement, mass, inertia)
-        for name, module in problem.world.modules.items()
-        for joint, placement, mass, inertia in weights(module.type)
-    ]
-    here = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
-    for name, body in problem.world.bodies.items():
-        if body.movable:
-            mass = body_mass(body)
-            found.append(((name, -1), here, mass, moments(body.shape, mass)))
-    return found
-
-
 def node_loads(
     problem: ir.Problem, nodes: Mapping[tuple[str, int], Frames],
     around: tuple[Mapping[tuple[str, int], Frames], Mapping[tuple[str, int], Frames]] | None,
@@ -126,24 +113,25 @@ def node_loads(
     """Weights, and with the frames `STEP` before and after also inertia."""
     forces: dict[tuple[str, int], Array] = {}
     turning: dict[tuple[str, int], Array] = {}
-    for node, placement, mass, inertia in _solids(problem):
-        own = frames(placement)
-        here = nodes[node].compose(own)
-        force = np.tile([0.0, 0.0, -GRAVITY * mass], (len(here), 1))
+    for node, weight in node_weights(problem).items():
+        here, out = nodes[node].rotation, nodes[node].rotation @ weight.centre
+        force = np.tile([0.0, 0.0, -GRAVITY * weight.mass], (len(here), 1))
         moment = np.zeros((len(here), 3))
         if around is not None:
-            before, after = (side[node].compose(own) for side in around)
-            force = force - mass * (before.position - 2.0 * here.position + after.position) / STEP**2
+            before, after = (side[node] for side in around)
+            shift = before.position - 2.0 * nodes[node].position + after.position
+            turned = (before.rotation - 2.0 * here + after.rotation) @ weight.centre
+            force = force - weight.mass * (shift + turned) / STEP**2
             spun = []
-            for one, other in ((before, here), (here, after)):
-                rate = (other.rotation - one.rotation) @ np.swapaxes((one.rotation + other.rotation) / 2.0, 1, 2) / STEP
+            for one, other in ((before.rotation, here), (here, after.rotation)):
+                middle = (one + other) / 2.0
+                rate = (other - one) @ np.swapaxes(middle, 1, 2) / STEP
                 spin = np.stack([rate[:, 2, 1], rate[:, 0, 2], rate[:, 1, 0]], axis=1)
-                middle = (one.rotation + other.rotation) / 2.0
-                tensor = middle @ inertia @ np.swapaxes(middle, 1, 2)
+                tensor = middle @ weight.inertia @ np.swapaxes(middle, 1, 2)
                 spun.append((tensor @ spin[:, :, None])[:, :, 0])
             moment = moment - (spun[1] - spun[0]) / STEP
-        forces[node] = forces.get(node, 0.0) + force
-        turning[node] = turning.get(node, 0.0) + moment + np.cross(here.position, force)
+        forces[node] = force
+        turning[node] = moment + crossed(nodes[node].position + out, force)
     return Loads(forces, turning)
 
 
@@ -159,27 +147,28 @@ def _accelerated(
     return sides[0], sides[1]
 
 
-Wrenches = Mapping[Joined, tuple[Array, Array]]
+Wrenches = Mapping[Joined, Wrench]
 
 
 def wrenches_of(
     problem: ir.Problem, edges: tuple[Joined, ...], nodes: Mapping[tuple[str, int], Frames], loads: Loads,
-    safety: float,
-) -> dict[Joined, tuple[Array, Array]]:  # fmt: skip
-    """What the far side of every edge puts on the near one, force and moment about the origin."""
+    safety: float, told: Wrenches | None = None,
+) -> dict[Joined, Wrench]:  # fmt: skip
+    """What the far side of every edge puts on the near one, force and moment about the origin. Loops share their loads
+    as is `told` of their pairs where that keeps all strengths, else so that they strain the least."""
     support = Support(edges)
     found = _bridged(support, nodes, loads)
     for ring in support.rings:
-        found |= shared(problem, ring, nodes, loads.forces, loads.moments, found, support, safety)
+        found |= shared(problem, ring, nodes, loads, found, support, safety, told or {})
     return found
 
 
 def _bridged(
     support: Support, nodes: Mapping[tuple[str, int], Frames], loads: Loads
-) -> dict[Joined, tuple[Array, Array]]:
+) -> dict[Joined, Wrench]:
     """The same of the edges without which something is without support."""
     count = max(len(f) for f in nodes.values())
-    found: dict[Joined, tuple[Array, Array]] = {}
+    found: dict[Joined, Wrench] = {}
     for edge in support.bridges:
         force, moment = np.zeros((count, 3)), np.zeros((count, 3))
         for node in sorted(support.beyond(edge)):

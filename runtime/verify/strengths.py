@@ -10,11 +10,13 @@ import numpy as np
 from ...compiler import ir
 from ...langs.frozen import dataclass
 from ...langs.source import Span
-from .geometry import Array, Frames, frames
+from .geometry import Array, Frames, crossed, frames
 from .kept_poses import bolted
 from .shapes import heights
 
 Node = tuple[str, int]
+Wrench = tuple[Array, Array]
+"""A force and a moment about the world's origin `(T, 3)`."""
 WORLD: Node = ("", -1)
 STRENGTHS = ("force", "shear", "moment", "twist", "friction")
 STILL = 1e-5
@@ -234,7 +236,7 @@ def judge(
         return []
     place, axes, radius = meeting_place(problem, edge, nodes)
     push = np.einsum("tij,ti->tj", axes, force)
-    turn = np.einsum("tij,ti->tj", axes, moment - np.cross(place, force))
+    turn = np.einsum("tij,ti->tj", axes, moment - crossed(place, force))
     across, bend, twist = np.hypot(push[:, 0], push[:, 1]), np.hypot(turn[:, 0], turn[:, 1]), np.abs(turn[:, 2])
     most, shear, bending, twisting, friction = edge.strength
     contact = edge.manner in ("pad", "rest")
@@ -279,7 +281,7 @@ def _at_joint(
     joint = next(j for j in problem.world.modules[name].type.joints if j.name == joint_name)
     frame = nodes[edge.far]
     axis = frame.rotation @ (np.asarray(joint.axis) / np.linalg.norm(joint.axis))
-    return joint, axis, moment - np.cross(frame.position, force)
+    return joint, axis, moment - crossed(frame.position, force)
 
 
 def moves(edge: Joined, nodes: Mapping[Node, Frames]) -> bool:

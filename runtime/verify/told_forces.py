@@ -10,8 +10,7 @@ from ...compiler.options import OPTIONS
 from ..plan import NO_LIMIT, Plan
 from ..plan_forces import StaticsRecord
 from .findings import Findings
-from .geometry import Array, Frames, frames
-from .inertia import body_mass, moments, weights
+from .inertia import node_weights
 from .strengths import STRENGTHS
 
 EQUAL = 1e-9
@@ -28,7 +27,10 @@ def check_weights(plan: Plan, problem: ir.Problem, findings: Findings) -> None:
     given = told(plan)
     if given is None:
         return
-    wanted = _weights(problem)
+    wanted = {
+        node: [w.mass, *w.centre.tolist(), *w.inertia[np.triu_indices(3)].tolist()]
+        for node, w in node_weights(problem).items()
+    }
     stored = {(w.name, w.joint): w for w in given.weights}
     if stored.keys() != wanted.keys() or len(stored) != len(given.weights):
         findings.fail("scene", "the plan's weights are not those of the parts of its scene")
@@ -80,29 +82,3 @@ def _near(numbers: list[float], wanted: list[float]) -> bool:
     return len(numbers) == len(wanted) and all(
         abs(a - b) <= EQUAL * scale for a, b in zip(numbers, wanted, strict=True)
     )
-
-
-def _weights(problem: ir.Problem) -> dict[tuple[str, int], list[float]]:
-    """Of each rigid part that weighs: its mass, centre and inertia about that, upper triangle row by row."""
-    found = {}
-    for name, module in problem.world.modules.items():
-        parts = weights(module.type)
-        for joint in {p[0] for p in parts}:
-            own = [(mass, frames(place), tensor) for at, place, mass, tensor in parts if at == joint]
-            found[name, joint] = _joined(own)
-    for name, body in problem.world.bodies.items():
-        if body.movable:
-            mass = body_mass(body)
-            found[name, -1] = [mass, 0.0, 0.0, 0.0, *moments(body.shape, mass)[np.triu_indices(3)].tolist()]
-    return found
-
-
-def _joined(parts: list[tuple[float, Frames, Array]]) -> list[float]:
-    total = sum(mass for mass, _, _ in parts)
-    moment = sum((mass * at.position[0] for mass, at, _ in parts), np.zeros(3))
-    centre = moment / total if total else moment
-    whole = np.zeros((3, 3))
-    for mass, at, tensor in parts:
-        turn, out = at.rotation[0], at.position[0] - centre
-        whole += turn @ tensor @ turn.T + mass * (float(out @ out) * np.eye(3) - np.outer(out, out))
-    return [total, *centre.tolist(), *whole[np.triu_indices(3)].tolist()]

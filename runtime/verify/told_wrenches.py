@@ -14,8 +14,8 @@ from ...compiler import ir
 from ..plan import Plan
 from ..plan_forces import TorqueRecord, WrenchRecord
 from .findings import Findings
-from .geometry import Array
-from .strengths import Joined, Looked, Node, Support, along_axis, judge, meeting_place
+from .geometry import Array, crossed
+from .strengths import Joined, Looked, Node, Support, Wrench, along_axis, judge, meeting_place
 from .told_forces import told
 
 APART = 0.02
@@ -28,7 +28,6 @@ ENDS = 1.0
 SLACK = 1e-3
 """N m or N by which a load may be off besides."""
 MOST_ROWS = 1000
-Wrench = tuple[Array, Array]
 
 
 def told_rows(plan: Plan, phase: int) -> int:
@@ -40,6 +39,39 @@ def _records(plan: Plan, phase: int) -> list[TorqueRecord | WrenchRecord]:
     given = told(plan)
     every: list[TorqueRecord | WrenchRecord] = [] if given is None else [*given.torques, *given.wrenches]
     return [r for r in every if r.phase == phase]
+
+
+def told_pairs(plan: Plan, problem: ir.Problem, phase: int, at: Looked) -> dict[Joined, Wrench]:
+    """What a plan tells that pairs bear in a phase, straight between its instants, right or not."""
+    given = told(plan)
+    stored = {frozenset(r.between): r for r in (given.wrenches if given is not None else ()) if r.phase == phase}
+    found: dict[Joined, Wrench] = {}
+    for edge in at.edges:
+        record = stored.get(frozenset(edge.names))
+        if not edge.joint_of and record is not None:
+            rows = _told_at(record, 6, len(at.times))
+            if rows is not None:
+                place, axes, _ = meeting_place(problem, edge, at.nodes)
+                found[edge] = _about_origin(record, edge, rows, place, axes)
+    return found
+
+
+def _told_at(record: TorqueRecord | WrenchRecord, width: int, count: int) -> Array | None:
+    """What a record tells at so many instants `(T, width)`, straight in between; None where it does not fit."""
+    values = record.values
+    least = 1 if isinstance(record, WrenchRecord) or count == 1 else 2
+    if not least <= len(values) <= MOST_ROWS or any(len(row) != width for row in values):
+        return None
+    rows = np.asarray(values, dtype=float).reshape(len(values), width)
+    own, here = np.linspace(0.0, 1.0, len(values)), np.linspace(0.0, 1.0, count)
+    return np.stack([np.interp(here, own, column) for column in rows.T], axis=1) if width else rows[:0]
+
+
+def _about_origin(record: WrenchRecord, edge: Joined, rows: Array, place: Array, axes: Array) -> Wrench:
+    """What the far side of a pair puts on the near one, from what is told `(T, 6)` in the axes of where they meet."""
+    sign = 1.0 if record.between[0] == edge.names[1] else -1.0
+    force = sign * np.einsum("tij,tj->ti", axes, rows[:, :3])
+    return force, sign * np.einsum("tij,tj->ti", axes, rows[:, 3:]) + crossed(place, force)
 
 
 def check_forces(
@@ -79,14 +111,10 @@ class _Told:
 
     def rows(self, record: TorqueRecord | WrenchRecord, width: int, whose: str) -> Array | None:
         """What a record tells at all instants `(T, width)`, straight in between; None where it does not fit."""
-        values, count = record.values, len(self.at.times)
-        least = 1 if isinstance(record, WrenchRecord) or count == 1 else 2
-        if not least <= len(values) <= MOST_ROWS or any(len(row) != width for row in values):
+        rows = _told_at(record, width, len(self.at.times))
+        if rows is None:
             self.findings.fail("structure", f"loads of {whose} do not fit")
-            return None
-        told = np.asarray(values, dtype=float).reshape(len(values), width)
-        own, here = np.linspace(0.0, 1.0, len(values)), np.linspace(0.0, 1.0, count)
-        return np.stack([np.interp(here, own, column) for column in told.T], axis=1) if width else told[:0]
+        return rows
 
     def torques(self, records: Sequence[TorqueRecord], known: Mapping[Joined, Wrench]) -> None:
         """Compare torques with those that the wrenches of all joints ask for."""
@@ -130,12 +158,10 @@ class _Told:
             rows = self.rows(stored[key], 6, " and ".join(edge.names))
             if rows is None or not self.fits(stored[key], edge, radius):
                 return {}
-            sign = 1.0 if stored[key].between[0] == edge.names[1] else -1.0
-            force = sign * np.einsum("tij,tj->ti", axes, rows[:, :3])
-            found[edge] = force, sign * np.einsum("tij,tj->ti", axes, rows[:, 3:]) + np.cross(place, force)
+            found[edge] = _about_origin(stored[key], edge, rows, place, axes)
             if edge in known:
                 force, moment = found[edge][0] - known[edge][0], found[edge][1] - known[edge][1]
-                self.balance(edge, force, moment - np.cross(place, force), known)
+                self.balance(edge, force, moment - crossed(place, force), known)
         for ring in self.support.rings:
             found |= self.ring(ring, found, known)
         return found
@@ -172,7 +198,7 @@ class _Told:
                 force, moment = self.total(piece, pairs, ring, stored, known)
                 edge = next(e for e in pairs if {e.near, e.far} & piece)
                 place, _, _ = meeting_place(self.problem, edge, self.at.nodes)
-                self.balance(edge, force, moment - np.cross(place, force), known)
+                self.balance(edge, force, moment - crossed(place, force), known)
         for edge in joints:
             rest = [e for e in joints if e is not edge]
             sides = _pieces({n for e in ring for n in (e.near, e.far)}, rest)

@@ -16,7 +16,7 @@ from tamplang.runtime.planner.motion.nlp.unknowns import UnknownsLayout
 from tamplang.runtime.planner.plan_assembly import module_record
 from tamplang.runtime.planner.statics.settings import STATICS
 from tamplang.runtime.skeleton import start_configuration
-from tamplang.runtime.verify.geometry import frames
+from tamplang.runtime.verify.geometry import Frames, frames
 from tamplang.runtime.verify.kept_poses import kept
 from tamplang.runtime.verify.kinematics import Kinematics
 from tamplang.runtime.verify.statics import node_loads, wrenches_of
@@ -48,8 +48,20 @@ MODE = frozenset({
 COUNT = 6
 
 
+Wrenches = dict[Joined, tuple[np.ndarray, np.ndarray]]
+
+
 def both(pull: str, moment: str) -> tuple[np.ndarray, np.ndarray, float]:
     """The worst ratios `(T,)` of planner and verifier in random postures, and what of the weight is out of balance."""
+    problem, mine, nodes, edges = in_random_postures(pull, moment)
+    found = wrenches_of(problem, edges, nodes, node_loads(problem, nodes, None), 1.5)
+    return mine, worst_ratios(problem, nodes, found), off_balance(problem, found)
+
+
+def in_random_postures(
+    pull: str, moment: str
+) -> tuple[ir.Problem, np.ndarray, dict[tuple[str, int], Frames], tuple[Joined, ...]]:
+    """A problem, the planner's worst ratios `(T,)`, and of the verifier where all is and what is joined."""
     problem, _ = compile_text(TEXT.format(pull=pull, moment=moment))
     module, random = problem.world.modules["c"], np.random.default_rng(0)
     rows = np.array([[*module.pose, *random.uniform(-1.0, 1.0, 3)] for _ in range(COUNT)])
@@ -60,15 +72,15 @@ def both(pull: str, moment: str) -> tuple[np.ndarray, np.ndarray, float]:
     nodes = {("c", joint): frame for joint, frame in placed.items()}
     nodes |= {(n, -1): frames(b) for n, b in bodies.items()}
     edges = joined(problem, MODE, kept(problem, MODE))
-    found = wrenches_of(problem, edges, nodes, node_loads(problem, nodes, None), 1.5)
-    theirs = np.zeros(COUNT)
-    for edge, (force, turn) in found.items():
-        for figure in judge(problem, edge, nodes, force, turn, 1.5):
-            theirs = np.maximum(theirs, figure.amounts)
-    return mine, theirs, off_balance(problem, found)
+    return problem, mine, nodes, edges
 
 
-def off_balance(problem: ir.Problem, found: dict[Joined, tuple[np.ndarray, np.ndarray]]) -> float:
+def worst_ratios(problem: ir.Problem, nodes: dict[tuple[str, int], Frames], found: Wrenches) -> np.ndarray:
+    figures = [f for edge, wrench in found.items() for f in judge(problem, edge, nodes, *wrench, 1.5)]
+    return np.max([figure.amounts for figure in figures], axis=0)
+
+
+def off_balance(problem: ir.Problem, found: Wrenches) -> float:
     """Newtons by which what both feet bear differs from the weight."""
     feet = [force for edge, (force, _) in found.items() if not edge.joint_of]
     assert len(feet) == 2
@@ -80,6 +92,26 @@ def test_planner_and_verifier_find_the_same_least_ratio() -> None:
     mine, theirs, off = both("1 kN", "120 N m")
     assert off < 1e-6
     assert np.all(theirs <= 1.001 * mine) and np.all(theirs >= 0.9 * mine)
+
+
+def test_the_verifier_takes_a_told_share_that_keeps_strengths_and_no_other() -> None:
+    problem, _, nodes, edges = in_random_postures("1 kN", "120 N m")
+    weights = node_loads(problem, nodes, None)
+    best = wrenches_of(problem, edges, nodes, weights, 1.5)
+    squeeze = np.array([3.0, 0.0, 0.0])
+    strong = np.where(np.arange(COUNT) < 3, 1.0, 1e3)[:, None] * squeeze
+    feet = [e for e in best if not e.joint_of]
+    assert all(e.near == ("", -1) for e in feet)
+    told = {e: (best[e][0] + sign * strong, best[e][1]) for e, sign in zip(feet, (1.0, -1.0), strict=True)}
+    told[feet[0]] = told[feet[0]][0] + 0.01, told[feet[0]][1]
+    found = wrenches_of(problem, edges, nodes, weights, 1.5, told)
+    assert off_balance(problem, found) < 1e-6
+    assert np.all(worst_ratios(problem, nodes, found) <= 1.0)
+    for edge in feet:
+        assert np.abs(found[edge][0] - told[edge][0])[:3].max() < 0.02
+        assert found[edge][0][3:] == pytest.approx(best[edge][0][3:])
+    without = wrenches_of(problem, edges, nodes, weights, 1.5, {feet[0]: told[feet[0]]})
+    assert without[feet[0]][0] == pytest.approx(best[feet[0]][0])
 
 
 def test_two_feet_bear_what_one_could_not() -> None:
