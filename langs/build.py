@@ -16,10 +16,6 @@ PHYSICAL = ("stated", "holds")
 class TreeBuilder(TermBuilder):
     """Builds the declarations of one file. `lines` are the lines of its text, where doc comments are looked up."""
 
-    def __init__(self, file: str, lines: list[str]) -> None:
-        super().__init__(file)
-        self._lines = lines
-
     def declaration(self, tree: Branch) -> s.Declaration:
         match str(tree.data):
             case "import":

@@ -60,6 +60,9 @@ class NestingError(Exception):
         super().__init__(str(span))
 
 
+_SEPARATED = "arguments of a literal are separated by blanks: `(on X A)`"
+
+
 def span_of(file: str, node: Branch | Token) -> Span:
     place = node if isinstance(node, Token) else node.meta
     return Span(
@@ -85,8 +88,9 @@ def tokens(tree: Branch) -> list[Token]:
 class TermBuilder:
     """Builds terms and conditions of one file; `problems` collects what the grammar alone could not refuse."""
 
-    def __init__(self, file: str) -> None:
+    def __init__(self, file: str, lines: list[str]) -> None:
         self.file = file
+        self._lines = lines
         self.problems: list[Diagnostic] = []
         self._depth = 0
 
@@ -142,8 +146,16 @@ class TermBuilder:
             case "aggregate":
                 operator, binders, body = children
                 return s.Aggregate(str(operator), self.binders(binders), self.term(body), span=span)
-        self.problem("E0016", "a value is needed here, not a condition", span)
+        self.problem("E0016", "a value is needed here, not a condition", span, help=self._value_help(tree))
         return s.Wildcard(span=span)
+
+    def _value_help(self, tree: Branch) -> str | None:
+        """`radius = 4 cm`, as other languages name what they hand over."""
+        if tree.data != "compare" or str(tree.children[1]) != "=" or not _is_word(tree.children[0]):
+            return None
+        value = self.span(branches(tree)[1])
+        written = self._lines[value.line - 1][value.column - 1 : value.end_column - 1]
+        return f"write `{written}`: its place says what it is"
 
     def _number(self, tree: Branch) -> s.Number:
         text = str(tree.children[0])
@@ -168,7 +180,7 @@ class TermBuilder:
                 "E0001",
                 "a vector has two or three components",
                 self.span(tree),
-                help="arguments of a literal are separated by blanks: `(on X A)`",
+                help=_SEPARATED if _is_word(tree.children[0]) else None,
             )
         return s.Vector(self.terms(tree.children), span=self.span(tree))
 

@@ -219,6 +219,12 @@ def dangling(source: Source, comma: Token) -> Diagnostic:
     return Diagnostic("E0001", "nothing follows this `,`", span_of(source.path, comma), help="leave it out")
 
 
+def ended_early(source: Source, brace: Token) -> Diagnostic:
+    """What follows a brace can only stand in front of it."""
+    told = "this `}` ends the declaration, and what follows belongs to it"
+    return Diagnostic("E0001", told, span_of(source.path, brace), help="leave it out")
+
+
 def unreadable(source: Source, position: int, automaton: Automaton) -> Strange:
     """The character at `position` starts no terminal."""
     character = source.text[position]
@@ -255,7 +261,7 @@ def unknown_unit(source: Source, number: Token, found: Token) -> Diagnostic | No
     """The diagnostic for a word right behind a number that can only be meant as its unit."""
     if number.line != found.line or not str(number)[-1].isdigit():
         return None
-    same = SAME_UNITS.get(str(found))
+    same = SAME_UNITS.get(str(found)) or (str(found).lower() if str(found).lower() in UNITS else None)
     near = did_you_mean(str(found), UNITS) if same is None else f"did you mean `{same}`?"
     if near is None and str(found) not in FOREIGN_UNITS:
         return None
@@ -279,6 +285,8 @@ def unexpected(
         return unfinished(source, previous, accepted, keywords, _advice(found, previous, accepted))
     words = expectations(accepted, previous, keywords)
     name = "the file ends here" if found.type == "$END" else f"unexpected `{found}`"
+    if found == "}" and "$END" in accepted and foreign is None:
+        return Diagnostic("E0001", "this `}` closes nothing", span_of(source.path, found), help="leave it out")
     behind = f": expected {words}" if words else ""
     advice = foreign or _advice(found, previous, accepted)
     return Diagnostic("E0001", name + behind, span_of(source.path, found), help=advice)

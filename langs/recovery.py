@@ -264,6 +264,10 @@ class Recovery:
     def _omissions(self, found: Token | None) -> Iterator[Repair]:
         if found is None:
             return
+        if self.reads and self.reads[-1].token == "}" and found != "}":
+            brace = self.reads[-1].token
+            early = complaints.ended_early(self.source, brace)
+            yield Repair(1, len(self.reads) - 1, (), found.start_pos or 0, early, 3)
         in_literal = found == "," and "_ANY" in self.automaton.accepts(self.stack)
         unexpected = self._unexpected(found)
         yield Repair(0 if in_literal else 1, len(self.reads), (), found.end_pos or 0, unexpected, 3)
@@ -283,6 +287,7 @@ class Recovery:
             return
         position = found.start_pos or 0 if first == len(self.reads) else self.reads[first].token.start_pos or 0
         told = self._unfinished(first, position)
+        yield from self._closed_above(first, position)
         as_name = first < len(self.reads) and str(self.reads[first].token) in self.automaton.keywords.values()
         kind = 0 if as_name and self.reads[first].token.type == "NAME" else 1
         for keep in range(first - 1, start - 1, -1):
@@ -294,6 +299,14 @@ class Recovery:
                 return
         if self.reads[first - 1].token.line == self.reads[start].token.line:
             yield Repair(1, start, (), self._next_declaration(position), told, 3)
+
+    def _closed_above(self, index: int, position: int) -> Iterator[Repair]:
+        """The bracket that lacks at the end of the line above the token at `index`, whose words would go on in it."""
+        before = self.stack if index == len(self.reads) else self.reads[index].before
+        for kind in ("RPAR", "RSQB"):
+            if kind in self.automaton.accepts(before):
+                sign = self.automaton.token(kind, _SIGNS[kind], position)
+                yield Repair(0, index, (sign,), position, self._lacking(_SIGNS[kind], index, sign), 3)
 
     def _whole_before(self, index: int) -> bool:
         """Whether the text before that token could end there, at a brace or the end of the file."""
@@ -346,8 +359,9 @@ class Recovery:
     def _declaration_start(self) -> int:
         """The index of the first token of the declaration that is being read."""
         for index in range(len(self.reads) - 1, -1, -1):
-            before = self.reads[index].before
-            if before.below is None or self.automaton.step(before, "$END") is not None:
+            before, token = self.reads[index].before, self.reads[index].token
+            begins = str(token) in DECLARATIONS and self.automaton.step(before, "$END") is not None
+            if before.below is None or begins:
                 return index
         return 0
 

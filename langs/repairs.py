@@ -11,7 +11,8 @@ from .automaton import Automaton, Stack
 from .build_terms import span_of
 from .diagnostics import Diagnostic
 from .frozen import dataclass
-from .idioms import WORDS, Idiom, idioms
+from .idiom import Idiom
+from .idioms import WORDS, idioms
 from .source import Source, Span
 
 

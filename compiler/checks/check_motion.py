@@ -106,7 +106,7 @@ def _check_row(context: Context, scope: Scope, item: syntax.MotionRow) -> ir.Row
             "E0402",
             item.span,
             f"rows of motion predicates compare by =, <= or >=, not by {item.operator}",
-            help=f"use `{near}`" if near else None,
+            help=f"use `{near}`" if near else "keep it away by `>=`, from one side or the other",
         )
         return None
     if not (left.kind.known and right.kind.known):

@@ -15,6 +15,10 @@ MOST_HINTS = 100
 """How many unknown names get a hint, which looks through all the known ones: as many as people are shown."""
 FEW = 8
 """How many names a hint lists where none is near."""
+SAME_TYPES = {"float": "real", "double": "real", "number": "real", "distance": "length", "meters": "length",
+              "degrees": "angle", "radians": "angle", "seconds": "time", "robot": "module", "body": "object",
+              "thing": "object", "hand": "gripper", "tool": "effector"}  # fmt: skip
+"""Types by the names of other languages."""
 
 
 class Findings:
@@ -66,6 +70,8 @@ class Findings:
     def _hint(self, code: str, name: str, candidates: Iterable[str]) -> str | None:
         names = list(dict.fromkeys(candidates))
         help = import_hint(code, name) or did_you_mean(name, names)
+        if code == "E0102" and help is None and name.lower() in SAME_TYPES:
+            help = f"did you mean `{SAME_TYPES[name.lower()]}`?"
         if help is None and 0 < len(names) <= FEW:
             help = f"known here: {', '.join(f'`{n}`' for n in names)}"
         return help

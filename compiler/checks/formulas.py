@@ -113,6 +113,15 @@ def find_signature(context: Context, literal: syntax.Literal) -> Signature | Non
         )
     else:
         code, what = ("E0104", "motion predicate") if literal.motion else ("E0103", "predicate")
+        names = [a.name if isinstance(a, syntax.Name) else "" for a in literal.args]
+        late = next((k for k, name in enumerate(names) if name in table), None)
+        if late is not None and all(names):
+            left, right = "[]" if literal.motion else "()"
+            words = [names[late], *([literal.predicate, *names][: late + 1]), *names[late + 1 :]]
+            help = f"write `{left}{' '.join(words)}{right}`"
+            told = f"unknown {what} `{literal.predicate}`: the predicate stands first"
+            context.findings.report(code, literal.span, told, help=help)
+            return None
         context.findings.unknown(code, what, literal.predicate, where, table)
     return None
 

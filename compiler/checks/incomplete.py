@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from ...langs import syntax
+from ...langs.source import Span
 from ..library import Library
 from .findings import Findings
 
@@ -28,7 +29,11 @@ def keep_certain(library: Library, found: Findings, certain: Findings) -> None:
     texts = {s.path: s.text.split("\n") for s in library.sources}
     words = {file: set(re.findall(r"\w+", " ".join(texts[file][line - 1] for f, line in broken if f == file and
                                                     line <= len(texts[file])))) for file, _ in broken if file in texts}
+    rules = [d.span for f in library.files for d in f.declarations if isinstance(d, syntax.RuleDecl)]
+    faulty = [r for r in rules if any((r.file, line) in broken for line in range(r.line, r.end_line + 1))]
     for diagnostic in found:
+        if diagnostic.code == "E0302" and any(_within(diagnostic.span, rule) for rule in faulty):
+            continue  # what is wrong with its parts may have made effects of its conditions
         at_gap = diagnostic.span is not None and (diagnostic.span.file, diagnostic.span.line) in broken
         misspelt = diagnostic.code in (*UNKNOWN_NAMES, "E0301") and diagnostic.help is not None
         if at_gap and not misspelt:
@@ -43,6 +48,10 @@ def keep_certain(library: Library, found: Findings, certain: Findings) -> None:
         incomplete = diagnostic.code in WHOLE_FILE and (lost or imports)
         if diagnostic.is_error and not follows and not incomplete:
             certain.add(diagnostic)
+
+
+def _within(span: Span | None, outer: Span) -> bool:
+    return span is not None and span.file == outer.file and outer.start <= span.start <= outer.end
 
 
 def lost_names(library: Library) -> set[str]:

@@ -68,6 +68,10 @@ def _check_call(context: Context, scope: Scope, term: syntax.Call) -> Typed:
     declared = context.library.functions.get(term.function)
     if declared is not None and builtin is None:
         return apply_function(context, scope, term, declared)
+    if builtin is None and term.function in scope.objects.families:
+        help = f"a place on `{term.function}` stands behind `at`: `{term.function} at (…)`"
+        findings.report("E0109", name_span, f"`{term.function}` is no function", help=help)
+        return BROKEN
     if builtin is None:
         findings.unknown("E0109", "function", term.function, name_span, [*FUNCTIONS, *context.library.functions])
         return BROKEN

@@ -12,6 +12,7 @@ from typing import Any
 
 from ...langs import syntax
 from ...langs.diagnostics import did_you_mean
+from ...langs.source import Span
 from .. import ir
 from ..checks.context import Context
 from ..checks.kinds import ANGLE, EXAMPLES, LENGTH, RATES, SCALARS, Kind
@@ -139,9 +140,19 @@ def _axes(context: Context, item: syntax.JointItem) -> list[ir.Vec3] | None:
         )
     else:
         context.findings.report(
-            "E0508", where, "a joint has one axis: x, y or z", help=f"it has the form `{item.kind}(z)`"
+            "E0508", where, "a joint has one axis: x, y or z", help=_meant_axis(item)
         )
     return None
+
+
+def _meant_axis(item: syntax.JointItem) -> str:
+    """`revolute(Y)`, and `revolute(0, 1, 0)` as an axis in numbers."""
+    first = item.axes[0] if item.axes else None
+    if len(item.axes) == 1 and isinstance(first, syntax.Name) and first.name.lower() in AXES:
+        return f"write `{first.name.lower()}`"
+    numbers = tuple(t.value for t in item.axes if isinstance(t, syntax.Number))
+    along = next((name for name, axis in AXES.items() if axis == numbers), "z")
+    return f"it has the form `{item.kind}({along})`"
 
 
 def _axis(term: syntax.Term, negative: bool) -> ir.Vec3 | None:
@@ -183,18 +194,22 @@ def _lacks_limits(context: Context, item: syntax.JointItem, help: str) -> None:
 
 def _fit(context: Context, item: syntax.JointItem, lower: float, upper: float, home: float) -> bool:
     findings = context.findings
-    if lower >= upper and item.lower is not None:
-        findings.report(
-            "E0508", item.lower.span, f"the limits of joint `{item.name}` are empty: {lower:g} .. {upper:g}"
-        )
+    if lower >= upper and item.lower is not None and item.upper is not None:
+        low, high = item.lower.span, item.upper.span
+        both = Span(low.file, low.start, high.end, low.line, low.column, high.end_line, high.end_column)
+        help = f"write `{findings.text(high)} .. {findings.text(low)}`" if lower > upper else None
+        findings.report("E0508", both, f"the lower limit of joint `{item.name}` is not below its upper one", help=help)
         return False
     if not lower <= home <= upper:
         where = item.home.span if item.home is not None else item.span
-        help = None if item.home is not None else "the home value is 0 unless `home` gives another"
+        help = "the home value is 0 unless `home` gives another"
+        if item.home is not None and item.lower is not None and item.upper is not None:
+            bounds = f"{findings.text(item.lower.span)} .. {findings.text(item.upper.span)}"
+            help = f"the joint moves in {bounds}"
         findings.report(
             "E0508",
             where,
-            f"the home value {home:g} of joint `{item.name}` is outside {lower:g} .. {upper:g}",
+            f"the home value of joint `{item.name}` is outside its limits",
             help=help,
         )
         return False

@@ -13,7 +13,7 @@ from dataclasses import field, replace
 
 from ...langs import syntax
 from ...langs.frozen import dataclass
-from ...langs.source import Span
+from ...langs.source import PLACEHOLDER, Span
 from .. import ir
 from ..checks.context import Context
 from ..checks.formulas import check_literal
@@ -275,6 +275,10 @@ def _step(context: Context, scope: Scope, term: syntax.Term) -> ir.Vec3 | None:
     if isinstance(term, syntax.Vector):
         step = vector(context, scope, term, 3, LENGTH, "a link")
         return None if step is None else (step[0], step[1], step[2])
+    if isinstance(term, syntax.Name) and term.name not in scope.entries and term.name != PLACEHOLDER:
+        help = "its length stands in place of a name, as in `link 40 cm: capsule(4 cm)`"
+        context.findings.report("E0508", term.span, "a link has a length, and no name", help=help)
+        return None
     value = number(context, scope, term, LENGTH, "the length of a link")
     if value is not None and value < 0:
         help = f"a link that goes back is a vector: `(0, 0, {value:g} m)`"

@@ -208,7 +208,10 @@ class SceneBuilder:
             return None
         if name in self.spans:
             first = [(self.spans[name], "first declared here")]
-            self.findings.report("E0507", term.span, f"there are two things named `{name}`", labels=first)
+            again = self.spans[name] == term.span
+            help = f"count it by the variable of the loop: `{base}[k]`" if again else "give one of them another name"
+            self.findings.report("E0507", term.span, f"there are two things named `{name}`", help=help,
+                                 labels=[] if again else first)  # fmt: skip
             return None
         self.spans[name] = term.span
         return name
@@ -349,7 +352,11 @@ class SceneBuilder:
         module = modules.get(item.type)
         if module is None:
             where = self.findings.word(item.span, item.type)
-            self.findings.unknown("E0108", "module type", item.type, where, modules)
+            if item.type in self.context.library.types:
+                help = f"`{item.type}` is a type of bodies, which have a shape: `{item.type} b: sphere(4 cm)`"
+                self.findings.report("E0108", where, f"no module type is named `{item.type}`", help=help)
+            else:
+                self.findings.unknown("E0108", "module type", item.type, where, modules)
             return None
         if item.effector is not None and item.effector not in effector_types(module):
             where = self.findings.word(item.span, item.effector, 0)

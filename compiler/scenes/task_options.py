@@ -27,7 +27,11 @@ def check_options(context: Context, scope: Scope, item: syntax.OptionsItem, befo
         option = known.get(name)
         if option is None:
             where = context.findings.word(item.span, name)
-            context.findings.unknown("E0116", "option", name, where, known)
+            if name == "seed":
+                help = "the command line takes it: `tamplang solve FILE --seed 3`"
+                context.findings.report("E0116", where, "a task does not set its seed", help=help)
+            else:
+                context.findings.unknown("E0116", "option", name, where, known)
         elif option.kind == "word":
             changes[name] = _word(context, option, term)
         elif option.kind == "objective":
@@ -42,6 +46,8 @@ def _word(context: Context, option: Option, term: syntax.Term) -> str | None:
     if word in option.choices:
         return word
     near = did_you_mean(word or "", option.choices) if len(word or "") > 2 else None
+    if isinstance(term, syntax.Text) and term.value in option.choices:
+        near = f"write `{term.value}`"
     help = near or f"{option.name} is one of {', '.join(option.choices)}"
     context.findings.report("E0210", term.span, f"option `{option.name}` does not take this value", help=help)
     return None
