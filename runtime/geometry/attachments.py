@@ -76,11 +76,25 @@ POSE = frozenset(range(7))
 
 
 @remembered(8)
+def standing(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
+    """The modules whose frames stay where they are while `mode` holds: those that are bolted, and of each robot that
+    nothing holds to what rests its first one by name, as what stands on nothing moves only against itself."""
+    world, carried, robot = problem.world, followers(problem, mode), robots(problem, mode)
+    fixed = bolted(problem, mode)
+    held = {robot[name] for name in fixed}
+    for pair in kept_pairs(problem, mode):
+        for own, other in (pair, pair[::-1]):
+            if carrier(problem, own) in robot and other in world.bodies and other not in carried:
+                held.add(robot[carrier(problem, own)])
+    return fixed | (frozenset(robot.values()) - held)
+
+
+@remembered(8)
 def still_entries(problem: Problem, mode: frozenset[Fact]) -> Mapping[str, frozenset[int]]:
-    """By module, the entries of its slot `(7 + n,)` that keep their values while `mode` holds: the pose of what is
-    bolted, and joints that brakes hold."""
+    """By module, the entries of its slot `(7 + n,)` that keep their values while `mode` holds: the pose of what stands
+    still, and joints that brakes hold."""
     found = {name: frozenset(7 + i for i in joints) for name, joints in braked(problem, mode).items()}
-    return found | {name: POSE | found.get(name, frozenset()) for name in bolted(problem, mode)}
+    return found | {name: POSE | found.get(name, frozenset()) for name in standing(problem, mode)}
 
 
 @remembered(8)

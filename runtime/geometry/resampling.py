@@ -9,9 +9,8 @@ import numpy as np
 
 from ...compiler.ir import IDENTITY, Fact, Module, Problem
 from ...compiler.kept_pairs import kept_pairs
-from ...compiler.motion.bolted import bolted
 from ..skeleton import Configuration, PhasePath
-from .attachments import followers
+from .attachments import followers, standing
 from .splines import ClampedSpline
 from .transforms import Array, compose, inverse, joint_frames
 
@@ -138,7 +137,7 @@ def between(knots: Array, poses: Array, times: Array) -> Array:
 
 
 class Linker:
-    """Finds the `poses` of everything that is linked, through kept poses, to what is bolted, or whose `own` poses,
+    """Finds the `poses` of everything that is linked, through kept poses, to what stands still, or whose `own` poses,
     `(1, 7)` or `(count, 7)`, are known. `start` is the configuration in which linked things are as they are kept;
     `known` are poses of effectors for these very joints, and the phase that they go through."""
 
@@ -156,7 +155,7 @@ class Linker:
     def follow(self, mode: frozenset[Fact]) -> None:
         """Take each pair that the mode keeps and of which one side is known, and find the other side's thing, until
         nothing is new."""
-        for name in bolted(self._problem, mode) - self.poses.keys():
+        for name in standing(self._problem, mode) - self.poses.keys():
             self.poses[name] = np.tile(self._start.modules[name][:7], (self._count, 1))
         pairs = kept_pairs(self._problem, mode)
         progress = True

@@ -12,9 +12,8 @@ from .....compiler import poses
 from .....compiler.extents import box_sides
 from .....compiler.ir import IDENTITY, Effector, Fact, Module, Pose, Problem, Shape, ShapeKind
 from .....compiler.kept_pairs import kept_pairs
-from .....compiler.motion.bolted import bolted
 from .....compiler.motion.collision import bounding_radius
-from ....geometry.attachments import followers, looped
+from ....geometry.attachments import followers, looped, standing
 from ....geometry.drives import braked
 from ....skeleton import Array, Configuration, Skeleton
 from .clear_postures import clear_posture
@@ -127,7 +126,7 @@ class Guess:
         """Put modules on the feet that carry them, by module."""
         world = self.problem.world
         stances: dict[str, Stance] = {
-            name: ("", to_tuple(self.current.modules[name][:7])) for name in sorted(bolted(self.problem, mode))
+            name: ("", to_tuple(self.current.modules[name][:7])) for name in sorted(standing(self.problem, mode))
         }
         for base, follower in kept_pairs(self.problem, mode):
             found = world.effector(follower)

@@ -9,7 +9,7 @@ import numpy as np
 from .....compiler import poses
 from .....compiler.ir import Fact, Pose, Problem
 from .....compiler.kept_pairs import keeps_pose
-from .....compiler.motion.bolted import bolted
+from ....geometry.attachments import standing
 from ....skeleton import Array, Configuration
 from ..keyframes.initial_guesses import effector_pose, put_effector, to_tuple
 
@@ -29,7 +29,7 @@ class Carried:
     def __init__(self, problem: Problem, mode: Iterable[Fact], reference: Configuration) -> None:
         self.problem = problem
         mode = frozenset(mode)
-        self._bolted = bolted(problem, mode)
+        self._standing = standing(problem, mode)
         self.links: list[tuple[str, str, Pose]] = []
         for literal in sorted(mode):
             kept = keeps_pose(problem, literal)
@@ -43,8 +43,8 @@ class Carried:
 
     def settle(self, configuration: Configuration, moving: frozenset[str]) -> None:
         """Move the slots in `moving` as rigid things, in place, so that kept relations hold, outwards from what
-        rests or is bolted to where it is; a relation that closes a loop is left as it comes."""
-        placed = ((configuration.modules.keys() | configuration.bodies.keys()) - moving) | self._bolted
+        rests or stands still; a relation that closes a loop is left as it comes."""
+        placed = ((configuration.modules.keys() | configuration.bodies.keys()) - moving) | self._standing
         grew = True
         while grew:
             grew = False

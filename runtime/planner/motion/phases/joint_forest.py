@@ -19,9 +19,9 @@ import numpy as np
 
 from .....compiler.ir import Function, JointKind, ModuleType, Problem, Var, Vec3
 from .....compiler.kept_pairs import keeps_pose
-from .....compiler.motion.bolted import bolted
 from .....compiler.motion.collision import pose_matrix
 from .....langs.frozen import dataclass
+from ....geometry.attachments import standing
 from ....geometry.drives import braked, ringed
 from ....geometry.transforms import quaternions
 from ....skeleton import Array, Configuration, Phase, movable
@@ -190,7 +190,7 @@ class Scene:
         self.moves = {
             m: bool(np.abs(end.modules[m][7:] - s[7:]).max(initial=0.0) > STILL) for m, s in start.modules.items()
         }
-        self.bolted = bolted(problem, phase.mode)
+        self.standing = standing(problem, phase.mode)
         self.edges: dict[str, list[tuple[str, str, str]]] = {}
         """Per module or body: own object, other object, other module or body."""
         self._read(phase)
@@ -287,9 +287,9 @@ class Scene:
         """The part of a robot that rests: all of it when no joint moves, or the loops of a closed chain."""
         if not any(self.moves.get(name, False) for name in robot):
             return set(robot)
-        degree = {name: len(self.edges.get(name, [])) + (name in self.bolted) for name in robot}
+        degree = {name: len(self.edges.get(name, [])) + (name in self.standing) for name in robot}
         anchors = sum(other in rest for name in robot for _, _, other in self.edges.get(name, []))
-        anchors += len(self.bolted.intersection(robot))
+        anchors += len(self.standing.intersection(robot))
         modules = tuple(name for name in robot if name in self.frames)
         if not anchors:
             raise UnsupportedPhase(self.index, Reason.FLOATING, modules)
@@ -328,7 +328,7 @@ def phase_tree(problem: Problem, index: int, phase: Phase, start: Configuration,
         if name in scene.rest:
             queue.extend((own, other) for own, other, owner in scene.edges[name] if owner not in scene.rest)
     for name in scene.world.modules:
-        if name in scene.bolted and name not in scene.rest:
+        if name in scene.standing and name not in scene.rest:
             mount_module(tree, name, scene.world.modules[name].type, -1, (-1, scene.frames[name][-1]), held(name))
             mounts[name] = tree.links[name]
             queue.extend((own, other) for own, other, to in scene.edges.get(name, []) if to not in scene.rest)
