@@ -16,6 +16,7 @@ from ...skeleton import PhasePath, Skeleton
 from ...verify import verify
 from ..bounds.length_unit import length_unit
 from ..motion.settings import MotionSettings
+from .other_ways import OtherWays
 from .stage import Scheduler
 
 
@@ -25,7 +26,8 @@ class AtOnce:
     def __init__(
         self, problem: Problem, settings: MotionSettings, seed: Seed, budget: Budget, tell: Callable[[str, str], None]
     ) -> None:  # fmt: skip
-        self._scheduler = Scheduler(problem, settings.margin * length_unit(problem), seed, budget)
+        ways = OtherWays(problem, settings, seed, budget)
+        self._scheduler = Scheduler(problem, settings.margin * length_unit(problem), seed, budget, ways)
         self._budget, self._tell = budget, tell
 
     def shorter(

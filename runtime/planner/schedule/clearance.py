@@ -8,7 +8,7 @@ was nearer at a switch of the plan may come as near again.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -26,13 +26,15 @@ NEVER = 10**9
 
 
 class SegmentClearances:
-    """What the segments of a plan have in their way. `configurations` are those at its switches, the start first."""
+    """What the segments of a plan have in their way. `configurations` are those at its switches, the start first. The
+    segments `alone` were planned as if nothing else were there that can be moved."""
 
     def __init__(
-        self, skeleton: Skeleton, order: Precedence, configurations: Sequence[Configuration], margin: float
-    ) -> None:
+        self, skeleton: Skeleton, order: Precedence, configurations: Sequence[Configuration], margin: float,
+        alone: Collection[int] = (),
+    ) -> None:  # fmt: skip
         self._skeleton, self._order, self._margin = skeleton, order, margin
-        self._configurations = configurations
+        self._configurations, self._alone = configurations, alone
         self.solids = Solids(skeleton.problem)
         self._motions: dict[int, SolidFrames] = {}
         self._rests: dict[tuple[str, int], SolidFrames] = {}
@@ -95,7 +97,7 @@ class SegmentClearances:
     def blocked_past(self, phase: int, thing: str, state: int) -> Indices:
         """The ticks of a segment, those before the ends of stretches that are too near a thing that rests; none where
         it rested there when the segment was planned."""
-        if self._planned[phase][thing] == state:
+        if self._planned[phase][thing] == state and phase not in self._alone:
             return np.zeros(0, dtype=np.intp)
         key = phase, thing, state
         if key not in self._past:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,8 +19,10 @@ from ..search.skeleton_replay import build_skeleton
 from ..search.stepper import Inapplicable, Stepper, replayed
 from ..statics import slowed
 from .clearance import SegmentClearances
-from .dependencies import Precedence, precedence
+from .dependencies import Precedence, Segment, precedence
+from .least_times import least_time
 from .list_schedule import Timetable, scheduled, tails
+from .other_ways import OtherWays
 from .profiles import path_as_is, retimed
 from .scheduled_plan import plan_order, scheduled_plan
 from .settings import SCHEDULE
@@ -28,23 +30,25 @@ from .settings import SCHEDULE
 
 @dataclass(frozen=True, slots=True)
 class Timed:
-    """A plan in seconds: the plan, seconds until its last action, that none with these motions is shorter than `bound`
-    seconds, and whether its robots work at once; `seconds` of each action's motion, in the order of the search, and
-    the numbers that its phases have in that `order`."""
+    """A plan in seconds: the plan, seconds until its last action, and that none with these motions is shorter than
+    `bound` seconds; `seconds` of each action's motion, in the order of the search, and the numbers that its phases have
+    in that `order`."""
 
     plan: Plan
     makespan: float
     bound: float
-    at_once: bool
     seconds: tuple[float, ...]
     order: tuple[int, ...]
 
 
 class Scheduler:
-    """Makes plans of a problem shorter. `margin`, metres, is what two robots keep that move at once."""
+    """Makes plans of a problem shorter. `margin`, metres, is what two robots keep that move at once; `ways`
+    finds other motions where some take long."""
 
-    def __init__(self, problem: Problem, margin: float, seed: Seed, budget: Budget) -> None:
-        self._problem, self._margin, self._seed, self._budget = problem, margin, seed, budget
+    def __init__(
+        self, problem: Problem, margin: float, seed: Seed, budget: Budget, ways: OtherWays | None = None
+    ) -> None:
+        self._problem, self._margin, self._seed, self._budget, self._ways = problem, margin, seed, budget, ways
         self._told: dict[tuple[int, ...], set[tuple[int, int]]] = {}
 
     def plans(
@@ -59,18 +63,47 @@ class Scheduler:
         faster = self._profiles(skeleton, paths, tick)
         order = precedence(skeleton, faster, tick)
         sequence = _in_sequence(order)
-        bound = _bound(order) * tick
-        seconds = tuple(0.0 if s is None else s.ticks * tick for s in order.segments)
+        made = [(sequence, order)]
         found = self._best(skeleton, actions, order, faster)
         if found is not None and found[0].end < sequence.end:
-            line = plan_order(found[0])
+            made.append(found)
+        found = self._faster(skeleton, actions, *made[-1], faster, tick)
+        if found is not None:
+            made.append(found)
+        for table, own in reversed(made):
+            line = plan_order(table)
             done = [actions[k] for k in line]
             same = line == sorted(line)
             other = skeleton if same else build_skeleton(self._problem, done, successors, possible=True)
-            plan = scheduled_plan(self._problem, done, other, found[1], found[0], tick, statistics)
-            yield Timed(plan, found[0].end * tick, bound, True, seconds, tuple(line))
-        plan = scheduled_plan(self._problem, actions, skeleton, order, sequence, tick, statistics)
-        yield Timed(plan, sequence.end * tick, bound, False, seconds, tuple(range(len(actions))))
+            plan = scheduled_plan(self._problem, done, other, own, table, tick, statistics)
+            seconds = tuple(0.0 if s is None else s.ticks * tick for s in own.segments)
+            yield Timed(plan, table.end * tick, _bound(own) * tick, seconds, tuple(line))
+
+    def _faster(
+        self, skeleton: Skeleton, actions: Sequence[Action], table: Timetable, order: Precedence,
+        paths: Sequence[PhasePath], tick: float,
+    ) -> tuple[Timetable, Precedence] | None:  # fmt: skip
+        """A shorter schedule, if one is found, with other ways where motions take far longer than straight ones between
+        their ends: first as if others were not there, then around what rests while one action follows the other."""
+        least = [0 if s is None else _straight(self._problem, s, tick) for s in order.segments]
+        far = {k for k, s in enumerate(order.segments) if s is not None and s.ticks > SCHEDULE.detour * least[k]}
+        straight = tuple(s and replace(s, ticks=max(1, least[s.phase]) if s.phase in far else s.ticks)
+                         for s in order.segments)  # fmt: skip
+        best: tuple[Timetable, Precedence] | None = None
+        end = table.end
+        for alone in (True, False):
+            if self._ways is None or _bound(replace(order, segments=straight)) > (1.0 - SCHEDULE.shorter_by) * end:
+                break
+            ways = self._ways.found(skeleton, configurations(skeleton, paths), far, alone)
+            faster = self._profiles(skeleton, [ways.get(k, path) for k, path in enumerate(paths)], tick)
+            shorter = {k for k in ways if faster[k].duration < paths[k].duration - 0.5 * tick}
+            if shorter:
+                chosen = [faster[k] if k in shorter else path for k, path in enumerate(paths)]
+                own = precedence(skeleton, chosen, tick)
+                found = self._best(skeleton, actions, own, chosen, alone=shorter if alone else ())
+                if found is not None and found[0].end < end:
+                    best, end = found, found[0].end
+        return best
 
     def placed(
         self, skeleton: Skeleton, actions: Sequence[Action], paths: Sequence[PhasePath], begun: Sequence[int],
@@ -108,11 +141,12 @@ class Scheduler:
 
     def _best(
         self, skeleton: Skeleton, actions: Sequence[Action], order: Precedence, paths: Sequence[PhasePath],
-        begun: Sequence[int] = (), earliest: int = 0,
+        begun: Sequence[int] = (), earliest: int = 0, alone: Collection[int] = (),
     ) -> tuple[Timetable, Precedence] | None:  # fmt: skip
-        """The shortest of some schedules, whose actions can be done in its order, with what comes before what."""
+        """The shortest of some schedules, whose actions can be done in its order, with what comes before what. Motions
+        of the phases `alone` were made as if others were not there."""
         self._told.clear()
-        clearances = SegmentClearances(skeleton, order, configurations(skeleton, paths), self._margin)
+        clearances = SegmentClearances(skeleton, order, configurations(skeleton, paths), self._margin, alone)
         random = self._seed.child("schedule").random()
         tail = np.array(tails(order), dtype=float)
         best: tuple[Timetable, Precedence] | None = None
@@ -170,6 +204,17 @@ def _bound(order: Precedence, begun: Sequence[int] = (), earliest: int = 0) -> i
     free = scheduled(order, None, tails(order), begun, earliest)
     assert free is not None
     return free.end
+
+
+def _straight(problem: Problem, segment: Segment, tick: float) -> int:
+    """Ticks that joints take at least from where a segment begins to where it ends."""
+    seconds = 0.0
+    for name in segment.moved & segment.path.modules.keys():
+        rows = segment.path.modules[name]
+        joints = problem.world.modules[name].type.joints
+        ways = np.abs(rows[-1, 7:] - rows[0, 7:]).tolist()
+        seconds = max([seconds, *(least_time(j, w) for j, w in zip(joints, ways, strict=True))])
+    return math.floor(seconds / tick)
 
 
 def _in_sequence(order: Precedence) -> Timetable:

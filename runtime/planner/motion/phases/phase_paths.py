@@ -206,13 +206,15 @@ def chained(
 
 def grouped(
     skeleton: Skeleton, trees: Sequence[PhaseTree], states: Sequence[tuple[Configuration, Configuration]],
-    settings: MotionSettings,
-) -> list[PhaseGroup]:
-    """Phases that move, stacked by structure."""
+    settings: MotionSettings, alone: bool = False,
+) -> list[PhaseGroup]:  # fmt: skip
+    """Phases that move, stacked by structure; with `alone` as if what rests and can be moved were not there."""
     world = skeleton.problem.world
     touching = contacts(skeleton)
     stacked: dict[object, list[int]] = {}
     parts = {t.phase: make_parts(t, world) for t in trees if t.variables}
+    for part in (part for both in parts.values() if alone for part in both):
+        part.obstacles = [o for o in part.obstacles if o.owner in world.bodies and not world.bodies[o.owner].movable]
     for phase, (coarse, fine) in parts.items():
         stacked.setdefault((coarse.structure, fine.structure), []).append(phase)
     groups = []
