@@ -84,25 +84,25 @@ class Scheduler:
         paths: Sequence[PhasePath], tick: float,
     ) -> tuple[Timetable, Precedence] | None:  # fmt: skip
         """A shorter schedule, if one is found, with other ways where motions take far longer than straight ones between
-        their ends: first as if others were not there, then around what rests while one action follows the other."""
+        their ends: first around what rests while one action follows the other, then as if others were not there."""
         least = [0 if s is None else _straight(self._problem, s, tick) for s in order.segments]
-        far = {k for k, s in enumerate(order.segments) if s is not None and s.ticks > SCHEDULE.detour * least[k]}
-        straight = tuple(s and replace(s, ticks=max(1, least[s.phase]) if s.phase in far else s.ticks)
-                         for s in order.segments)  # fmt: skip
         best: tuple[Timetable, Precedence] | None = None
-        end = table.end
-        for alone in (True, False):
-            if self._ways is None or _bound(replace(order, segments=straight)) > (1.0 - SCHEDULE.shorter_by) * end:
+        for alone in (False, True):
+            far = {k for k, s in enumerate(order.segments) if s is not None and s.ticks > SCHEDULE.detour * least[k]}
+            straight = tuple(s and (replace(s, ticks=max(1, least[s.phase])) if s.phase in far else s)
+                             for s in order.segments)  # fmt: skip
+            enough = _bound(replace(order, segments=straight)) > (1.0 - SCHEDULE.shorter_by) * table.end
+            if self._ways is None or not far or enough:
                 break
             ways = self._ways.found(skeleton, configurations(skeleton, paths), far, alone)
             faster = self._profiles(skeleton, [ways.get(k, path) for k, path in enumerate(paths)], tick)
             shorter = {k for k in ways if faster[k].duration < paths[k].duration - 0.5 * tick}
-            if shorter:
-                chosen = [faster[k] if k in shorter else path for k, path in enumerate(paths)]
-                own = precedence(skeleton, chosen, tick)
-                found = self._best(skeleton, actions, own, chosen, alone=shorter if alone else ())
-                if found is not None and found[0].end < end:
-                    best, end = found, found[0].end
+            chosen = [faster[k] if k in shorter else path for k, path in enumerate(paths)]
+            own = precedence(skeleton, chosen, tick)
+            found = self._best(skeleton, actions, own, chosen, alone=shorter if alone else ()) if shorter else None
+            if found is not None and found[0].end < table.end:
+                best, paths = found, chosen
+                table, order = found
         return best
 
     def placed(
