@@ -11,7 +11,7 @@ from .. import ir
 from ..physics.records import MANNERS, NOTHING
 from .binders import bind, unrolled
 from .context import Context
-from .kinds import Kind, added, size_of
+from .kinds import FORCE, TORQUE, Kind, added, size_of
 from .names import Scope, Typed
 from .scalars import warn_bare
 from .terms import check_term
@@ -118,6 +118,8 @@ def _check_row(context: Context, scope: Scope, item: syntax.MotionRow) -> ir.Row
     measured = [_check_measures(context, t, v) for t, v in ((item.left, left), (item.right, right))]
     if not all(measured) or not _check_sizes(context, item, left, right):
         return None
+    if not all([_check_components(context, t, v) for t, v in ((item.left, left), (item.right, right))]):
+        return None
     if not (_depends(left.term) or _depends(right.term)):
         findings.report("E0405", item.span, "this row depends on no parameter of the predicate")
         return None
@@ -129,8 +131,22 @@ def _six(typed: Typed, other: Typed) -> Typed:
     """Six numbers beside a wrench are one."""
     items = typed.term.items if isinstance(typed.term, ir.Vector) else ()
     if other.kind.name == "wrench" and len(items) == size_of(other.kind):
-        return Typed(typed.term, other.kind)
+        return Typed(typed.term, other.kind, items=typed.items)
     return typed
+
+
+def _check_components(context: Context, term: syntax.Term, typed: Typed) -> bool:
+    """Whether the components of a vector are lengths or plain numbers, those of a wrench forces and torques."""
+    spans = [item.span for item in term.items] if isinstance(term, syntax.Vector) else []
+    wrench, fits = typed.kind.name == "wrench", True
+    for number, (span, item) in enumerate(zip(spans, typed.items, strict=False)):
+        wanted = ("force" if number < 3 else "torque",) if wrench else ("number", "length")
+        if item.kind.name not in wanted and not item.is_zero:
+            what = f"component {number + 1} of a wrench is {FORCE if number < 3 else TORQUE}"
+            what = what if wrench else "the components of a vector are lengths, or plain numbers"
+            context.findings.report("E0203", span, f"{what}, not {item.kind}")
+            fits = False
+    return fits
 
 
 def _pose_inside(typed: Typed) -> str:

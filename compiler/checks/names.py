@@ -16,11 +16,13 @@ from .kinds import UNKNOWN, Kind
 @dataclass(frozen=True, slots=True)
 class Typed:
     """A lowered term with its kind. `literal` marks plain numbers that pass for lengths: those that stand in the
-    text without a unit, and inner products, as vectors do not say whether they are places or directions."""
+    text without a unit, and inner products, as vectors do not say whether they are places or directions. `items` are
+    the components of what is written as a vector."""
 
     term: ir.Term
     kind: Kind
     literal: bool = False
+    items: tuple[Typed, ...] = ()
 
     @property
     def is_zero(self) -> bool:

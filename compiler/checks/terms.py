@@ -253,7 +253,8 @@ def _check_vector(context: Context, scope: Scope, term: syntax.Vector) -> Typed:
             context.findings.report("E0208", item.span, f"a component of a vector must be a number, not {typed.kind}")
             return BROKEN
     known = all(i.kind.known for i in items)
-    return Typed(ir.Vector(tuple(i.term for i in items), term.span), VECTOR if known else UNKNOWN)
+    vector = ir.Vector(tuple(i.term for i in items), term.span)
+    return Typed(vector, VECTOR if known else UNKNOWN, items=tuple(items))
 
 
 def _check_conditional(context: Context, scope: Scope, term: syntax.Conditional) -> Typed:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .limits import limit_options, limited
+from .parameters import Real
 from .plans import read
 from .sources import reading_sources
 from .status import ExitStatus
@@ -23,7 +24,7 @@ MOST_BROKEN = 5
 @click.command()
 @click.argument("file", metavar="PLAN.json", type=click.Path(path_type=Path))
 @limit_options
-@click.option("--noise", type=click.FloatRange(0.0, 1.0), default=0.0, metavar="SHARE",
+@click.option("--noise", type=Real(0.0, 1.0), default=0.0, metavar="SHARE",
               help="Weights, drives and friction are off by random factors of this deviation, such as 0.05.")
 @click.option("--seed", type=click.IntRange(0), default=0, help="Of the noise.", show_default=True)
 @click.option("--contact", is_flag=True, help="Feet and things stand by friction and adhesion, not by welds.")

@@ -105,6 +105,8 @@ def test_noise_follows_its_seed_and_feet_stand_by_contact(tmp_path: Path) -> Non
     assert first["reached"] and first["broken"] == [] and first["base_m"] < 1e-2
     assert told("--contact", "--noise", "0.02", "--seed", "3") == first
     assert told("--contact", "--noise", "0.02", "--seed", "4") != first
+    command = [sys.executable, "-m", "tamplang", "simulate", str(path), "--noise", "nan"]
+    assert subprocess.run(command, capture_output=True, check=False).returncode == 2
     weak = program.replace("force 1 kN, moment 120 N m", "force 3 N, moment 0.1 N m, friction 0.6")
     problem, _ = compile_text(weak.replace("physics = dynamics, ", ""), "t.tamp")
     write_plan(solve(problem, SolveOptions(time=60.0)).plans[0], path)

@@ -102,6 +102,9 @@ def test_a_guard_about_loads_decides_what_is_tried() -> None:
         ("during wrench(X, Y) <= (1 N, 2 N, 3 N)", "E0401"),
         ("during wrench(X, Y) <= (1 N, 1 N, 1 N, 1 N m)", "E0001"),
         ("during wrench(X) <= 0", "E0201"),
+        ("during wrench(X, Y) <= (1 N, 2 N, 3 N, 1 N, 0, 0)", "E0203"),
+        ("during wrench(X, Y) <= (0, 0, 3, 1 N m, 0, 0)", "E0203"),
+        ("at switch position(X) = (1 m, 0, 2 kg)", "E0203"),
     ],
 )
 def test_misuse_is_told(tmp_path: Path, rows: str, code: str) -> None:
