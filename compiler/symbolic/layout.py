@@ -169,6 +169,14 @@ class Layout:
             and any(all(a is None or a == b for a, b in zip(order, fact[1:], strict=True)) for order in orders)
         )
 
+    def about(self, state: int, names: frozenset[str]) -> tuple[int, int]:
+        """Mask and value of all that a state says of some objects: true and false facts, and values of fields."""
+        mask = _union(bit for fact, bit in self._all_bits() if not names.isdisjoint(fact[1:]))
+        for place in self.fields.values():
+            if place.key in names or place.read(state) in names:
+                mask |= place.mask << place.shift
+        return mask, state & mask
+
     def true_flags(self, word: int) -> frozenset[Fact]:
         """The flags that hold in a flag word; symmetric ones in both orders."""
         return self._both_orders(f for f, bit in self.flags.items() if word & bit)

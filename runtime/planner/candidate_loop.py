@@ -100,6 +100,10 @@ class CandidateLoop:
         for conflict in judgement.conflicts:
             if conflict.bound != Bound.EXPECTED:
                 self.refusals.add(replace(skeleton, problem=self.refusals.problem), conflict)
+            if conflict.obstacles and conflict.bound == Bound.SEQ:
+                self.search.forbid_beside(candidate, conflict.last, conflict.obstacles)
+                continue
+            if conflict.bound != Bound.EXPECTED:
                 self.penalties.refused(candidate.numbers, conflict.first, conflict.last)
             paths = conflict.bound not in (Bound.SEQ, Bound.STATICS, Bound.EXPECTED)
             self.paths_refused |= paths

@@ -63,3 +63,36 @@ def test_what_blocks_the_only_way_is_moved_first() -> None:
     assert result.plan is not None and result.status == "solved"
     first = str(result.plan.actions[0])
     assert first == "take(r.tip, crate, floor)" and len(result.plan.actions) == 4
+
+
+SWAP = """
+import std.crawler
+import std.rules
+task swap() {
+    base pedestal: box(0.3 m, 0.3 m, 0.05 m) at (0, 0, 0)
+    for k in 1 .. 3 {
+        object spot[k]: box(0.12 m, 0.12 m, 0.04 m) at (0.5 m, 0.2 m * (k - 2), 0.02 m)
+        fact (tray spot[k])
+    }
+    for k in 1 .. 2 {
+        object cup[k]: cylinder(0.035 m, 0.1 m) on spot[k]
+        fact (grippable cup[k])
+    }
+    crawler arm: A on pedestal
+    goal (on spot[2] cup[1]), (on spot[1] cup[2])
+}
+"""
+"""Each cup stands where the other one shall be, and there is one free place."""
+
+
+def test_a_place_that_is_taken_is_not_forbidden_once_it_is_free() -> None:
+    result = tamplang.loads(SWAP).solve(time=100.0)
+    assert result.plan is not None and result.status == "solved"
+    assert len(result.plan.actions) == 6
+
+
+def test_what_stands_in_the_way_is_named() -> None:
+    result = tamplang.loads(SWAP.replace("1 .. 3", "1 .. 2").replace("0.035 m", "0.058 m")).solve(time=100.0)
+    assert result.plan is None
+    told = " ".join(str(d.note) for d in result.explanation)
+    assert "without cup[1] there it can be done" in told or "without cup[2] there it can be done" in told

@@ -1,4 +1,5 @@
-"""Things in the way of a motion that some action could move away: a gate across the only door, a box in a passage."""
+"""Things in the way of what some action does that another one could move away: a gate across the only door, a box in a
+passage, a cup on the only place for another one."""
 
 from __future__ import annotations
 
@@ -9,9 +10,12 @@ from ....compiler.motion.collision import contacts
 from ...budget import Budget
 from ...geometry.attachments import followers
 from ...seeds import Seed
-from ...skeleton import BoundResult, Breach, Skeleton, beginning
+from ...skeleton import BoundResult, Breach, Skeleton, beginning, start_configuration
 from ..conflicts.lifting import objects_of
 from ..motion.acceptance import clashes, dense
+from ..motion.keyframes.causes import CLEARANCES
+from ..motion.keyframes.keyframe_program import SwitchProgram
+from ..motion.keyframes.sequence import window_feasible
 from ..motion.phases.settings import PHASES
 from ..motion.settings import MotionSettings
 from .requests import sequence_path
@@ -42,6 +46,43 @@ def obstacles(
     motion = dense(skeleton.problem, first.phases[-1].mode, found.paths[-1], start)
     met = clashes(skeleton.problem, worst.phase, contacts(first)[-1], motion, start)
     return worst.phase, standing.intersection(name for clash in met for name in clash.names)
+
+
+def bystanders(
+    skeleton: Skeleton, phase: int, refused: BoundResult, settings: MotionSettings, seed: Seed, budget: Budget
+) -> frozenset[str]:
+    """The bodies that keep P_seq from doing one phase alone, which it refuses, though they could be moved and are not
+    what it is about: it refuses it with these alone as well, and not without them; that is believed where they are
+    those that it names. None where it refuses it in any case. Raises OutOfTime."""
+    problem = skeleton.problem
+    about = {*objects_of(skeleton.phases[phase].action)}.union(followers(problem, skeleton.phases[phase].mode))
+    movable = frozenset(b.name for b in problem.world.solids if b.movable and b.name not in about)
+    found: frozenset[str] = frozenset()
+    if refused.unobstructed or not movable:
+        return found
+    named = movable.intersection(name for v in refused.violations for name in v.names)
+    while found != movable:
+        clear = replace(skeleton, problem=_without(problem, movable - found))
+        result = window_feasible(clear, phase, phase, settings, seed, budget)
+        if not result.feasible:
+            return found
+        met = _met(skeleton, phase, result, settings) & movable
+        if met <= found:
+            return frozenset()
+        found |= met
+        if found == named:
+            break
+    return found
+
+
+def _met(skeleton: Skeleton, phase: int, result: BoundResult, settings: MotionSettings) -> frozenset[str]:
+    """What overlaps at the switches around a phase."""
+    start = start_configuration(skeleton.problem)
+    switches = SwitchProgram(skeleton, phase, phase, start, settings, free=phase > 0)
+    x = switches.pack(result.configurations)
+    switches.prepare(x)
+    overlaps = [v for v in switches.program().violations(x, 0.0) if v.kind in CLEARANCES]
+    return frozenset(name for v in overlaps for name in v.names)
 
 
 def _standing(skeleton: Skeleton, phase: int) -> frozenset[str]:

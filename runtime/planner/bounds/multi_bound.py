@@ -24,6 +24,7 @@ from ..motion.keyframes.settings import KEYFRAMES
 from ..plan_assembly import assemble
 from ..statics import Unbearable, unbearable
 from .length_unit import LengthUnit
+from .movable_obstacles import bystanders
 from .requests import SequenceRequest, WindowRequest
 from .settings import BOUNDS
 from .solves import Solves
@@ -89,7 +90,7 @@ class MultiBound(Solves):
             conflicts = [self._shrink(skeleton, sequence, end)]
         for c in conflicts:
             window = slice(c.first, c.last + 1)
-            if not (c.from_start and self.tries is None):
+            if not c.obstacles and not (c.from_start and self.tries is None):
                 self.experience.refuse(skeleton.phases[window], strains[window], c.from_start)
         return Judgement(False, conflicts=conflicts)
 
@@ -180,12 +181,22 @@ class MultiBound(Solves):
             self._expect_actions(skeleton, strains, order[number + 1 :], whole=not conflicts)
             result = self._window(skeleton, k, k)
             if not result.feasible:
-                conflicts.append(self._missed(skeleton, result, k, k))
+                obstacles = self._bystanders(skeleton, k, result)
+                conflicts.append(replace(self._missed(skeleton, result, k, k), obstacles=obstacles))
             elif k:
                 self.experience.accept(phase, strains[k])
             else:
                 self._feasible.add(self._beginning_key(skeleton, 1))
-        return sorted(conflicts, key=lambda conflict: conflict.first)
+        return _first_obstructed(sorted(conflicts, key=lambda conflict: conflict.last))
+
+    def _bystanders(self, skeleton: Skeleton, k: int, refused: BoundResult) -> frozenset[str]:
+        """The bodies that keep an action from being done though they could be moved: elsewhere they need not, so that
+        its refusal is not kept for other states."""
+        with self.clock("seq"):
+            found = bystanders(skeleton, k, refused, self.settings, self.seed, self.budget)
+        if found:
+            del self._windows[self._window_key(skeleton, k, k)]
+        return found
 
     def refused_openings(
         self, skeleton: Skeleton, asked: Collection[int], leaving: Sequence[frozenset[str]]
@@ -341,3 +352,10 @@ class MultiBound(Solves):
 def _too_heavy(found: Unbearable) -> Conflict:
     """An action that no posture bears: refused wherever it starts, or from the start."""
     return Conflict(Bound.STATICS, 0 if found.from_start else found.phase, found.phase, found.from_start, found.told)
+
+
+def _first_obstructed(conflicts: Sequence[Conflict]) -> list[Conflict]:
+    """Conflicts by their last phase without those with something in the way behind the first such one: that may have
+    led where nothing can be done any more."""
+    first = next((c for c in conflicts if c.obstacles), None)
+    return [c for c in conflicts if not c.obstacles or c is first]

@@ -73,12 +73,13 @@ class NoGoods:
         self._history_numbers: dict[History, int] = {(): EMPTY}
         self._predicates = tuple(dict.fromkeys(p for p, _ in successors.layout.fields))
         self._single: dict[int, set[Signature] | None] = {}
+        self._beside: dict[Signature, list[tuple[Signature, int, int]]] = {}
         self._heads: dict[int, bool] = {}
 
     @property
     def active(self) -> bool:
         """Whether some sequence is forbidden."""
-        return bool(self._conflicts)
+        return bool(self._conflicts or self._beside)
 
     @property
     def watches(self) -> bool:
@@ -103,6 +104,12 @@ class NoGoods:
         self._beginnings.update(self.bare(numbers[:k]) for k in range(1, len(numbers)))
         self._single.clear()
         self._heads.clear()
+
+    def forbid_beside(self, number: int, state: int, names: frozenset[str]) -> None:
+        """Forbid an action from where its robots are in `state` as long as that says the same of what is named."""
+        full = self._full((number,), self.context(state, number))
+        entry = (full, *self.successors.layout.about(state, names))
+        self._beside.setdefault(self.bare((number,)), []).append(entry)
 
     @property
     def forbids_all(self) -> bool:
@@ -137,12 +144,13 @@ class NoGoods:
     def readmit(self) -> bool:
         """Forget the sequences, and the prefixes that survive no readmission any more. False when there were none."""
         lasting = [(numbers, survives - 1) for numbers, survives in self._prefixes if survives > 0]
-        known = bool(self._conflicts or self.openings) or len(lasting) < len(self._prefixes)
+        known = bool(self.active or self.openings) or len(lasting) < len(self._prefixes)
         self.openings.clear()
         self._prefixes, self._tree = lasting, [{}]
         for numbers, _ in lasting:
             self._grow(numbers)
         self._conflicts.clear()
+        self._beside.clear()
         self._beginnings.clear()
         self._single.clear()
         self._heads.clear()
@@ -153,7 +161,13 @@ class NoGoods:
         known = self._single.get(number, MISSING)
         if known is MISSING:
             known = self._single[number] = self._conflicts.get(self.bare((number,)))
-        return known is None or self._full((number,), self.context(state, number)) not in known
+        beside = self._beside.get(self.bare((number,))) if self._beside else None
+        if known is None and beside is None:
+            return True
+        full = self._full((number,), self.context(state, number))
+        if known is not None and full in known:
+            return False
+        return not any(full == other and state & mask == value for other, mask, value in beside or ())
 
     def follow(self, number_before: int, state: int, number: int) -> int | None:
         """The number of the history after one more action; None when that completes a conflict."""

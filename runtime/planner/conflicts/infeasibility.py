@@ -128,7 +128,9 @@ class Refusals:
         if cause is not None and cause.why == Why.CONTRADICTED:
             notes += self._held_since(skeleton, conflict.last, cause.names)
         if conflict.obstacles:
-            notes.append(f"without {', '.join(sorted(conflict.obstacles))} at the place of the start there is a motion")
+            seq = conflict.bound == Bound.SEQ
+            where = "there it can be done" if seq else "at the place of the start there is a motion"
+            notes.append(f"without {', '.join(sorted(conflict.obstacles))} {where}")
         if count > 1:
             notes.append(f"this was met in {count} such sequences; the smallest miss is shown")
         row = f"{self._reason(conflict)}{told(cause)}"

@@ -126,6 +126,12 @@ class SkeletonSearch:
             before = self._state_before(candidate, first)
             self.no_goods.forbid_sequence(candidate.numbers[first : last + 1], before)
 
+    def forbid_beside(self, candidate: Candidate, index: int, names: frozenset[str]) -> None:
+        """Do not propose this plan up to an action again, nor that action from where its robots are while nothing is
+        said otherwise of what is named, until refusals are readmitted."""
+        self.no_goods.forbid_beside(candidate.numbers[index], self._state_before(candidate, index), names)
+        self.no_goods.forbid_prefix(candidate.numbers[: index + 1], 0)
+
     def _state_before(self, candidate: Candidate, index: int) -> int:
         state = self.successors.initial
         for number in candidate.numbers[:index]:
