@@ -7,6 +7,7 @@ from collections.abc import Callable
 from ...langs import syntax
 from ...langs.diagnostics import did_you_mean
 from ...langs.source import PLACEHOLDER
+from ...langs.trees import parts
 from .. import ir
 from .context import Context
 from .kinds import UNKNOWN, Kind
@@ -38,8 +39,26 @@ def check_name(context: Context, scope: Scope, term: syntax.Name) -> Typed:
         return BROKEN
     if help is None and code == "E0301":
         help = "bind it as a parameter or with `exists`" if scope.place == "rule" else "bind it as a parameter"
-    context.findings.report(code, term.span, f"unknown {what} `{term.name}`", help=help)
+    thing = _in_a_scene(context, term.name) if scope.place in ("rule", "motion") else None
+    if thing is not None:
+        where = "rules" if scope.place == "rule" else "motion predicates"
+        help = f"{where} speak of any scene: give `{term.name}` a type of its own, and bind a parameter of that type"
+    labels = [] if thing is None else [(thing.span, "a thing of this scene alone")]
+    context.findings.report(code, term.span, f"unknown {what} `{term.name}`", labels=labels, help=help)
     return BROKEN
+
+
+def _in_a_scene(context: Context, name: str) -> syntax.Term | None:
+    """Where a scene or a task of the program puts a thing of this name."""
+    for declaration in (*context.library.scenes.values(), *context.library.tasks.values()):
+        for item in parts(declaration):
+            if isinstance(item, syntax.BodyItem | syntax.RobotItem):
+                base = item.name
+                while isinstance(base, syntax.Index):
+                    base = base.base
+                if isinstance(base, syntax.Name) and base.name == name:
+                    return base
+    return None
 
 
 def _used_at(entry: Entry, term: syntax.Name) -> Typed:
