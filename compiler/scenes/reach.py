@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from ...langs.frozen import dataclass
 from ...langs.trees import parts
 from .. import ir
-from ..symbolic.domains import Domains, FlatRule
+from ..symbolic.domains import Domains, FlatRule, flat_rules
 from ..symbolic.lengths import end_radius, longest_chain, shape_radius
 from ..symbolic.normal_form import NormalForm
 from .check_start import Box, volumes
@@ -63,6 +63,21 @@ def _gap(a: Box, b: Box) -> float:
     return math.hypot(*(max(a[i] - b[i + 3], b[i] - a[i + 3], 0.0) for i in range(3)))
 
 
+_known_rules: list[tuple[ir.Problem, list[FlatRule]]] = []
+"""The rules of the program that was looked at last: its tasks share them."""
+
+
+def _flat_rules_of(problem: ir.Problem) -> list[FlatRule]:
+    """Its rules by themselves; their names may be those of other formulas' variables."""
+    if _known_rules:
+        before, flat = _known_rules[0]
+        if before.rules is problem.rules and before.derived is problem.derived:
+            return flat
+    flat = flat_rules(problem, NormalForm(problem))
+    _known_rules[:] = [(problem, flat)]
+    return flat
+
+
 class Reach:
     """The fixed point for the scene's modules and `more` others: which objects can stand at each place of a predicate.
     Facts about effectors are kept apart from facts about things, since a thing lies where no robot may ever stand."""
@@ -71,7 +86,7 @@ class Reach:
         self.problem = problem
         self.lengths = lengths
         self.normal = NormalForm(problem)
-        self.domains = Domains(problem, self.normal)
+        self.domains = Domains(problem, self.normal, _flat_rules_of(problem))
         modules = problem.world.modules.values()
         self.modules = len(modules) + more
         self.longest = longest_chain(modules, len(modules), more)
@@ -83,8 +98,24 @@ class Reach:
         self._near: dict[tuple[int, str], set[str]] = {}
         for predicate, *names in problem.init:
             self._grow(predicate, [{name} for name in names])
-        while any([self._fire(flat) for flat in self.domains.rules]):
+        helpful = self._helpful()
+        while any([self._fire(flat) for flat in helpful]):
             pass
+
+    def _helpful(self) -> list[FlatRule]:
+        """The rules that add what the goal speaks of, or what such a rule asks: no other changes what is asked here."""
+        literals = parts(self.normal.normal(self.problem.goal, {}, False))
+        wanted = {p.predicate for p in literals if isinstance(p, ir.Literal)}
+        waiting, found = list(self.domains.rules), list[FlatRule]()
+        while True:
+            more, rest = list[FlatRule](), list[FlatRule]()
+            for flat in waiting:
+                helps = any(e.literal.predicate in wanted for e, _ in flat.additions())
+                (more if helps else rest).append(flat)
+            if not more:
+                return found
+            found, waiting = found + more, rest
+            wanted |= {c.predicate for f in more for c in f.conjuncts if isinstance(c, ir.Literal)}
 
     # --- what can hold -------------------------------------------------------------------------------------------
 

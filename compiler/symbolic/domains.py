@@ -5,7 +5,7 @@ Starts from the facts at the start and adds what effects can add, position by po
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ...langs.frozen import dataclass
@@ -52,14 +52,19 @@ class FlatRule:
                 yield effect, {v.name: v.type for v in (*self.variables, *loops)}
 
 
+def flat_rules(problem: Problem, normal: NormalForm) -> list[FlatRule]:
+    rules = [replace(r, effects=normal.effects(r.effects)) for r in problem.rules.values()]
+    return [FlatRule(r, *found) for r in rules for found in normal.alternatives(r.condition)]
+
+
 class Domains:
     """Objects by predicate and position, and by rule and variable. Rules that can never fire are left out of
     `rules`."""
 
-    def __init__(self, problem: Problem, normal: NormalForm) -> None:
+    def __init__(self, problem: Problem, normal: NormalForm, flat: Sequence[FlatRule] | None = None) -> None:
+        """`flat` are the problem's rules, where they are known."""
         self.problem = problem
-        rules = [replace(r, effects=normal.effects(r.effects)) for r in problem.rules.values()]
-        self.flat = [FlatRule(r, *found) for r in rules for found in normal.alternatives(r.condition)]
+        self.flat = flat_rules(problem, normal) if flat is None else flat
         self.changed = frozenset(
             e.literal.predicate for r in problem.rules.values() for e in effects_of(r.effects) if not e.literal.motion
         )

@@ -9,8 +9,9 @@ from hypothesis import given, settings
 
 from tamplang.compiler.checks.findings import Findings
 from tamplang.compiler.ir import Problem
-from tamplang.compiler.pipeline import compile_problem
+from tamplang.compiler.pipeline import check_sources, compile_problem
 from tamplang.compiler.scenes.check_reach import check_reach
+from tamplang.langs.source import Source
 
 from .problems import pick_and_place
 from .test_search import climbs, scattered, started
@@ -32,6 +33,22 @@ def feasible(problem: Problem) -> bool:
     found = search.next() is not None
     assert found or search.status == "infeasible"
     return found
+
+
+def test_tasks_of_one_program_are_told_each_for_its_own_goal() -> None:
+    far, near = "(0, 40 cm, 3 m)", "(0, 40 cm, 50 cm)"
+    rules = "".join(
+        f"predicate (seen{k} X: object)\nrule see{k}(A: gripper, X: object) {{\n"
+        f"    pre   (grasped A X)\n    where distance(A, X) <= 1 m\n    post  (seen{k} X)\n}}\n"
+        for k in (1, 2)
+    )
+    tasks = "".join(
+        f"task t{k}() {{\n    base ground: box(2 m, 2 m, 5 cm) at (0, 0, 0)\n    object ball: sphere(4 cm) at {place}\n"
+        f"    crawler c: A on ground at (30 cm, 0)\n    fact (grippable ball)\n    goal (seen{k % 2 + 1} ball)\n}}\n"
+        for k, place in enumerate((near, far, near, far))
+    )
+    found = check_sources([Source("t.tamp", f"import std.rules\nimport std.crawler\n{rules}{tasks}")])
+    assert [(d.code, d.message.split()[0]) for d in found] == [("W0009", "`(seen2"), ("W0009", "`(seen2")]
 
 
 @settings(max_examples=15, deadline=None)
