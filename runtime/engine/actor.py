@@ -195,6 +195,8 @@ class Actor:
         """Break the welds that bear more than they can, and tell what no longer stands."""
         for pair, one in list(self.standing.items()):
             lost = contacts.gone(self.world, one)
+            if lost is not None and contacts.off(self.world, one, lost):
+                one.adhesion = 0.0
             if lost is not None and pair not in self.dead:
                 self.dead.add(pair)
                 self.result.broken.append((now, f"{one.edge.names[0]} and {one.edge.names[1]} {lost[0]}", lost[1]))

@@ -77,7 +77,8 @@ def place(world: EngineWorld, problem: ir.Problem, edge: Edge, here: Poses) -> F
 
 
 def lift(world: EngineWorld, standing: Foothold) -> None:
-    """Let a pair go."""
+    """Let a pair go, with all adhesion: what still stands is pulled anew at the next step."""
+    world.data.xfrc_applied[:] = 0.0
     world.model.geom_contype[standing.geom] &= ~FOOT
     world.model.geom_conaffinity[standing.geom] &= ~SUPPORT
 
@@ -102,6 +103,13 @@ def gone(world: EngineWorld, one: Foothold) -> tuple[str, float] | None:
     if max(slip, tip) <= 1.0:
         return None
     return ("tipped", tip) if tip > 1.0 else ("slipped", slip)
+
+
+def off(world: EngineWorld, one: Foothold, lost: tuple[str, float]) -> bool:
+    """Whether a pad that tipped or slipped no longer sticks: it peels off where it tips, and slides off when it comes
+    farther than its radius."""
+    what, times = lost
+    return what == "tipped" or times * SLIPPED > float(world.model.geom_size[one.geom][0])
 
 
 def _point(world: EngineWorld, edge: Edge) -> Array:

@@ -34,6 +34,8 @@ ROTOR = 0.02
 WELD_TIME, WELD_FIRM = 0.004, (0.99, 0.999, 0.001, 0.5, 2.0)
 LEAST_SHARE = 0.1
 """Of what is stated, however great the noise."""
+FIRM_FRICTION = 10.0
+"""How much firmer friction is than what presses: feet of a crawler that carries another crept by 5 mm with 1."""
 SUPPORT = 1
 """The bit of what bears something that stands."""
 TORQUE_SCALE = 10.0
@@ -75,7 +77,7 @@ def build(
     stated by random factors of the deviation `noise`. Raises MissingLibrary."""
     mujoco = load_mujoco()
     spec = mujoco.MjSpec()
-    spec.option.timestep = STEP
+    spec.option.timestep, spec.option.impratio = STEP, FIRM_FRICTION
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
     spec.option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_DIAGEXACT)
     # Boxes around the geoms of a body are made once, and pads are laid later.

@@ -25,7 +25,7 @@ FAR = 0.02
 HELD = 0.5
 """Seconds for which the end is held."""
 LOST = 10.0
-"""Metres: a module that is so far from where it should be has not just fallen."""
+"""Metres: where nothing gave way, a module so far from where it should be has not just fallen."""
 
 
 def carry_out(
@@ -79,7 +79,7 @@ class _Playback:
             off = self._off(name, last)
             self.result.base = max(self.result.base, off)
             if off > LOST:
-                self.result.diverged = record.end
+                self.result.diverged = None if self.result.broken else record.end
                 return False
         return True
 

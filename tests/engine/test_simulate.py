@@ -10,6 +10,9 @@ from pathlib import Path
 import pytest
 
 from tamplang.compiler.pipeline import compile_text
+from tamplang.runtime.engine import contacts
+from tamplang.runtime.engine.actor import Actor, fastened
+from tamplang.runtime.engine.conditions import Conditions
 from tamplang.runtime.plan_files import write_plan
 from tamplang.runtime.planner.lgp import SolveOptions, solve
 
@@ -135,3 +138,15 @@ def test_a_simulation_that_breaks_down_is_told_and_leaves_no_file(tmp_path: Path
     )
     assert process.returncode == 5 and process.stdout.startswith("S0013: the simulation broke down at 1.")
     assert process.stderr == "" and [p.name for p in tmp_path.iterdir()] == ["t.plan.json"]
+
+
+def test_a_foot_that_lets_go_no_longer_pulls() -> None:
+    problem, _ = compile_text(TEXT.format(drive="60 N m", grip="200 N", physics="none"))
+    edges = fastened(problem, problem.init_motion)
+    actor = Actor(problem, edges, Conditions(contact=True))
+    actor.switch(edges)
+    contacts.pull(actor.world, list(actor.standing.values()))
+    pulled = actor.world.data.xfrc_applied[actor.world.bodies["c", -1]].copy()
+    assert pulled[2] == pytest.approx(-1e3)
+    actor.switch({})
+    assert not actor.standing and not actor.world.data.xfrc_applied.any()
