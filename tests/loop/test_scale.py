@@ -62,6 +62,38 @@ def test_a_robot_of_any_size_picks_and_places(tmp_path: Path, size: str) -> None
     assert abs(goal[0] / SIZES[size] - 0.7) < 0.25 and abs(goal[2] / SIZES[size] - 0.13) < 0.01
 
 
+HALL = """
+import std.mobile
+task t(range: length = 8 m) {
+    object floor: box(12 m, 8 m, 0.1 m) at (0, 0, -0.05 m)
+    object low: box(2 m, 2 m, 0.3 m) at (0, -1.45 m, 0.15 m)
+    object high: box(2 m, 2 m, 0.3 m) at (0, 1.45 m, 0.15 m)
+    for k in 1 .. 2 {
+        place slot[k]: box(0.4 m, 0.4 m, 1 mm) at (2.5 m, 0.8 m * (k - 1), 0.5 mm)
+        mobileBase(range = range) p[k]: W on floor at (-2.5 m, 0.8 m * (2 - k))
+    }
+    goal forall k in 1 .. 2 { (parked p[k].M slot[k]) }
+}
+"""
+
+
+@pytest.mark.parametrize("range_", ["4.9m", "15m"])
+def test_how_far_a_plate_may_drive_does_not_make_it_wind(tmp_path: Path, range_: str) -> None:
+    """Two plates pass a gap of 90 cm; what makes their unit of length long made margins of half a metre."""
+    file = tmp_path / "hall.tamp"
+    file.write_text(HALL)
+    plan = _solved(compile_problem(file, "t", {"range": range_})[0]).plans[0]
+    for phase in plan.phases:
+        assert phase.end - phase.start < 20.0  # 10.1 s straight ahead at full speed, 15.1 s by the gentle law of time
+
+
+def test_a_robot_that_slides_far_is_measured_by_its_body(tmp_path: Path) -> None:
+    file = tmp_path / "hall.tamp"
+    file.write_text(HALL)
+    units = [length_unit(compile_problem(file, "t", {"range": r})[0]) for r in ("4m", "15m", "60m")]
+    assert units[0] == 1.0 and 3.0 < units[1] < 3.1 and 12.0 < units[2] < 12.1
+
+
 def test_poses_come_back_as_they_went(tmp_path: Path) -> None:
     problem = _problem(tmp_path, "20 m")
     unit = LengthUnit(problem)

@@ -29,16 +29,22 @@ from .verdicts import Conflict, Judgement
 
 def length_unit(problem: ir.Problem) -> float:
     """The unit of length of a problem, in metres: 1 where its robots are of the usual size, else the reach of the
-    largest of them."""
-    reach = max((_reach(m.type) for m in problem.world.modules.values()), default=1.0)
-    return 1.0 if reach == 0.0 or BOUNDS.least_reach <= reach <= BOUNDS.greatest_reach else reach
+    largest of them. Where only slides make that long, as those of a plate that drives about a hall, it grows with them
+    no faster than it must: what moves, and the clearances that are wished for, are of the usual size."""
+    types = [m.type for m in problem.world.modules.values()]
+    reach = max(map(_reach, types), default=1.0)
+    if reach == 0.0 or BOUNDS.least_reach <= reach <= BOUNDS.greatest_reach:
+        return 1.0
+    bodily = max((_reach(t, slides=False) for t in types), default=1.0)
+    return reach / BOUNDS.greatest_reach if bodily <= BOUNDS.greatest_reach < reach else reach
 
 
-def _reach(type_: ir.ModuleType) -> float:
-    """How far from its frame a module comes at most, in metres."""
+def _reach(type_: ir.ModuleType, slides: bool = True) -> float:
+    """How far from its frame a module comes at most, in metres; without `slides` as if nothing slid."""
     lengths = [0.0]
     for joint in type_.joints:
-        lengths.append(lengths[joint.parent + 1] + math.hypot(*joint.placement[:3]) + joint.slide)
+        slide = joint.slide if slides else 0.0
+        lengths.append(lengths[joint.parent + 1] + math.hypot(*joint.placement[:3]) + slide)
     places = [(e.joint, e.placement) for e in type_.effectors] + [(k.joint, k.placement) for k in type_.links]
     return max((lengths[joint + 1] + math.hypot(*place[:3]) for joint, place in places), default=0.0)
 

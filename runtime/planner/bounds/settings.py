@@ -58,8 +58,9 @@ class BoundSettings:
         "a cube of 10 cm that docks; P_seq of a gantry with ways of 1 cm misses its rows",
     )
     greatest_reach: float = setting(
-        10.0, "m", "… no farther than that, are planned for in metres; others in their reach.",
-        "P_seq of a gantry with ways of 20 m misses its rows by metres",
+        10.0, "m", "… no farther than that, are planned for in metres; others in their reach, or, where only what they "
+        "slide is longer, such that they reach so far.",
+        "P_seq of a gantry with ways of 20 m misses its rows by metres; of 20 or 30 units, too",
     )
     path_effort: int = setting(
         400_000, "iterations × unknowns",
