@@ -68,6 +68,8 @@ def test_why_nothing_reaches_is_told(task: str, parameters: dict[str, str], more
     assert result.plan is None
     assert told in result.explanation[0].message, result.explanation[0].message
     assert "[touch" in result.explanation[0].message
+    put = [label.text for label in result.explanation[0].labels if "put here" in label.text]
+    assert put == (["`ball` is put here"] if "out of reach" in told else [])
 
 
 def test_what_is_reached_at_a_limit_alone_is_reached() -> None:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-from ....compiler.ir import Fact, Problem, effects_of
+from ....compiler.ir import Action, Fact, Problem, effects_of
 from ....langs.counting import counted
 from ....langs.diagnostics import Diagnostic, Label
 from ....langs.source import Span
@@ -19,6 +19,7 @@ from ..bounds.verdicts import Conflict
 from ..motion.keyframes.causes import Cause, Why
 from ..motion.nlp.program import DIVERGED
 from ..plan_assembly import placed
+from .lifting import objects_of
 from .misses import lack_of, miss_of
 from .nearest_miss import nearest
 from .settings import CONFLICTS
@@ -121,7 +122,9 @@ class Refusals:
         rule = self.problem.rules.get(action.rule)
         where = " from the start" if conflict.from_start and conflict.first < conflict.last else ""
         span = self._span(conflict)
-        labels = (Label(rule.span, "the rule of this action"),) if rule is not None and rule.span else ()
+        labels = [Label(rule.span, "the rule of this action")] if rule is not None and rule.span else []
+        if cause is not None and cause.why == Why.REACH:
+            labels += self._put(action)
         earlier = ", ".join(str(p.action) for p in skeleton.phases[conflict.first : conflict.last])
         notes = [f"straight after {earlier}{where}"] if earlier else []
         notes += [*self._still(skeleton, conflict), *self._lasting(skeleton, conflict)]
@@ -141,9 +144,14 @@ class Refusals:
             "S0002",
             message,
             span or (rule.span if rule else None),
-            labels if span else (),
+            tuple(labels) if span else (),
             note="; ".join(notes) or None,
         )
+
+    def _put(self, action: Action) -> list[Label]:
+        """Where the scene puts the bodies that an action is about."""
+        bodies = [self.problem.world.bodies[n] for n in objects_of(action) if n in self.problem.world.bodies]
+        return [Label(body.span, f"`{body.name}` is put here") for body in bodies if body.span is not None]
 
     def _looked_into(self, skeleton: Skeleton, conflict: Conflict) -> Cause | None:
         """The cause of a conflict, where there is time left to look for it."""
