@@ -13,6 +13,7 @@ from ..poses import compose, inverse, position
 Ball = tuple[ir.Vec3, float]
 """A centre and a radius, metres."""
 STILL = 1e-9
+_ALONG = [d for d in product((-1, 0, 1), repeat=3) if any(d)]
 DEEP = 1e-3
 """Metres: what the verifier forgives as an overlap is no obstacle to touch either (`penetration_m`)."""
 
@@ -82,7 +83,11 @@ def _depth(link: ir.Link, place: ir.Pose, balls: Sequence[Ball]) -> float:
     """How far below the surface of a link, which is convex, all balls of an end at `place` lie; below 0 where one is
     out of it."""
     inside = compose(inverse(link.placement), place)
-    return min(below(link.shape, position(compose(inside, (*at, 0.0, 0.0, 0.0, 1.0)))) - r for at, r in balls)
+    found = [(position(compose(inside, (*at, 0.0, 0.0, 0.0, 1.0))), radius) for at, radius in balls]
+    if link.shape.kind != ir.ShapeKind.CONVEX:
+        return min(below(link.shape, at) - radius for at, radius in found)
+    depth = min(_below_sides(link.shape.size, at) - radius for at, radius in found)
+    return depth if depth <= DEEP else min(_below_faces(link.shape, at) - radius for at, radius in found)
 
 
 def below(shape: ir.Shape, point: ir.Vec3) -> float:
@@ -100,3 +105,21 @@ def below(shape: ir.Shape, point: ir.Vec3) -> float:
             return min(side / 2 - abs(at) for side, at in zip(size, point, strict=True))
         case _:
             return -math.inf
+
+
+def _below_sides(corners: Sequence[float], point: ir.Vec3) -> float:
+    """How far a point lies below the planes around a hull along some directions: no less than below its surface. Most
+    ends are out of their links, which this tells without a library."""
+    found = math.inf
+    for x, y, z in _ALONG:
+        top = max(x * a + y * b + z * c for a, b, c in zip(corners[::3], corners[1::3], corners[2::3], strict=True))
+        found = min(found, (top - x * point[0] - y * point[1] - z * point[2]) / math.hypot(x, y, z))
+    return found
+
+
+def _below_faces(shape: ir.Shape, point: ir.Vec3) -> float:
+    import numpy as np
+
+    from ..hulls import hull
+
+    return -float(hull(shape).distance(np.array(point)))
