@@ -23,8 +23,9 @@ from ....compiler.physics.structure import Edge, Node, Structure, stated_at, str
 from ....langs.frozen import dataclass
 from ...geometry.attachments import next_mode
 from ...geometry.splines import spline_weights
-from ...skeleton import Array, BoundResult, Breach, Configuration, PhasePath, Skeleton, Violation
+from ...skeleton import Array, BoundResult, Breach, Configuration, Phase, PhasePath, Skeleton, Violation
 from .least_moments import far_out
+from .lone_holds import lone_holders
 from .nearness import joined_pairs
 from .settings import STATICS
 
@@ -160,11 +161,25 @@ def unbearable(skeleton: Skeleton) -> Unbearable | None:
     joined = joined_pairs(problem, skeleton.phases)
     for phase, now in enumerate(skeleton.phases):
         far = far_out(problem, now.mode, now.added, joined[phase], phase)
-        told = far or _too_heavy(problem, next_mode(skeleton, phase), phase)
+        after = next_mode(skeleton, phase)
+        told = far or _too_heavy(problem, after, phase)
         if told:
             chains = any(isinstance(a, Chain) for a in now.action.args)
-            return Unbearable(phase, tuple(told), bool(far) or not chains)
+            return Unbearable(phase, tuple(told), bool(far) or not (chains or _always(problem, now, after, told)))
     return None
+
+
+def _always(problem: Problem, now: Phase, after: frozenset[Fact], told: Sequence[Violation]) -> bool:
+    """Whether what is told of a thing is so whatever came before: what alone holds it then bears less than it weighs.
+    """
+    for name in sorted({n for violation in told for n in violation.names} & problem.world.bodies.keys()):
+        holders = lone_holders(problem, now, name)
+        pairs = [frozenset((holder, name)) for holder in holders]
+        edges = [e for e in structure(problem, after).all if frozenset(e.names) in pairs and e.manner not in CONTACTS]
+        weight = safety_of(problem.options) * GRAVITY * body_mass(problem.world.bodies[name])
+        if holders and len(edges) == len(holders) and weight > sum(_most(e) for e in edges):
+            return True
+    return False
 
 
 def _too_heavy(problem: Problem, mode: frozenset[Fact], phase: int) -> list[Violation]:
