@@ -13,7 +13,7 @@ from tamplang.runtime.planner.motion.phases import proximity, solve_sequence_pat
 from tamplang.runtime.planner.motion.phases.contact_margins import NEVER
 from tamplang.runtime.planner.motion.phases.phase_geometry import Geometry
 from tamplang.runtime.planner.motion.phases.proximity import close
-from tamplang.runtime.planner.motion.phases.rrt_connect import sampled_starts
+from tamplang.runtime.planner.motion.phases.rrt_connect import connect, sampled_starts
 from tamplang.runtime.planner.motion.phases.settings import PHASES
 from tamplang.runtime.seeds import Seed
 from tamplang.runtime.skeleton import Configuration, Skeleton
@@ -90,3 +90,45 @@ def test_no_way_leads_out_of_what_is_closed_or_into_what_is_blocked() -> None:
 def test_a_spent_budget_ends_the_search_for_a_way() -> None:
     with pytest.raises(OutOfTime):
         sampled_starts(group_of(*ring(), [0]).batch, 0, np.random.default_rng(0), Budget(0.0), 60, (3,))
+
+
+class Sheet:
+    """A square with a wall across it that is so thin that edges pass through it unseen; it ends at y = 1.5."""
+
+    lower, upper = np.full(2, -2.0), np.full(2, 2.0)
+
+    def near(self, goals: np.ndarray) -> np.ndarray:
+        return goals
+
+    def ways(self, root: np.ndarray) -> list[np.ndarray]:
+        return []
+
+    def advance(self, starts: np.ndarray, goals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return goals, np.ones(len(goals), bool)
+
+    @staticmethod
+    def sound(line: np.ndarray) -> np.ndarray:
+        before, after = line[:-1], line[1:]
+        share = before[:, 0] / np.where(before[:, 0] == after[:, 0], 1.0, before[:, 0] - after[:, 0])
+        height = before[:, 1] + share * (after[:, 1] - before[:, 1])
+        return np.asarray((before[:, 0] * after[:, 0] > 0.0) | (height > 1.5))
+
+
+def test_trees_lose_what_hangs_on_edges_that_are_none() -> None:
+    ends = np.array([-1.0, 0.0]), np.array([1.0, 0.0])
+    blind = connect(Sheet(), *ends, np.random.default_rng(0), Budget(20.0), 400)
+    assert blind is not None and not Sheet.sound(blind).all()
+    line = connect(Sheet(), *ends, np.random.default_rng(0), Budget(20.0), 400, Sheet.sound)
+    assert line is not None and Sheet.sound(line).all()
+    assert np.array_equal(line[[0, -1]], ends)
+
+
+def test_more_slices_find_a_long_way_through_three_walls() -> None:
+    walls = [box(f"wall{k}", (0.04, 3.3, 0.3), (k, 0.35 * (-1.0) ** k, 0.0)) for k in (-1, 0, 1)]
+    sides = [box(f"side{s}", (4.2, 0.1, 0.3), (0.0, 2.05 * s, 0.0)) for s in (-1, 1)]
+    ends = [box(f"end{s}", (0.1, 4.2, 0.3), (2.05 * s, 0.0, 0.0)) for s in (-1, 1)]
+    scene = cart_scene([*walls, *sides, *ends], (-1.5, 1.5), (1.5, 1.5))
+    finer = solve_sequence_path(*scene, replace(SETTINGS, slices=80), Seed(0), Budget(60.0))
+    assert finer.feasible, finer.violations
+    track = finer.paths[0].modules["arm"][:, 7:]
+    assert np.abs(np.diff(track, axis=0)).sum() > 8.0

@@ -192,10 +192,12 @@ def _try_bumped(
 
 
 def _try_sampled(group: PhaseGroup, rounds: int, random: np.random.Generator, budget: Budget) -> int:
+    finer = max(1, group.batch.slices // PHASES.usual_slices)
+    cuts = [finer * count for count in PHASES.cuts]
     found = [
         (phase, start)
         for phase in np.flatnonzero(~group.solved)
-        for start in sampled_starts(group.batch, int(phase), random, budget, rounds, PHASES.cuts)
+        for start in sampled_starts(group.batch, int(phase), random, budget, finer * finer * rounds, cuts)
     ]
     if not found:
         return 0

@@ -5,7 +5,7 @@ Several edges grow at a time, as a look at many poses costs little more than a l
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -16,7 +16,7 @@ from ....budget import Budget
 from ....skeleton import Array
 from .batch_kinematics import Indices
 from .contact_margins import REQUIRED
-from .exact_check import poses_blocked, wholes_spare
+from .exact_check import OUT_OF_SIGHT, poses_blocked, wholes_spare
 from .phase_batch import Batch
 from .proximity import close
 from .settings import PHASES
@@ -75,15 +75,27 @@ class _Checker:
         the goals `(m,)`."""
         way = goals - starts
         count = np.maximum(2, np.ceil(np.abs(way).max(axis=1) / PHASES.edge_resolution)).astype(np.intp)
-        first = np.cumsum(count) - count
-        edge = np.repeat(np.arange(len(count)), count)
-        number = np.arange(len(edge)) - first[edge] + 1
-        poses = starts[edge] + (number / count[edge])[:, None] * way[edge]
-        blocked = np.where(self.free(poses), len(edge), number)
-        until = np.minimum(np.minimum.reduceat(blocked, first) - 1, count)
+        until = self._free_steps(starts, way, count)
         if self.closely and until.any():
             until = self._looked_at_closely(starts, way / count[:, None], until)
         return starts + (until / count)[:, None] * way, until == count
+
+    def _free_steps(self, starts: Array, way: Array, count: Indices) -> Indices:
+        """How many of `count` steps `(m,)` along each edge, `way` long, are free, looked at by more and more at a
+        time: most of the long edges are blocked soon."""
+        until, left, done, ahead = count.copy(), np.arange(len(count)), 0, PHASES.first_steps
+        while len(left):
+            looked = np.minimum(count[left] - done, ahead)
+            first = np.cumsum(looked) - looked
+            edge = np.repeat(left, looked)
+            number = np.arange(len(edge)) - np.repeat(first, looked) + done + 1
+            poses = starts[edge] + (number / count[edge])[:, None] * way[edge]
+            passed = np.where(self.free(poses), len(edge) + done, number - 1)
+            passed = np.minimum(np.minimum.reduceat(passed, first), done + looked)
+            until[left] = passed
+            done, ahead = done + ahead, 2 * ahead
+            left = left[(passed == done) & (count[left] > done)]
+        return until
 
     def _looked_at_closely(self, starts: Array, steps: Array, until: Indices) -> Indices:
         """Up to where edges of so many free steps are free, also between their poses: where what moves comes nearer to
@@ -145,13 +157,21 @@ class _Tree:
         self.parents += parents.tolist()
         return np.arange(len(self.poses) - len(poses), len(self.poses))
 
-    def branch(self, index: int) -> Array:
-        """The poses from a node to the root."""
+    def branch(self, index: int) -> list[int]:
+        """The nodes from one to the root."""
         found = []
         while index >= 0:
-            found.append(self.poses[index])
+            found.append(index)
             index = self.parents[index]
-        return np.array(found)
+        return found
+
+    def drop(self, nodes: Sequence[int]) -> None:
+        """Put some nodes, and what hangs on them, where nothing is near."""
+        gone = set(nodes)
+        for node in range(min(gone), len(self.parents)) if gone else ():
+            if node in gone or self.parents[node] in gone:
+                gone.add(node)
+                self.poses[node] = OUT_OF_SIGHT
 
 
 def _samples(space: Space, tree: _Tree, random: np.random.Generator) -> Array:
@@ -163,9 +183,11 @@ def _samples(space: Space, tree: _Tree, random: np.random.Generator) -> Array:
 
 
 def connect(
-    space: Space, start: Array, end: Array, random: np.random.Generator, budget: Budget, rounds: int
-) -> Array | None:
-    """A free polyline `(poses, joints)` from start to end, or None after so many rounds."""
+    space: Space, start: Array, end: Array, random: np.random.Generator, budget: Budget, rounds: int,
+    sound: Callable[[Array], NDArray[np.bool_]] | None = None,
+) -> Array | None:  # fmt: skip
+    """A free polyline `(poses, joints)` from start to end, or None after so many rounds. `sound` tells of a
+    way that was found which of its edges are free, looked at closely: what hangs on others is dropped."""
     trees = [_Tree(root, space.ways(root)) for root in (start, end)]
     for number in range(rounds):
         budget.check()
@@ -182,15 +204,26 @@ def connect(
         partners = other.nearest(own.poses[nodes])
         back, met = space.advance(other.poses[partners], own.poses[nodes])
         if met.any():
-            lines = [
-                np.concatenate([own.branch(node)[::-1], other.branch(partner)])
-                for node, partner in zip(nodes[met].tolist(), partners[met].tolist(), strict=True)
-            ]
-            line = min(lines, key=_length)
-            return line if number % 2 == 0 else line[::-1]
+            pairs = zip(nodes[met].tolist(), partners[met].tolist(), strict=True)
+            ways = [(own.branch(node), other.branch(partner)) for node, partner in pairs]
+            lines = [np.concatenate([own.poses[one[::-1]], other.poses[two]]) for one, two in ways]
+            best = min(range(len(lines)), key=lambda k: _length(lines[k]))
+            free = None if sound is None else sound(lines[best])
+            if free is None or free.all():
+                return lines[best] if number % 2 == 0 else lines[best][::-1]
+            _drop_unsound(*ways[best], (own, other), free)
+            continue
         far = np.abs(back - other.poses[partners]).max(axis=1) >= PHASES.shortest_edge
         other.add(back[far], partners[far])
     return None
+
+
+def _drop_unsound(own: list[int], other: list[int], trees: tuple[_Tree, _Tree], free: NDArray[np.bool_]) -> None:
+    """Of a way from the root of a tree over a node of it, `own` from there to the root, to one of the other tree, and
+    on to the root of that: what hangs on edges that are not `free` is dropped from the trees."""
+    edges = free.tolist()
+    trees[0].drop([child for child, clear in zip(own[-2::-1], edges, strict=False) if not clear])
+    trees[1].drop([child for child, clear in zip(other[:-1], edges[len(own) :], strict=False) if not clear])
 
 
 def _length(line: Array) -> float:
@@ -239,13 +272,18 @@ def _connected(
     checker: _Checker, start: Array, end: Array, random: np.random.Generator, budget: Budget, rounds: int
 ) -> Array | None:
     """As `connect`. Most of the time would go into close looks at edges that no way takes: trees grow without them, and
-    with them only where the way that was found is none."""
+    lose what hangs on edges of a way that was found that are not free."""
+
+    def sound(line: Array) -> NDArray[np.bool_]:
+        checker.closely = True
+        free = checker.advance(line[:-1], line[1:])[1]
+        checker.closely = False
+        return free
+
     checker.closely = False
-    line = connect(checker, start, end, random, budget, rounds)
+    line = connect(checker, start, end, random, budget, rounds, sound)
     checker.closely = True
-    if line is None or checker.advance(line[:-1], line[1:])[1].all():
-        return line
-    return connect(checker, start, end, random, budget, rounds)
+    return line
 
 
 def sampled_starts(
