@@ -3,6 +3,7 @@ the question and its skeleton."""
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
@@ -113,14 +114,16 @@ def _values(configurations: Sequence[Configuration]) -> Hashable:
 
 def sequence_path(
     skeleton: Skeleton, sequence: BoundResult, settings: MotionSettings, seed: Seed, budget: Budget,
-    thorough: bool = True, known: BoundResult | None = None,
+    thorough: bool = True, known: BoundResult | None = None, sampled_to: float = math.inf,
 ) -> BoundResult:  # fmt: skip
     """P_seqPath of a skeleton, or of its beginning, between the switch configurations of `sequence`; as one program
-    where phases cannot be told apart. Unless `thorough`, hard phases fail soon; what is `known` of phases between the
-    same switches stays. Raises OutOfTime."""
+    where phases cannot be told apart. Unless `thorough`, hard phases fail soon; those of more joints than `sampled_to`
+    get no way among samples; what is `known` of phases between the same switches stays. Raises OutOfTime."""
     sequence = replace(sequence, configurations=sequence.configurations[: len(skeleton) + 1])
     try:
-        found = solve_sequence_path(skeleton, sequence.configurations, settings, seed, budget, thorough, known)
+        found = solve_sequence_path(
+            skeleton, sequence.configurations, settings, seed, budget, thorough, known, sampled_to
+        )
     except UnsupportedPhase:
         found = solve_path(skeleton, settings, seed, budget, sequence, pinned=True)
     refused = borne(skeleton, found)

@@ -77,6 +77,32 @@ class BoundSettings:
         "So many phases are drawn anew in all where none closes a loop.",
         "a draw then takes some 40 ms for each, P_path of the same 4 s; grasping a convex body takes up to 13 draws",
     )
+    by_phases_from: int = setting(
+        8, "phases", "From how many phases on motion is looked for phase by phase where it was refused, …",
+        "motion of fewer is found as soon by drawing all switches anew",
+    )
+    by_phases_to: int = setting(
+        40, "phases", "… and up to how many: of more, single ones are mended.",
+        "each draw goes through all phases before it",
+    )
+    phase_draws: int = setting(
+        3, "draws",
+        "How often the switch after a phase is drawn before the one before it is drawn anew, the last time with a look "
+        "for a way among samples …",
+        "with 8 and 4 draws those that fail at first fail on: the state before them is at fault",
+    )
+    sampled_width: float = setting(
+        64.0, "joints", "… where no more joints move.",
+        "a way among samples of 84 took 5 to 20 s and a gigabyte, another draw 1 s",
+    )
+    phase_setbacks: int = setting(
+        16, "times", "How often it goes back, farther every other time, before new ground is won.",
+        "16 docked crawlers, seed 2: 11",
+    )
+    homeward_margin: float = setting(
+        0.1, "m", "What switches are then to keep from all else.",
+        "with 0.2 none are found among 16 crawlers that stand 0.2 m apart",
+    )
     loaded_redraws: int = setting(
         2, "times",
         "How often switch poses are drawn anew between which something is too heavily loaded on the way.",

@@ -21,6 +21,7 @@ from ..motion.settings import MotionSettings
 from ..schedule.shorter_ways import with_shorter_ways
 from ..statics import asked, borne, slowed
 from .movable_obstacles import obstacles
+from .phase_by_phase import PhasesRequest
 from .requests import AttemptRequest, PathRequest, SequenceRequest, sequence_path
 from .settings import BOUNDS
 from .speculation import Speculation
@@ -106,7 +107,11 @@ class Solves:
     ) -> tuple[BoundResult, BoundResult]:  # fmt: skip
         """The switches of a skeleton and the motion of its `first` phases between them, drawn anew until they have one,
         once only and without much effort where it is to be refused `soon`; `blamed` is told which phases had
-        none. Raises OutOfTime."""
+        none. Several phases are looked at one after the other first. Raises OutOfTime."""
+        if not (soon or result.feasible) and self._goes_by_phases(first, result):
+            found = self._by_phases(skeleton, sequence, len(first))
+            if found is not None:
+                return found
         held: set[frozenset[int]] = set()
         mends = MENDS if len(skeleton) > KEYFRAMES.longest_whole else ()
         draws, loaded = BOUNDS.soon_redraws if soon else self._draws(first), 0
@@ -160,6 +165,23 @@ class Solves:
             return Judgement(False, conflicts=[Conflict(Bound.SEQ_PATH, 0, heavy[0].phase, True, tuple(heavy))])
         judgement.paths = paths
         return judgement
+
+    def _goes_by_phases(self, first: Skeleton, refused: BoundResult) -> bool:
+        """Whether motion of a skeleton is to be found phase by phase."""
+        several = BOUNDS.by_phases_from <= len(first) <= BOUNDS.by_phases_to
+        loaded = all(v.kind in LOADS for v in refused.violations)
+        return several and not loaded and not self._closes_a_loop(first, range(len(first)))
+
+    def _by_phases(
+        self, skeleton: Skeleton, sequence: BoundResult, motions: int
+    ) -> tuple[BoundResult, BoundResult] | None:
+        """The switches and the motion of the first phases, one after the other."""
+        self.tell("seq-path", f"{counted(motions, 'phase')}, one after the other")
+        with self.clock("seq_path"):
+            question = PhasesRequest(self.settings, self.seed, self.tries, motions)
+            known, path = self.ahead.answer(skeleton, question, self.budget)
+        self._count(Bound.SEQ_PATH, path is not None)
+        return None if path is None else (replace(sequence, configurations=known), path)
 
     def _mended(self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, mend: Mend) -> BoundResult:
         """P_seq around the phases that have no path; the other switch poses stay."""

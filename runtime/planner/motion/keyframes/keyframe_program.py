@@ -151,9 +151,10 @@ class SwitchProgram:
 
     def _usual_costs(self) -> list[LinearGroup]:
         steps = [(t - 1, t) for t in range(1, len(self.layout.slices))]
+        velocity = KEYFRAMES.homeward_velocity if self.settings.homeward else KEYFRAMES.velocity_weight
         return [
             homing(self.problem, self.layout, KEYFRAMES.homing_weight),
-            differences(self.layout, self.layout.modules, steps, (-1.0, 1.0), KEYFRAMES.velocity_weight),
+            differences(self.layout, self.layout.modules, steps, (-1.0, 1.0), velocity),
         ]
 
     def pull(self, costs: Sequence[LinearGroup]) -> None:

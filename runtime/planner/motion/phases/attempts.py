@@ -151,10 +151,13 @@ def _repair(group: PhaseGroup, phases: Indices, looks: int, budget: Budget) -> i
     return iterations
 
 
-def solve_groups(groups: Sequence[PhaseGroup], seed: Seed, budget: Budget, thorough: bool) -> int:
+def solve_groups(
+    groups: Sequence[PhaseGroup], seed: Seed, budget: Budget, thorough: bool, sampled_to: float = math.inf
+) -> int:
     """Attempt after attempt, each at all groups, until every phase is solved; returns the iterations of the longest
     phases. Unless `thorough`, phases are left unsolved after QUICK_LEVELS and one look for a way among samples, and
-    that is spared those of many more joints than others that failed: it takes long, and the skeleton is refused."""
+    that is spared those of many more joints than others that failed: it takes long, and the skeleton is refused. None
+    is looked for with more joints than `sampled_to`."""
     iterations = 0
     randoms = [seed.child("group", k).random() for k in range(len(groups))]
     for group in groups:
@@ -171,7 +174,7 @@ def solve_groups(groups: Sequence[PhaseGroup], seed: Seed, budget: Budget, thoro
         for group, random in sorted(zip(groups, randoms, strict=True), key=lambda pair: pair[0].width):
             looks = tries if group.width < PHASES.once_from * narrowest else 1
             group.left = not thorough and not group.solved.all() and group.width >= PHASES.far_wider * least
-            for _ in range(0 if group.left else looks):
+            for _ in range(0 if group.left or group.width > sampled_to else looks):
                 if not group.solved.all():
                     iterations += _try_sampled(group, rounds, random, budget)
             if not group.left:

@@ -76,11 +76,12 @@ def _failures(group: PhaseGroup, world: World) -> list[Violation]:
 
 def solve_sequence_path(
     skeleton: Skeleton, configurations: Sequence[Configuration], settings: MotionSettings, seed: Seed, budget: Budget,
-    thorough: bool = True, known: BoundResult | None = None,
+    thorough: bool = True, known: BoundResult | None = None, sampled_to: float = math.inf,
 ) -> BoundResult:  # fmt: skip
     """P_seqPath (thesis, section 3.2): motions between the given K + 1 switch configurations, whose switch rows hold
-    to 1e-6. Unless `thorough`, hard phases fail soon, as they do where switches can be drawn anew. Phases that have a
-    path in `known`, a result between other switches, keep it where their own two are the same.
+    to 1e-6. Unless `thorough`, hard phases fail soon, as they do where switches can be drawn anew; those of more joints
+    than `sampled_to` get no way among samples. Phases that have a path in `known`, a result between other switches or
+    of a beginning, keep it where their own two are the same.
 
     The result's configurations take their joint values from the given ones and their poses from the kinematics of
     the phases before, so that what rests does not drift. When a phase fails, `paths` hold the best attempts and
@@ -95,7 +96,7 @@ def solve_sequence_path(
     result = BoundResult(Bound.SEQ_PATH, False, math.inf, 0.0, 0, [states[0][0], *(e for _, e in states)], [], drift)
     result.violations += [v for group in groups for v in _blocked(group.batch)]
     if not result.violations:
-        result.iterations = solve_groups(groups, seed, budget, thorough)
+        result.iterations = solve_groups(groups, seed, budget, thorough, sampled_to)
         failures = [v for group in groups if not group.left for v in _failures(group, skeleton.problem.world)]
         result.violations += [v for v in failures if v.kind != Breach.STEP]
         coarse = {v.phase for v in failures if v.kind == Breach.STEP}

@@ -16,14 +16,15 @@ from .smoothing import cost_matrix
 def taken_over(
     known: BoundResult | None, trees: Sequence[PhaseTree], configurations: Sequence[Configuration]
 ) -> dict[int, Array]:
-    """The joint values `(times, joints)` of the phases that have a path in `known` between the same switches."""
+    """The joint values `(times, joints)` of the phases that have a path in `known` between the same switches.
+    `known` may be of fewer phases."""
     if known is None or not known.paths:
         return {}
-    same = [_alike(a, b) for a, b in zip(known.configurations, configurations, strict=True)]
+    same = [_alike(a, b) for a, b in zip(known.configurations, configurations, strict=False)]
     failed = {v.phase for v in known.violations}
     return {
         tree.phase: _values(known, tree)
-        for tree in trees
+        for tree in trees[: len(known.paths)]
         if same[tree.phase] and same[tree.phase + 1] and tree.phase not in failed
         if _ends_at(known.paths[tree.phase], configurations[tree.phase + 1])
     }
