@@ -360,7 +360,8 @@ class SceneBuilder:
             return None
         if item.effector is not None and item.effector not in effector_types(module):
             where = self.findings.word(item.span, item.effector, 0)
-            self.findings.unknown("E0117", "effector", item.effector, where, effector_types(module))
+            if where != item.span:  # else recovery named an end that the text forgot, as it has told
+                self.findings.unknown("E0117", "effector", item.effector, where, effector_types(module))
             return None
         return module
 
