@@ -14,7 +14,7 @@ from .faults import FaultList
 
 DEEPEST = 100
 """How deep groups may be nested, as in the language itself."""
-_TOKEN = re.compile(r";[^\n]*|[()]|[^\s();]+")
+_TOKEN = re.compile(r";[^\n]*|[()]|\??[^\s();?]+|\?")  # variables need no blank before them
 
 
 @dataclass(frozen=True, slots=True)

@@ -77,6 +77,10 @@ def test_everything_at_once(command: Command) -> None:
     assert cost(command, DOMAIN, PROBLEM) == 0.5 + 2 + 3
 
 
+def test_variables_need_no_blank_before_them(command: Command) -> None:
+    assert cost(command, re.sub(r" \?", "?", DOMAIN), PROBLEM) == cost(command, DOMAIN, PROBLEM)
+
+
 def test_a_value_that_is_not_stated_forbids_the_action(command: Command) -> None:
     without = PROBLEM.replace("(= (way hall cellar) 3)", "").replace("(heavy b)", "")
     assert cost(command, DOMAIN, without) == 0.5 + 2 + 2 + 1
