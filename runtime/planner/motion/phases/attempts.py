@@ -16,7 +16,7 @@ from ....skeleton import Array
 from .batch_kinematics import Indices
 from .penalty import most_missed
 from .phase_batch import Batch
-from .rrt_connect import sampled_starts
+from .rrt_connect import sampled_starts, straighter_starts
 from .settings import PHASES
 from .smoothing import Schedule, path_cost, smooth_paths
 from .swept_check import sweep
@@ -208,17 +208,31 @@ def _try_sampled(group: PhaseGroup, rounds: int, random: np.random.Generator, bu
     return attempt(group, index, starts, Schedule(weight=1e5), budget, PHASES.repair_looks[0])
 
 
-def polish_groups(groups: Sequence[PhaseGroup], budget: Budget) -> int:
-    """Optimise the paths that keep clear of something by a detour once more, nearer to what they keep clear of; returns
-    the iterations of the longest phases. Others are as cheap as they can be near where they are."""
+def _straighten(group: PhaseGroup, seed: Seed, budget: Budget) -> None:
+    """Go evenly along paths that wind, and cut their corners: those of solved phases that are far dearer than straight
+    ones. Clearances that are asked at slices push these along the way, too, until they crowd before narrow places."""
+    batch, random = group.batch, seed.random()
+    dear = group.cost > PHASES.winding * path_cost(batch, batch.with_ends(straight(batch)))
+    for phase in np.flatnonzero(dear & group.solved):
+        line = (batch.stored @ group.paths[phase])[:: PHASES.looks_apart]
+        starts = np.array(straighter_starts(batch, int(phase), line, random, budget, (0, *PHASES.cuts)))
+        index = np.full(len(starts), phase)
+        _keep_best(group, index, batch.take(index), batch.take(index).with_ends(starts), budget)
+
+
+def polish_groups(groups: Sequence[PhaseGroup], seed: Seed, budget: Budget) -> int:
+    """Optimise the paths that keep clear of something by a detour once more, nearer to what they keep clear of, and
+    straighten those that wind; returns the iterations of the longest phases. Others are as cheap as they can be near
+    where they are."""
     iterations = 0
-    for group in groups:
+    for k, group in enumerate(groups):
         late = np.flatnonzero(group.detour & group.solved)
         if len(late):
             batch = group.batch.take(late).looking(PHASES.repair_looks[0])
             inner, more = smooth_paths(batch, group.paths[late, 1:-1], NEARER, budget)
             _keep_best(group, late, batch, batch.with_ends(inner), budget)
             iterations += more
+        _straighten(group, seed.child("straight", k), budget)
     return iterations
 
 

@@ -103,7 +103,7 @@ def solve_sequence_path(
         before = cost_of(skeleton.problem.world, trees, kept)
         result.cost = before + _cost(groups)
         if settings.polish:
-            result.iterations += polish_groups(groups, budget)
+            result.iterations += polish_groups(groups, seed, budget)
             result.cost_before, result.cost = result.cost, before + _cost(groups)
         result.paths = stored_paths(skeleton, motions(groups) | kept, trees, states, settings.slices)
         _refine(skeleton, result, states, sorted(coarse), settings, budget)

@@ -298,10 +298,23 @@ def sampled_starts(
     line = _connected(checker, start, end, random, budget, rounds)
     if line is None:
         return []
+    return _cut_down(checker, line, random, budget, cuts)
+
+
+def straighter_starts(
+    batch: Batch, phase: int, line: Array, random: np.random.Generator, budget: Budget, cuts: Sequence[int]
+) -> list[Array]:
+    """Starts as those, along a polyline `(poses, joints)` that is known to be free."""
+    return _cut_down(_Checker(batch, phase), line, random, budget, cuts)
+
+
+def _cut_down(
+    checker: _Checker, line: Array, random: np.random.Generator, budget: Budget, cuts: Sequence[int]
+) -> list[Array]:
     lines = [line] * len(cuts)
     for number in range(max(cuts)):
         budget.check()
         left = [k for k, most in enumerate(cuts) if number < most]
         for k, shorter in zip(left, shorten(checker, [lines[k] for k in left], random), strict=True):
             lines[k] = shorter
-    return [resample(line, batch.slices) for line in lines]
+    return [resample(line, checker.batch.slices) for line in lines]

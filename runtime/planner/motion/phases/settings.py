@@ -198,6 +198,11 @@ class PhaseSettings:
     load_stride: int = setting(
         5, "samples", "Every how many of the fine times loads are looked at where a path gives way to them."
     )
+    winding: float = setting(
+        2.0, "1", "Paths wind that are so many times as dear as straight ones: they are straightened.",
+        "of 60 phases of six examples 52 are below 1.5, the others 2.3 to 30, which comes to 1.1 to 6 in 0.04 CPU s",
+    )
+    looks_apart: int = setting(5, "samples", "Every how many of the fine times such a path has a corner to be cut.")
     beyond: float = setting(
         2e-4, "rad or m",
         "How far joints may be beyond their limits.",
