@@ -17,6 +17,7 @@ from tamplang.runtime.planner.motion.phases.attempts import (
     attempt,
     drawn_in,
     homeward,
+    polish_groups,
     start_group,
     straight,
 )
@@ -34,7 +35,7 @@ from tamplang.runtime.planner.motion.phases.penalty import penalty
 from tamplang.runtime.planner.motion.phases.phase_batch import Batch
 from tamplang.runtime.planner.motion.phases.phase_geometry import make_parts
 from tamplang.runtime.planner.motion.phases.proximity import close
-from tamplang.runtime.planner.motion.phases.smoothing import Schedule, smooth_paths
+from tamplang.runtime.planner.motion.phases.smoothing import Schedule, path_cost, smooth_paths
 from tamplang.runtime.planner.motion.phases.swept_check import sweep
 from tamplang.runtime.planner.motion.settings import MotionSettings
 from tamplang.runtime.seeds import Seed
@@ -117,6 +118,23 @@ def test_the_first_bent_start_goes_towards_home() -> None:
     batch = group_of(*scene, [0]).batch
     assert homeward(batch, 1.0)[0, 9] == pytest.approx([0.0, 0.0])
     assert homeward(batch, 0.5)[0, 9] == pytest.approx([0.0, 0.5])
+
+
+def test_a_way_that_winds_is_straightened_but_stays_clear() -> None:
+    post = Body("post", "object", Shape("box", (0.1, 0.4, 0.4)), (0.5, 0.1, 0.0, 0.0, 0.0, 0.0, 1.0), False)
+    for bodies, most in (([], 1.3), ([post], 3.0)):
+        group = group_of(*cart_scene(bodies, (0.0, 0.0), (1.0, 0.0)), [0])
+        line = straight(group.batch)
+        least = group.cost[0]
+        wave = np.sin(np.pi * np.arange(1, group.batch.slices) / group.batch.slices)[None, :, None]
+        crowd = 0.5 * np.sin(3.0 * np.pi * np.arange(1, group.batch.slices) / group.batch.slices)[None, :, None]
+        winding = group.batch.with_ends(line - 0.9 * wave * [0.0, 1.0] + crowd * [1.0, 0.0])
+        assert sweep(group.batch, winding).clean[0]
+        group.paths, group.solved[:] = winding.copy(), True
+        group.cost = path_cost(group.batch, winding)
+        polish_groups([group], Seed(0), Budget(20.0))
+        assert sweep(group.batch, group.paths).clean[0]
+        assert group.cost[0] < most * least < path_cost(group.batch, winding)[0]
 
 
 def test_a_path_that_runs_from_limit_to_limit_is_drawn_in_until_its_spline_keeps_them() -> None:

@@ -16,5 +16,5 @@ def test_there_are_more_than_forty_inputs() -> None:
     "name", ["pddl wide bodies", "solve wide loop", "search bfs", "run", "check mesh stl", "solve silent cluster"]
 )
 def test_commands_end_with_a_code(name: str) -> None:
-    record = measure(name, 1.0)
+    record = measure(name, 0.6)
     assert record["sound"] and record["coded"] and record["status"] == 4
