@@ -315,6 +315,8 @@ class Problem:
     touching: frozenset[tuple[str, str]] = frozenset()
     """Pairs of objects, in alphabetical order, that may touch at the start though no motion literal speaks of it:
     things side by side, or a robot in mid-run that has just let go."""
+    pressed: frozenset[tuple[str, str]] = frozenset()
+    """Those that overlap at the start by less than what `check` lets pass."""
 
     def called(self, path: str) -> str:
         """How a source or file is called on any machine."""

@@ -249,6 +249,8 @@ class PhaseContacts:
     end: frozenset[Pair]
     beside: frozenset[Pair] = frozenset()
     """Pairs that may touch all the time, but not overlap."""
+    pressed: frozenset[Pair] = frozenset()
+    """Those of them that overlap at the start by less than what `check` lets pass, and may so."""
 
 
 def _kept(problem: Problem, literals: frozenset[Fact]) -> frozenset[Pair]:
@@ -286,14 +288,15 @@ def contacts(skeleton: Phases) -> tuple[PhaseContacts, ...]:
     Bodies that no module carries, and modules that no action concerns, rest and touch still."""
     result: list[PhaseContacts] = []
     touching: frozenset[Pair] = _named(skeleton.problem.init_motion) | skeleton.problem.touching
+    pressed = skeleton.problem.pressed
     for phase in skeleton.phases:
         kept = _kept(skeleton.problem, phase.mode)
         still = skeleton.problem.world.bodies.keys() - _carried(skeleton.problem, phase.mode)
         during = kept | {objects for objects in touching if still.issuperset(objects)}
         beside = {pair(*objects) for literal in phase.mode for objects in lasting(skeleton.problem, literal)} - during
         added = _named(phase.added)
-        start = touching - during
-        result.append(PhaseContacts(during, start, added - during, frozenset(beside)))
+        start, deep = touching - during, pressed - during
+        result.append(PhaseContacts(during, start, added - during, frozenset(beside | deep), deep))
         touching = during | added | beside | _resting(start, skeleton.problem, phase, kept)
     return tuple(result)
 

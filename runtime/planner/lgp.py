@@ -25,7 +25,7 @@ from ...langs.counting import counted
 from ...langs.diagnostics import Diagnostic
 from ...langs.frozen import dataclass
 from ..budget import ASIDE, SECONDS, Budget, OutOfTime, Status, ending
-from ..geometry.start_contacts import touching
+from ..geometry.start_contacts import pressed_in, touching
 from ..machine import this_machine
 from ..plan import ObjectiveRecord, Plan, StatisticsRecord, TimingRecord
 from ..seeds import Seed
@@ -127,7 +127,8 @@ def solve(
 ) -> Outcome:
     """Search until `options.solutions` verified plans stand or the budget is spent; Ctrl-C ends with what was found.
     `found` gets every verified plan as soon as it stands."""
-    return _SolveRun(replace(problem, touching=touching(problem.world)), options, progress, found).run()
+    begun = replace(problem, touching=touching(problem.world), pressed=frozenset(pressed_in(problem.world)))
+    return _SolveRun(begun, options, progress, found).run()
 
 
 class _SolveRun:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+import tamplang
 from tamplang.compiler.pipeline import compile_text
 from tamplang.runtime.planner.lgp import Outcome, SolveOptions, solve
 
@@ -156,3 +157,29 @@ task t {
     assert outcome.status == "solved"
     verdict = outcome.plans[0].verdict
     assert verdict is not None and verdict.verified
+
+
+def test_a_foot_that_starts_in_what_check_lets_pass_gets_away() -> None:
+    """The free foot of a planar inchworm is 0.9 mm deep in the next step."""
+    text = """import std.motion
+import std.rules
+module worm {
+    effector A: gripper sphere(3 cm) normal (0, 0, -1)
+    link 5 cm: capsule(2 cm)
+    joint a: revolute(y) in -110 deg .. 110 deg home 30 deg
+    link 22 cm: capsule(2 cm)
+    joint b: revolute(y) in -130 deg .. 130 deg home 100 deg
+    link 22 cm: capsule(2 cm)
+    joint c: revolute(y) in -110 deg .. 110 deg home 50 deg
+    link 5 cm: capsule(2 cm)
+    effector B: gripper sphere(3 cm)
+    fact (linked A B)
+}
+task hill() {
+    base s[0]: box(16 cm, 16 cm, 4 cm) at (0, 0, 0)
+    base s[1]: box(16 cm, 16 cm, 4 cm) at (22 cm, 0, 5 cm)
+    worm w: A on s[0]
+    goal (on s[1] w.B)
+}"""
+    result = tamplang.loads(text).solve(time=60.0)
+    assert result.plan is not None and result.status == "solved", result.explanation

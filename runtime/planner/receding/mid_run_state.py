@@ -16,7 +16,7 @@ import numpy as np
 from ....compiler import ir
 from ....langs.frozen import dataclass
 from ...geometry.resampling import resample
-from ...geometry.start_contacts import touching
+from ...geometry.start_contacts import pressed_in, touching
 from ...skeleton import Configuration, PhasePath, Skeleton, start_configuration
 from ..search.stepper import Stepper
 
@@ -76,7 +76,8 @@ def rerooted(
     """The same task, begun from a state: logic facts, motion literals, and where everything is. Joint values are taken
     as they are, also outside of limits and in mid-air."""
     world = placed(problem.world, configuration)
-    return replace(problem, init=facts, init_motion=motion_literals, world=world, touching=touching(world))
+    near, pressed = touching(world), frozenset(pressed_in(world))
+    return replace(problem, init=facts, init_motion=motion_literals, world=world, touching=near, pressed=pressed)
 
 
 def placed(world: ir.World, configuration: Configuration) -> ir.World:

@@ -12,10 +12,10 @@ from .....compiler.motion.collision import PhaseContacts, pair, taper
 from ....skeleton import Array
 from .settings import PHASES
 
-FULL, NEVER, START, END, BOTH, BESIDE = range(6)
-"""The whole margin; none, as the two touch all the time; less near the start, near the end, or near both; and only not
-to overlap, as the two may touch."""
-REQUIRED = np.array([-PHASES.touching, -np.inf, *[-PHASES.contact_tolerance] * 4])
+FULL, NEVER, START, END, BOTH, BESIDE, PRESSED = range(7)
+"""The whole margin; none, as the two touch all the time; less near the start, near the end, or near both; only not to
+overlap, as the two may touch; and by no more than `check` lets pass, as the two overlap at the start."""
+REQUIRED = np.array([-PHASES.touching, -np.inf, *[-PHASES.contact_tolerance] * 4, -PHASES.pressed])
 """The clearance, metres, that accepts two things, by their kind."""
 
 Kinds = NDArray[np.int8]
@@ -26,6 +26,8 @@ def kind_of(contact: PhaseContacts, one: str, other: str) -> int:
     objects = pair(one, other)
     if objects in contact.during:
         return NEVER
+    if objects in contact.pressed:
+        return PRESSED
     if objects in contact.beside:
         return BESIDE
     return (FULL, START, END, BOTH)[(objects in contact.start) + 2 * (objects in contact.end)]
@@ -35,8 +37,8 @@ def share_table(times: Array, slices: int) -> Array:
     """The share of the margin `(kinds, times)` at times counted in slices from the start of the phase; -inf: none."""
     here: frozenset[tuple[str, str]] = frozenset({("", "")})
     none: frozenset[tuple[str, str]] = frozenset()
-    table = np.full((6, len(times)), -np.inf)
-    table[BESIDE] = 0.0
+    table = np.full((7, len(times)), -np.inf)
+    table[[BESIDE, PRESSED]] = 0.0
     for kind, start, end in ((FULL, none, none), (START, here, none), (END, none, here), (BOTH, here, here)):
         share = taper(PhaseContacts(none, start, end), ("", ""), times, slices)
         table[kind] = -np.inf if share is None else share

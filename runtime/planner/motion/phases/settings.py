@@ -106,6 +106,10 @@ class PhaseSettings:
         5e-4, "m",
         "The same of a contact that begins or ends, which rows at switches may miss by more.",
     )
+    pressed: float = setting(
+        9.9e-4, "m",
+        "The same of what overlaps at the start by less than what `check` lets pass, which the verifier does, too.",
+    )
     refinement: int = setting(10, "samples", "Samples of the swept check per slice.")
     deepest: float = setting(
         8e-4, "m",
