@@ -355,7 +355,7 @@ def _too_heavy(found: Unbearable) -> Conflict:
 
 
 def _first_obstructed(conflicts: Sequence[Conflict]) -> list[Conflict]:
-    """Conflicts by their last phase without those with something in the way behind the first such one: that may have
-    led where nothing can be done any more."""
-    first = next((c for c in conflicts if c.obstacles), None)
-    return [c for c in conflicts if not c.obstacles or c is first]
+    """Conflicts by their last phase, up to the first one with something in the way: that may have led where nothing can
+    be done any more."""
+    ends = next((k for k, c in enumerate(conflicts, start=1) if c.obstacles), len(conflicts))
+    return list(conflicts[:ends])
