@@ -304,8 +304,11 @@ def sampled_starts(
 def straighter_starts(
     batch: Batch, phase: int, line: Array, random: np.random.Generator, budget: Budget, cuts: Sequence[int]
 ) -> list[Array]:
-    """Starts as those, along a polyline `(poses, joints)` that is known to be free."""
-    return _cut_down(_Checker(batch, phase), line, random, budget, cuts)
+    """Starts as those, along a polyline `(poses, joints)` that is known to be free; its cuts are not looked at between
+    poses."""
+    checker = _Checker(batch, phase)
+    checker.closely = False
+    return _cut_down(checker, line, random, budget, cuts)
 
 
 def _cut_down(
