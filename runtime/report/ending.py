@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from msgspec import structs
@@ -11,7 +12,7 @@ from ...compiler.ir import Problem
 from ...langs.diagnostics import Diagnostic
 from ...langs.frozen import dataclass
 from ...langs.render import render
-from ...langs.source import Source
+from ...langs.source import Source, Span
 from ..budget import Status
 from ..plan import BodyTrackRecord, Plan, TrackRecord
 from ..skeleton import Configuration, NearestMiss, start_configuration
@@ -72,14 +73,24 @@ def ending_of(
     problem: Problem, status: Status, explanation: Sequence[Diagnostic], misses: Sequence[NearestMiss], scene: Plan
 ) -> Ending:
     """The ending of a solve of `problem`, whose `scene` at the start is drawn, and what of it `misses` tell."""
-    sources: dict[str, Source] = {s.path: s for s in problem.sources}
+    sources: dict[str, Source] = {problem.called(s.path): s for s in problem.sources}
     waiting = list(enumerate(misses, start=1))
     told = []
     for diagnostic in explanation:
         own = [second for second, miss in waiting if _tells(diagnostic, miss)]
-        told.append(Told(diagnostic.code, render([diagnostic], sources), tuple(own)))
+        told.append(Told(diagnostic.code, render([_anywhere(problem, diagnostic)], sources), tuple(own)))
     postures = in_postures(scene, problem, [miss.posture for miss in misses])
     return Ending(status, tuple(told), tuple(misses), postures)
+
+
+def _anywhere(problem: Problem, diagnostic: Diagnostic) -> Diagnostic:
+    """A diagnostic that calls files as they are called on any machine."""
+
+    def called(span: Span) -> Span:
+        return replace(span, file=problem.called(span.file))
+
+    labels = tuple(replace(label, span=called(label.span)) for label in diagnostic.labels)
+    return replace(diagnostic, span=diagnostic.span and called(diagnostic.span), labels=labels)
 
 
 def _tells(diagnostic: Diagnostic, miss: NearestMiss) -> bool:

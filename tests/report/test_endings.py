@@ -65,6 +65,15 @@ def test_a_proof_that_there_is_no_plan(tmp_path: Path) -> None:
     assert "Out of &lt;reach&gt;" in text
 
 
+def test_files_are_called_as_on_any_machine(tmp_path: Path) -> None:
+    scene = FAR.replace("box(2 m, 2 m, 5 cm)", "box(1 m, 1 m, 10 cm)").replace("at (0.5 m, 0)", "at (0, 0)")
+    scene = scene.replace("sphere(4 cm) at (0, 0.3 m, 3 m)", "cylinder(3 cm, 10 cm) at (1.2 m, 0, 0.97 m)")
+    (tmp_path / "up.tamp").write_text(scene)
+    status, page = solved(tmp_path, str(tmp_path / "up.tamp"))
+    assert status == 4 and "`b` is put here" in body(page)
+    assert "::: up.tamp:7:5" in body(page) and str(tmp_path) not in body(page)
+
+
 @pytest.mark.parametrize("more", [("--nodes", "2"), ("--bound", "seq", "--nodes", "2")])
 def test_a_search_that_was_not_finished_is_amber(tmp_path: Path, more: tuple[str, ...]) -> None:
     status, page = solved(tmp_path, str(ROOT / "examples" / "climb.tamp"), "-p", "n=4", *more)
