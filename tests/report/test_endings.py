@@ -63,6 +63,7 @@ def test_a_proof_that_there_is_no_plan(tmp_path: Path) -> None:
     (start, far) = drawn(page)["marks"]
     assert start == [[], []] and far[1] == ["ground", "b"], "what is too far from what"
     assert "Out of &lt;reach&gt;" in text
+    assert text.index("--&gt; far.tamp:10:10") < text.index("a rule that achieves it"), "the goal comes first"
 
 
 def test_files_are_called_as_on_any_machine(tmp_path: Path) -> None:

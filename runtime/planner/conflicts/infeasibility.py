@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-from ....compiler.ir import Action, Fact, Problem, effects_of
+from ....compiler.ir import Action, Fact, Problem, effects_of, span_of
 from ....langs.counting import counted
 from ....langs.diagnostics import Diagnostic, Label
 from ....langs.source import Span
@@ -97,7 +97,9 @@ class Refusals:
         names = " or ".join(f"`{rule.name}`" for rule, _ in rules)
         blamed = f"; what achieves it is {names}, never applicable where it would help" if rules else ""
         bounds = [(rule, bound.span) for rule, bound in rules if bound is not None and bound.span is not None]
-        labels = [Label(span, f"a bound that `{rule.name}` needs") for rule, span in bounds]
+        goal, achieving = span_of(self.problem.goal), rules[0][0].span if rules else None
+        labels = [Label(achieving, "a rule that achieves it")] if goal and achieving else []
+        labels += [Label(span, f"a bound that `{rule.name}` needs") for rule, span in bounds]
         found = lacking(self.problem)[:CONFLICTS.most_explained]
         message, lacks = f"{UNREACHABLE}{blamed}", [*map(str, found)]
         self.misses = [lack_of(self.problem, message, lack) for lack in found]
@@ -109,7 +111,7 @@ class Refusals:
             Diagnostic(
                 "S0001",
                 message,
-                rules[0][0].span if rules else None,
+                goal or achieving,
                 tuple(labels),
                 note=lack or None,
                 help="look at the conditions of the rules that achieve the goal, and at the reach of the robots",
