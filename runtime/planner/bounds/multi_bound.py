@@ -39,6 +39,8 @@ class MultiBound(Solves):
         super().__post_init__()
         self._windows: dict[tuple[object, ...], BoundResult] = {}
         self._feasible: set[tuple[object, ...]] = set()
+        self._left_out = 0
+        """How many candidates in a row were only expected to be refused."""
         self.experience = GeneralisedNoGoods(self.problem)
 
     def restart(self, problem: Problem, seed: Seed, budget: Budget) -> None:
@@ -72,8 +74,12 @@ class MultiBound(Solves):
         self, skeleton: Skeleton, strains: Sequence[float], motions: int | None, brisk: bool
     ) -> Judgement:
         expected = self.experience.expected_refusals(skeleton.phases, strains)
-        if expected:
+        if expected and self._left_out < BOUNDS.left_out:
+            self._left_out += 1
             return Judgement(False, conflicts=[Conflict(Bound.EXPECTED, *window, ()) for window in expected])
+        if expected:
+            self.experience.forget()
+        self._left_out = 0
         heavy = unbearable(skeleton)
         conflicts = self._refused_actions(skeleton, strains) if heavy is None else [_too_heavy(heavy)]
         if not conflicts:

@@ -77,6 +77,10 @@ class BoundSettings:
         "So many phases are drawn anew in all where none closes a loop.",
         "a draw then takes some 40 ms for each, P_path of the same 4 s; grasping a convex body takes up to 13 draws",
     )
+    left_out: int = setting(
+        8, "candidates", "So many in a row are left out as they are like refused ones, then one of them is asked.",
+        "where all things are alike, one refusal of the first two holds for all; of 0.6 s each with 32 things",
+    )
     by_phases_from: int = setting(
         8, "phases", "From how many phases on motion is looked for phase by phase where it was refused, …",
         "motion of fewer is found as soon by drawing all switches anew",
