@@ -53,9 +53,7 @@ def _in_a_scene(context: Context, name: str) -> syntax.Term | None:
     for declaration in (*context.library.scenes.values(), *context.library.tasks.values()):
         for item in parts(declaration):
             if isinstance(item, syntax.BodyItem | syntax.RobotItem):
-                base = item.name
-                while isinstance(base, syntax.Index):
-                    base = base.base
+                base = _base(item.name)
                 if isinstance(base, syntax.Name) and base.name == name:
                     return base
     return None
@@ -140,11 +138,17 @@ def check_attribute(context: Context, scope: Scope, term: syntax.Attribute, chec
     return BROKEN
 
 
-def _base_name(term: syntax.Term) -> str:
+def _base(term: syntax.Term) -> syntax.Term:
+    """What stands before all indices."""
     while isinstance(term, syntax.Index):
         term = term.base
-    assert isinstance(term, syntax.Name)
-    return term.name
+    return term
+
+
+def _base_name(term: syntax.Term) -> str:
+    base = _base(term)
+    assert isinstance(base, syntax.Name)
+    return base.name
 
 
 def _unknown_attribute(context: Context, term: syntax.Attribute, what: str, known: tuple[str, ...]) -> None:

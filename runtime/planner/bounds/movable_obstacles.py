@@ -13,7 +13,6 @@ from ...seeds import Seed
 from ...skeleton import BoundResult, Breach, Skeleton, beginning, start_configuration
 from ..conflicts.lifting import objects_of
 from ..motion.acceptance import clashes, dense
-from ..motion.keyframes.causes import CLEARANCES
 from ..motion.keyframes.keyframe_program import SwitchProgram
 from ..motion.keyframes.sequence import window_feasible
 from ..motion.phases.settings import PHASES
@@ -30,7 +29,7 @@ def obstacles(
     which goes through these. None where what overlaps is less than a passage. Raises OutOfTime."""
     worst = min(refused.violations, key=lambda v: (v.phase, -v.amount))
     none = worst.phase, frozenset[str]()
-    standing = _standing(skeleton, worst.phase)
+    standing = _others(skeleton, 0, worst.phase)
     if worst.kind != Breach.COLLISION or worst.amount < PHASES.stuck or not standing:
         return none
     first = beginning(skeleton, worst.phase + 1)
@@ -55,8 +54,7 @@ def bystanders(
     what it is about: it refuses it with these alone as well, and not without them; that is believed where they are
     those that it names. None where it refuses it in any case. Raises OutOfTime."""
     problem = skeleton.problem
-    about = {*objects_of(skeleton.phases[phase].action)}.union(followers(problem, skeleton.phases[phase].mode))
-    movable = frozenset(b.name for b in problem.world.solids if b.movable and b.name not in about)
+    movable = _others(skeleton, phase, phase)
     found: frozenset[str] = frozenset()
     if refused.unobstructed or not movable:
         return found
@@ -79,17 +77,16 @@ def _met(skeleton: Skeleton, phase: int, result: BoundResult, settings: MotionSe
     """What overlaps at the switches around a phase."""
     start = start_configuration(skeleton.problem)
     switches = SwitchProgram(skeleton, phase, phase, start, settings, free=phase > 0)
-    x = switches.pack(result.configurations)
-    switches.prepare(x)
-    overlaps = [v for v in switches.program().violations(x, 0.0) if v.kind in CLEARANCES]
+    overlaps = switches.overlaps(switches.pack(result.configurations))
     return frozenset(name for v in overlaps for name in v.names)
 
 
-def _standing(skeleton: Skeleton, phase: int) -> frozenset[str]:
-    """The bodies that can be moved, stand where they do at the start in a phase, and are not what it is about."""
+def _others(skeleton: Skeleton, first: int, phase: int) -> frozenset[str]:
+    """The bodies that can be moved, that nothing moves from phase `first` to `phase`, and that the last is not
+    about."""
     problem = skeleton.problem
     moved = frozenset(objects_of(skeleton.phases[phase].action)).union(
-        *(followers(problem, p.mode) for p in skeleton.phases[: phase + 1])
+        *(followers(problem, p.mode) for p in skeleton.phases[first : phase + 1])
     )
     return frozenset(b.name for b in problem.world.solids if b.movable and b.name not in moved)
 

@@ -176,24 +176,27 @@ class MultiBound(Solves):
         return msgspec.structs.replace(plan, verdict=verdict, timing=timing)
 
     def _refused_actions(self, skeleton: Skeleton, strains: Sequence[float]) -> list[Conflict]:
-        """Conflicts of all single actions that P_seq refuses, wherever they start. The most strained go first: those
-        that are less so then need no solve."""
+        """Conflicts of all single actions that P_seq refuses, wherever they start, up to the first with something in
+        the way, as that may have led where nothing can be done any more. The most strained go first: those that are
+        less so then need no solve."""
         conflicts: list[Conflict] = []
         order = sorted(range(len(skeleton)), key=lambda k: (-strains[k], k))
+        end = len(skeleton)
         for number, k in enumerate(order):
             phase = skeleton.phases[k]
-            if self._needs_no_solve(skeleton, strains, k):
+            if k > end or self._needs_no_solve(skeleton, strains, k):
                 continue
             self._expect_actions(skeleton, strains, order[number + 1 :], whole=not conflicts)
             result = self._window(skeleton, k, k)
             if not result.feasible:
                 obstacles = self._bystanders(skeleton, k, result)
                 conflicts.append(replace(self._missed(skeleton, result, k, k), obstacles=obstacles))
+                end = k if obstacles else end
             elif k:
                 self.experience.accept(phase, strains[k])
             else:
                 self._feasible.add(self._beginning_key(skeleton, 1))
-        return _first_obstructed(sorted(conflicts, key=lambda conflict: conflict.last))
+        return sorted((c for c in conflicts if c.last <= end), key=lambda conflict: conflict.last)
 
     def _bystanders(self, skeleton: Skeleton, k: int, refused: BoundResult) -> frozenset[str]:
         """The bodies that keep an action from being done though they could be moved: elsewhere they need not, so that
@@ -358,10 +361,3 @@ class MultiBound(Solves):
 def _too_heavy(found: Unbearable) -> Conflict:
     """An action that no posture bears: refused wherever it starts, or from the start."""
     return Conflict(Bound.STATICS, 0 if found.from_start else found.phase, found.phase, found.from_start, found.told)
-
-
-def _first_obstructed(conflicts: Sequence[Conflict]) -> list[Conflict]:
-    """Conflicts by their last phase, up to the first one with something in the way: that may have led where nothing can
-    be done any more."""
-    ends = next((k for k, c in enumerate(conflicts, start=1) if c.obstacles), len(conflicts))
-    return list(conflicts[:ends])

@@ -16,7 +16,7 @@ from .settings import BOUNDS
 class Conflict:
     """Phases `first` … `last` of a skeleton cannot be done one after the other; with `from_start` only when they begin
     in the start configuration (then `first` is 0). `switches` are the state before and the postures that P_seq came to,
-    where it refuses; `obstacles` the bodies without which the last of them would have a motion."""
+    where it refuses; `obstacles` the bodies without which the last of them could be done."""
 
     bound: Bound
     first: int

@@ -21,15 +21,13 @@ from .....langs.frozen import dataclass
 from ....budget import Budget
 from ....geometry.attachments import followers, involved, looped
 from ....seeds import Seed
-from ....skeleton import Array, Breach, Configuration, Skeleton, Violation, start_configuration
+from ....skeleton import Array, Configuration, Skeleton, Violation, start_configuration
 from ..nlp.features import limits
 from ..nlp.row_groups import LinearGroup, LinearWish
 from ..settings import MotionSettings
-from .keyframe_program import SwitchProgram, run
+from .keyframe_program import CLEARANCES, SwitchProgram, run
 from .multi_start import SINGLE, SpanSolver
 from .settings import KEYFRAMES
-
-CLEARANCES = (Breach.COLLISION, Breach.SELF_COLLISION)
 
 
 class Why(StrEnum):
@@ -191,8 +189,7 @@ def _past_limits(nearest: _Nearest, tolerance: float) -> tuple[Violation, ...]:
 def _in_the_way(nearest: _Nearest, settings: MotionSettings, budget: Budget) -> Cause | None:
     """What meets where collisions count again, of that what overlaps most where they do not."""
     switches = nearest.program
-    switches.prepare(nearest.unknowns)
-    overlaps = [v for v in switches.program().violations(nearest.unknowns, 0.0) if v.kind in CLEARANCES]
+    overlaps = switches.overlaps(nearest.unknowns)
     program, outcome = switches.solve(nearest.unknowns, SINGLE, budget)
     rows = [v for v in program.violations(outcome.x, settings.tolerance) if v.kind not in CLEARANCES]
     if not overlaps or not rows:

@@ -16,7 +16,7 @@ from ....budget import Budget
 from ....geometry.attachments import POSE, carrier, followers, involved, next_mode, still_entries
 from ....geometry.drives import ringed
 from ....geometry.start_contacts import pressed_in
-from ....skeleton import Array, Configuration, Skeleton
+from ....skeleton import Array, Breach, Configuration, Skeleton, Violation
 from ..collision.clearance_rows import Clearances
 from ..collision.pairs_in_phases import Collisions, Margins, refresh, rows
 from ..nlp.augmented_lagrangian import SolverOptions, SolverResult, SolverStatus, project, solve
@@ -33,6 +33,7 @@ from .settings import KEYFRAMES
 
 VERTICAL = frozenset({"top", "bottom", "inside"})
 """Functions that know where up is."""
+CLEARANCES = (Breach.COLLISION, Breach.SELF_COLLISION)
 POLISH = SolverOptions(mu=1e4, damping=1e-3, iterations=60)
 
 
@@ -259,6 +260,11 @@ class SwitchProgram:
     def prepare(self, x: Array) -> None:
         """Take in the pairs that are near at x."""
         self._refresh(x)
+
+    def overlaps(self, x: Array) -> list[Violation]:
+        """What is nearer at x than it may be, the worst first."""
+        self.prepare(x)
+        return [v for v in self.program().violations(x, 0.0) if v.kind in CLEARANCES]
 
     def solve(self, x: Array, options: SolverOptions, budget: Budget) -> tuple[Program, SolverResult]:
         """Solve from x; pairs that came near meanwhile are taken in and the solve resumes. Raises OutOfTime."""

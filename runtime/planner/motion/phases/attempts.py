@@ -217,7 +217,8 @@ def _straighten(group: PhaseGroup, seed: Seed, budget: Budget) -> None:
         line = (batch.stored @ group.paths[phase])[:: PHASES.looks_apart]
         starts = np.array(straighter_starts(batch, int(phase), line, random, budget, (0, *PHASES.cuts)))
         index = np.full(len(starts), phase)
-        _keep_best(group, index, batch.take(index), batch.take(index).with_ends(starts), budget)
+        taken = batch.take(index)
+        _keep_best(group, index, taken, taken.with_ends(starts), budget)
 
 
 def polish_groups(groups: Sequence[PhaseGroup], seed: Seed, budget: Budget) -> int:
