@@ -116,9 +116,9 @@ def _serve(pipe: Any) -> None:
     while True:
         try:
             question = pipe.recv_bytes()
-        except EOFError:
+            pipe.send_bytes(pickle.dumps(attempt(_computed, question)))
+        except (EOFError, OSError):  # a pipe with an answer that nobody took is reset instead of ended
             return
-        pipe.send_bytes(pickle.dumps(attempt(_computed, question)))
 
 
 def _computed(question: bytes) -> bytes:
