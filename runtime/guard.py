@@ -37,6 +37,8 @@ AGAIN = 1.0
 _ENDING = (__file__, contextlib.__file__, budget.__file__)
 """Where an ending is under way: what is raised between the steps of these would escape it, so it waits for the next
 look."""
+_WRAPPING = "__set_name__"
+"""Python 3.11 wraps whatever is raised in such a method into a RuntimeError: what is raised waits there, too."""
 SHARE = 0.8
 """How much of the memory that is free at the start a command may take, where nothing else is said."""
 PAGE = os.sysconf("SC_PAGE_SIZE")
@@ -102,7 +104,9 @@ class Guard(Budget):
         if self._interrupted:
             self._interrupted = False
             raise KeyboardInterrupt
-        if self._rests or now < self._quiet_until or (frame is not None and frame.f_code.co_filename in _ENDING):
+        if self._rests or now < self._quiet_until:
+            return
+        if frame is not None and (frame.f_code.co_filename in _ENDING or frame.f_code.co_name == _WRAPPING):
             return
         if self.memory is not None and not self._closes and resident() > self.memory:
             self._quiet_until = now + AGAIN

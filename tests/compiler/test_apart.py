@@ -37,6 +37,19 @@ def test_the_end_of_the_time_ends_the_process() -> None:
     assert _children() == before
 
 
+class _Slow:
+    """A member that takes its time when its class is made, as some do while a library is imported."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        time.sleep(0.3)
+
+
+def test_the_end_of_the_time_while_a_class_is_made_is_told_as_such() -> None:
+    with pytest.raises(OutOfTime), guarded(0.1, None):
+        type("Made", (), {"member": _Slow()})
+        time.sleep(600)
+
+
 def test_large_meshes_are_read_as_small_ones_are(tmp_path: Path) -> None:
     points = np.random.default_rng(0).normal(size=(hulls.LONG + 1, 3))
     few = points[:2000]
