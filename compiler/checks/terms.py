@@ -163,7 +163,8 @@ def _apply(context: Context, scope: Scope, term: syntax.Call, name_span: Span) -
             lowered += typed.term.items
         else:
             lowered.append(typed.term)
-    return Typed(ir.Function(term.function, tuple(lowered), term.span), kind, literal=term.function == "dot")
+    literal = literal or term.function == "dot"  # an inner product is a plain number or a length, as it is compared
+    return Typed(ir.Function(term.function, tuple(lowered), term.span), kind, literal)
 
 
 def _fits(typed: Typed, wanted: str) -> bool:
@@ -224,7 +225,10 @@ def _check_binary(context: Context, scope: Scope, term: syntax.Binary) -> Typed:
             where = term.right.span if error.code == "E0211" else term.span
             context.findings.report(error.code, where, str(error))
             return BROKEN
-    return Typed(ir.Arith(term.operator, (left.term, right.term), term.span), kind)
+    if term.operator in "*/":  # what an inner product is times or over a number is still either; over another, a number
+        ones = [t.literal and t.value is None for t in (left, right)]
+        literal = ones in ([True, False], [False, True]) if term.operator == "*" else ones == [True, False]
+    return Typed(ir.Arith(term.operator, (left.term, right.term), term.span), kind, literal and kind == NUMBER)
 
 
 def _report_mixed(context: Context, term: syntax.Binary, left: Typed, right: Typed) -> None:
