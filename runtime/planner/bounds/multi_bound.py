@@ -73,7 +73,8 @@ class MultiBound(Solves):
     def _judged(
         self, skeleton: Skeleton, strains: Sequence[float], motions: int | None, brisk: bool
     ) -> Judgement:
-        expected = self.experience.expected_refusals(skeleton.phases, strains)
+        sure = self.tries is None  # bounds that try harder are the last to be asked: nothing is left out unasked
+        expected = [] if sure else self.experience.expected_refusals(skeleton.phases, strains)
         if expected and self._left_out < BOUNDS.left_out:
             self._left_out += 1
             return Judgement(False, conflicts=[Conflict(Bound.EXPECTED, *window, ()) for window in expected])

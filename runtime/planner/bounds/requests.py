@@ -76,17 +76,18 @@ class AttemptRequest(Question[tuple[BoundResult, BoundResult | None]]):
     tries: int | None
     warm: Sequence[Configuration]
     motions: int
+    thorough: bool
 
     @property
     def key(self) -> Hashable:
-        return AttemptRequest, self.settings, self.draw, self.tries, self.motions, _values(self.warm)
+        return AttemptRequest, self.settings, self.draw, self.tries, self.motions, self.thorough, _values(self.warm)
 
     def solved(self, skeleton: Skeleton, budget: Budget) -> tuple[BoundResult, BoundResult | None]:
         sequence = solve_sequence(skeleton, self.settings, self.draw, budget, warm=self.warm, tries=self.tries)
         if not sequence.feasible:
             return sequence, None
         first = beginning(skeleton, self.motions)
-        return sequence, sequence_path(first, sequence, self.settings, self.draw, budget)
+        return sequence, sequence_path(first, sequence, self.settings, self.draw, budget, self.thorough)
 
 
 @dataclass(frozen=True, eq=False)

@@ -114,7 +114,8 @@ class Solves:
                 return found
         held: set[frozenset[int]] = set()
         mends = MENDS if len(skeleton) > KEYFRAMES.longest_whole else ()
-        draws, loaded = BOUNDS.soon_redraws if soon else self._draws(first), 0
+        quick, draws, loaded = self._quick_draws(first, soon), BOUNDS.soon_redraws if soon else self._draws(first), 0
+        draws += quick
         for draw in (*mends, *range(1, draws + 1)):
             loaded += bool(result.violations) and all(v.kind in LOADS for v in result.violations)
             if result.feasible or loaded > BOUNDS.loaded_redraws:
@@ -126,16 +127,17 @@ class Solves:
                 failed = frozenset(v.phase for v in result.violations)
                 still = draw == 1 or (failed not in held and self._closes_a_loop(skeleton, failed))
                 held.add(failed)
-                again, path = self._attempt(skeleton, sequence, result, draw, len(first), still)
+                again, path = self._attempt(skeleton, sequence, result, draw, len(first), still, draw > quick)
             if not again.feasible:
                 continue
             sequence = again
             if path is None:
                 if isinstance(draw, int) and draw < draws:
-                    self._expect_attempt(skeleton, sequence, result, draw + 1, len(first))
+                    self._expect_attempt(skeleton, sequence, result, draw + 1, len(first), draw >= quick)
                 before = result if isinstance(draw, Mend) else None
                 seed = self.seed if isinstance(draw, Mend) else self.seed.child("attempt", draw)
-                path = self._sequence_path(first, sequence, draw not in QUICK_MENDS and not soon, before, seed)
+                quickly = soon or (draw in QUICK_MENDS if isinstance(draw, Mend) else draw <= quick)
+                path = self._sequence_path(first, sequence, not quickly, before, seed)
             result = path
             blamed.append({v.phase for v in result.violations})
             self.cut = blame(Bound.SEQ_PATH, result, blamed, len(first))
@@ -196,12 +198,17 @@ class Solves:
         loops = self._closes_a_loop(first, range(len(first)))
         return BOUNDS.redraws if loops else max(BOUNDS.redraws, BOUNDS.redrawn_phases // len(first))
 
+    def _quick_draws(self, first: Skeleton, soon: bool) -> int:
+        """How often they are drawn first without a look for a way among samples."""
+        return 0 if soon or not self._closes_a_loop(first, range(len(first))) else BOUNDS.quick_redraws
+
     def _closes_a_loop(self, skeleton: Skeleton, phases: Collection[int]) -> bool:
         return any(looped(self.problem, skeleton.phases[phase].mode) for phase in phases)
 
     def _drawn(
-        self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int, still: bool
-    ) -> AttemptRequest:
+        self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int, still: bool,
+        thorough: bool,
+    ) -> AttemptRequest:  # fmt: skip
         """The attempt after P_seqPath between the switch poses of `sequence` was refused: the phases that were refused
         are to move little (`still`: at first, and where others that close a loop were refused), else their switches are
         shaken. Where a loop has no way from posture to posture, all are drawn from anywhere every other time: shaken
@@ -215,15 +222,16 @@ class Solves:
             warm = guess(skeleton, range(len(skeleton)), start, random, KEYFRAMES.noise, wide=True)
         else:
             warm = resampled(sequence.configurations, failed, draw.child("start"))[1:]
-        return AttemptRequest(self.settings, draw, self.tries, warm, motions)
+        return AttemptRequest(self.settings, draw, self.tries, warm, motions, thorough)
 
     def _attempt(
-        self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int, still: bool
-    ) -> tuple[BoundResult, BoundResult | None]:
+        self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int, still: bool,
+        thorough: bool,
+    ) -> tuple[BoundResult, BoundResult | None]:  # fmt: skip
         """P_seq once more, and P_seqPath too where another process has come to it already."""
         if len(skeleton) > KEYFRAMES.longest_whole:
             return self._sequence(skeleton, self.seed.child("attempt", attempt), None, tries=self.tries), None
-        drawn = self._drawn(skeleton, sequence, refused, attempt, motions, still)
+        drawn = self._drawn(skeleton, sequence, refused, attempt, motions, still, thorough)
         if not self.ahead.expects(skeleton, drawn):
             return self._sequence(skeleton, drawn.draw, drawn.warm, tries=self.tries), None
         self.tell("seq-path", f"P_seqPath of {counted(len(skeleton), 'phase')}")
@@ -235,11 +243,13 @@ class Solves:
         return again, path
 
     def _expect_attempt(
-        self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int
-    ) -> None:
+        self, skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, attempt: int, motions: int,
+        thorough: bool,
+    ) -> None:  # fmt: skip
         """An attempt, if the same phases are refused as before."""
         if self.ahead.helps and len(skeleton) <= KEYFRAMES.longest_whole:
-            self.ahead.expect(skeleton, self._drawn(skeleton, sequence, refused, attempt, motions, False), self.budget)
+            drawn = self._drawn(skeleton, sequence, refused, attempt, motions, False, thorough)
+            self.ahead.expect(skeleton, drawn, self.budget)
 
     def _path(self, skeleton: Skeleton, sequence: BoundResult) -> BoundResult:
         """P_path, with bounded effort."""

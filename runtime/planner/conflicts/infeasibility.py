@@ -130,14 +130,15 @@ class Refusals:
         earlier = ", ".join(str(p.action) for p in skeleton.phases[conflict.first : conflict.last])
         notes = [f"straight after {earlier}{where}"] if earlier else []
         notes += [*self._still(skeleton, conflict), *self._lasting(skeleton, conflict)]
-        if cause is not None and cause.why == Why.CONTRADICTED:
+        if cause is not None and cause.why in (Why.CONTRADICTED, Why.HELD):
             notes += self._held_since(skeleton, conflict.last, cause.names)
         if conflict.obstacles:
             seq = conflict.bound == Bound.SEQ
             where = "there it can be done" if seq else "at the place of the start there is a motion"
             notes.append(f"without {', '.join(sorted(conflict.obstacles))} {where}")
         if count > 1:
-            notes.append(f"this was met in {count} such sequences; the smallest miss is shown")
+            of = "" if _goes_on(skeleton, conflict) else " of those that end at the goal"
+            notes.append(f"this was met in {count} such sequences; the smallest miss{of} is shown")
         row = f"{self._reason(conflict)}{told(cause)}"
         message = f"{_BOUND_NAMES[conflict.bound]} refuses {action}: {row}"
         miss = miss_of(self.problem, str(action), message, row, conflict, cause)
@@ -278,8 +279,17 @@ def _length(item: tuple[Skeleton, Conflict]) -> int:
     return item[1].last - item[1].first
 
 
-def _miss(item: tuple[Skeleton, Conflict]) -> tuple[int, float]:
-    return _length(item), max((v.amount for v in item[1].violations), default=float("inf"))
+def _miss(item: tuple[Skeleton, Conflict]) -> tuple[int, bool, float]:
+    """Of refusals that are told as one the most telling one is least: what would have reached the goal blocks all ways
+    there, where what comes before may have another way."""
+    skeleton, conflict = item
+    worst = max((v.amount for v in conflict.violations), default=float("inf"))
+    return _length(item), _goes_on(skeleton, conflict), worst
+
+
+def _goes_on(skeleton: Skeleton, conflict: Conflict) -> bool:
+    """Whether the plan goes on behind what was refused."""
+    return conflict.last < len(skeleton) - 1
 
 
 _BOUND_NAMES = {

@@ -1,10 +1,11 @@
 """What verdicts on some windows of actions say about similar ones.
 
 Two windows are similar when they differ only in names: of modules of one type, of ends of a reversible module, of
-bodies of one shape; where they open the plan, of bodies only, as every module starts in a place of its own. A window
-that strains the numeric conditions of its rules at least as much as a similar one that motion refused is expected to be
-refused too; one action that strains them no more than one that succeeded is expected to succeed. Expectations steer the
-search; no verdict rests on them, and `forget` drops them.
+bodies of one shape, of those that never move only in actions that strain some condition, as nothing else tells how they
+lie; where they open the plan, of bodies only, as every module starts in a place of its own. A window that strains the
+numeric conditions of its rules at least as much as a similar one that motion refused is expected to be refused too; one
+action that strains them no more than one that succeeded is expected to succeed. Expectations steer the search; no
+verdict rests on them, and `forget` drops them.
 """
 
 from __future__ import annotations
@@ -37,15 +38,15 @@ class GeneralisedNoGoods:
     def refuse(self, phases: Sequence[Phase], strains: Sequence[float], from_start: bool) -> None:
         """Remember that these actions were refused one after the other."""
         self._lengths.add(len(phases))
-        self._refused.setdefault((self._kind(phases, from_start), from_start), []).append(tuple(strains))
+        self._refused.setdefault((self._kind(phases, strains, from_start), from_start), []).append(tuple(strains))
 
     def accept(self, phase: Phase, strain: float) -> None:
         """Remember that an action alone was accepted from an unknown start."""
-        kind = self._kind((phase,))
+        kind = self._kind((phase,), (strain,))
         self._accepted[kind] = max(self._accepted.get(kind, 0.0), strain)
 
     def expects_success(self, phase: Phase, strain: float) -> bool:
-        return strain <= self._accepted.get(self._kind((phase,)), -1.0) + CONFLICTS.similar_strain
+        return strain <= self._accepted.get(self._kind((phase,), (strain,)), -1.0) + CONFLICTS.similar_strain
 
     def expected_refusals(self, phases: Sequence[Phase], strains: Sequence[float]) -> list[tuple[int, int, bool]]:
         """Windows (first, last, from the start) of a plan that are expected to be refused, shortest first."""
@@ -56,9 +57,10 @@ class GeneralisedNoGoods:
                 if any(f >= first and e <= last for f, e, _ in found):
                     continue
                 for from_start in (False, True) if first == 0 else (False,):
-                    kind = self._kind(phases[first : last + 1], from_start)
+                    strained = strains[first : last + 1]
+                    kind = self._kind(phases[first : last + 1], strained, from_start)
                     known = self._refused.get((kind, from_start), ())
-                    if any(_at_least(strains[first : last + 1], refused) for refused in known):
+                    if any(_at_least(strained, refused) for refused in known):
                         found.append((first, last, from_start))
                         break
         return found
@@ -72,20 +74,27 @@ class GeneralisedNoGoods:
         self._refused.clear()
         self._lengths.clear()
 
-    def _kind(self, phases: Sequence[Phase], from_start: bool = False) -> Kind:
+    def _kind(self, phases: Sequence[Phase], strains: Sequence[float], from_start: bool = False) -> Kind:
         """As `lifted`, with bodies replaced by their shapes; the same body twice is told from two bodies. From the
-        start modules keep their names."""
-        return self._signature(phases, bodies=True, modules=not from_start)
+        start modules keep their names, and bodies that never move do in actions without strain."""
+        return self._signature(phases, bodies=True, modules=not from_start, strains=strains)
 
-    def _signature(self, phases: Sequence[Phase], bodies: bool, modules: bool = True) -> Kind:
+    def _signature(
+        self, phases: Sequence[Phase], bodies: bool, modules: bool = True, strains: Sequence[float] = ()
+    ) -> Kind:  # fmt: skip
         names = Names()
         numbers: dict[str, int] = {}
+        world = self.problem.world
+        unlike = {
+            arg for phase, strain in zip(phases, strains, strict=False) if not strain for arg in phase.action.args
+            if isinstance(arg, str) and arg in world.bodies and not world.bodies[arg].movable
+        }  # fmt: skip
 
         def token(arg: object) -> object:
-            body = self.problem.world.bodies.get(arg) if bodies and isinstance(arg, str) else None
+            body = world.bodies.get(arg) if bodies and isinstance(arg, str) else None
             if body is None or not isinstance(arg, str):
                 return self._lifting.token(arg, names) if modules else arg
-            return body.shape, numbers.setdefault(arg, len(numbers))
+            return arg if arg in unlike else (body.shape, numbers.setdefault(arg, len(numbers)))
 
         actions = tuple((p.action.rule, *map(token, p.action.args)) for p in phases)
         relations = frozenset((fact[0], *map(token, fact[1:])) for fact in self._relations(phases))
