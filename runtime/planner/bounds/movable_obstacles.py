@@ -3,6 +3,7 @@ passage, a cup on the only place for another one."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from ....compiler.ir import Problem
@@ -22,7 +23,7 @@ from .requests import sequence_path
 
 def obstacles(
     skeleton: Skeleton, sequence: BoundResult, refused: BoundResult, settings: MotionSettings, seed: Seed,
-    budget: Budget,
+    budget: Budget, sampled_to: float = math.inf,
 ) -> tuple[int, frozenset[str]]:  # fmt: skip
     """The first phase for which P_seqPath found no motion between the switches of `sequence`, and the bodies at their
     places of the start that keep it from having one though something could move them: without them there is a motion,
@@ -38,7 +39,7 @@ def obstacles(
         violations=[v for v in refused.violations if v.phase == worst.phase],
     )  # fmt: skip
     clear = replace(first, problem=_without(skeleton.problem, standing))
-    found = sequence_path(clear, sequence, settings, seed, budget, thorough=False, known=known)
+    found = sequence_path(clear, sequence, settings, seed, budget, thorough=False, known=known, sampled_to=sampled_to)
     if not found.feasible:
         return none
     start = found.configurations[worst.phase]

@@ -98,13 +98,17 @@ class PathRequest(Question[BoundResult]):
     seed: Seed
     thorough: bool
     sequence: BoundResult
+    sampled_to: float = math.inf
 
     @property
     def key(self) -> Hashable:
-        return PathRequest, self.settings, self.seed, self.thorough, _values(self.sequence.configurations)
+        asked = self.settings, self.seed, self.thorough, self.sampled_to
+        return PathRequest, *asked, _values(self.sequence.configurations)
 
     def solved(self, skeleton: Skeleton, budget: Budget) -> BoundResult:
-        return sequence_path(skeleton, self.sequence, self.settings, self.seed, budget, self.thorough)
+        return sequence_path(
+            skeleton, self.sequence, self.settings, self.seed, budget, self.thorough, sampled_to=self.sampled_to
+        )
 
 
 def _values(configurations: Sequence[Configuration]) -> Hashable:

@@ -104,6 +104,11 @@ class BoundSettings:
         64.0, "joints", "… where no more joints move.",
         "a way among samples of 84 took 5 to 20 s and a gigabyte, another draw 1 s",
     )
+    first_sampled: float = setting(
+        14.0, "joints",
+        "Where motion may be looked for phase by phase, only phases of no more joints get that look before it is.",
+        "8 docked modules: 1 to 1.5 of 8 CPU s, after which all switches were drawn anew all the same",
+    )
     phase_setbacks: int = setting(
         16, "times", "How often it goes back, farther every other time, before new ground is won.",
         "16 docked crawlers, seed 2: 11",

@@ -3,6 +3,7 @@ find no path."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -74,11 +75,12 @@ class Solves:
         soon = self._shortened(skeleton, sequence, first)
         if soon is not None:
             return soon
-        result = self._sequence_path(first, sequence, thorough=False)
+        widest = BOUNDS.first_sampled if self._is_long(first) else math.inf
+        result = self._sequence_path(first, sequence, thorough=False, sampled_to=widest)
         blamed = [{v.phase for v in result.violations}]
         if not result.feasible:
             self.cut = blame(Bound.SEQ_PATH, result, blamed, len(first))
-        before, (phase, movable) = result, self._obstacles(first, sequence, result)
+        before, (phase, movable) = result, self._obstacles(first, sequence, result, widest)
         sequence, result = self._redrawn(skeleton, first, sequence, result, blamed, bool(movable))
         if result.feasible:
             self.cut = None
@@ -95,11 +97,13 @@ class Solves:
             bound = Bound.PATH
         return Judgement(False, conflicts=[blame(bound, result, blamed, len(first))])
 
-    def _obstacles(self, first: Skeleton, sequence: BoundResult, result: BoundResult) -> tuple[int, frozenset[str]]:
+    def _obstacles(
+        self, first: Skeleton, sequence: BoundResult, result: BoundResult, sampled_to: float = math.inf
+    ) -> tuple[int, frozenset[str]]:
         """What keeps a motion from being found that could be moved away, as long as such candidates come first."""
         if result.feasible or self.tries is None:
             return 0, frozenset()
-        return obstacles(first, sequence, result, self.settings, self.seed, self.budget)
+        return obstacles(first, sequence, result, self.settings, self.seed, self.budget, sampled_to)
 
     def _redrawn(
         self, skeleton: Skeleton, first: Skeleton, sequence: BoundResult, result: BoundResult, blamed: list[set[int]],
@@ -170,9 +174,12 @@ class Solves:
 
     def _goes_by_phases(self, first: Skeleton, refused: BoundResult) -> bool:
         """Whether motion of a skeleton is to be found phase by phase."""
+        return self._is_long(first) and not all(v.kind in LOADS for v in refused.violations)
+
+    def _is_long(self, first: Skeleton) -> bool:
+        """Whether a skeleton is one whose phases may be looked at one after the other."""
         several = BOUNDS.by_phases_from <= len(first) <= BOUNDS.by_phases_to
-        loaded = all(v.kind in LOADS for v in refused.violations)
-        return several and not loaded and not self._closes_a_loop(first, range(len(first)))
+        return several and not self._closes_a_loop(first, range(len(first)))
 
     def _by_phases(
         self, skeleton: Skeleton, sequence: BoundResult, motions: int
@@ -264,14 +271,14 @@ class Solves:
 
     def _sequence_path(
         self, skeleton: Skeleton, sequence: BoundResult, thorough: bool, known: BoundResult | None = None,
-        seed: Seed | None = None,
+        seed: Seed | None = None, sampled_to: float = math.inf,
     ) -> BoundResult:  # fmt: skip
         """P_seqPath of a skeleton, or of a beginning of that of `sequence`."""
         self.tell("seq-path", f"P_seqPath of {counted(len(skeleton), 'phase')}")
         with self.clock("seq_path"):
             draw = seed or self.seed
             if known is None:
-                question = PathRequest(self.settings, draw, thorough, sequence)
+                question = PathRequest(self.settings, draw, thorough, sequence, sampled_to)
                 result = self.ahead.answer(skeleton, question, self.budget)
             else:
                 result = sequence_path(skeleton, sequence, self.settings, draw, self.budget, thorough, known)

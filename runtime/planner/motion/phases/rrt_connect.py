@@ -42,9 +42,7 @@ class Space(Protocol):
 
 class _Checker:
     """Whether poses of one phase are free, on what the optimiser sees, with the contacts of the phase exempt. What is
-    thin is missed between them unless edges are looked at `closely`."""
-
-    closely = True
+    thin is missed between them; edges are `sound` where it is not."""
 
     def __init__(self, batch: Batch, phase: int) -> None:
         self.batch = batch.take(np.array([phase]))
@@ -74,11 +72,20 @@ class _Checker:
         """How far straight edges `(m, joints)` are free: their last free poses `(m, joints)`, and whether those are
         the goals `(m,)`."""
         way = goals - starts
-        count = np.maximum(2, np.ceil(np.abs(way).max(axis=1) / PHASES.edge_resolution)).astype(np.intp)
+        count = _steps(way)
         until = self._free_steps(starts, way, count)
-        if self.closely and until.any():
-            until = self._looked_at_closely(starts, way / count[:, None], until)
         return starts + (until / count)[:, None] * way, until == count
+
+    def sound(self, starts: Array, goals: Array) -> NDArray[np.bool_]:
+        """Whether straight edges `(m, joints)` are free, looked at closely: `(m,)`."""
+        way = goals - starts
+        count = _steps(way)
+        until = self._free_steps(starts, way, count)
+        result: NDArray[np.bool_] = until == count
+        if result.any():
+            free = np.flatnonzero(result)
+            result[free] = self._free_between(starts[free], way[free] / count[free, None], count[free])
+        return result
 
     def _free_steps(self, starts: Array, way: Array, count: Indices) -> Indices:
         """How many of `count` steps `(m,)` along each edge, `way` long, are free, looked at by more and more at a
@@ -97,27 +104,28 @@ class _Checker:
             left = left[(passed == done) & (count[left] > done)]
         return until
 
-    def _looked_at_closely(self, starts: Array, steps: Array, until: Indices) -> Indices:
-        """Up to where edges of so many free steps are free, also between their poses: where what moves comes nearer to
-        something than it moves."""
-        first = np.cumsum(until) - until
-        edge = np.repeat(np.arange(len(until)), until)
+    def _free_between(self, starts: Array, steps: Array, count: Indices) -> NDArray[np.bool_]:
+        """Whether edges of so many free steps `(m,)` are free between their poses, too, where what moves comes nearer
+        to something than it moves."""
+        first = np.cumsum(count) - count
+        edge = np.repeat(np.arange(len(count)), count)
         number = np.arange(len(edge)) - first[edge]
         lower = starts[edge] + number[:, None] * steps[edge]
         way = self._moved(lower, lower + steps[edge])
         spare = self._spare(np.concatenate([lower, lower + steps[edge]]), way.max()).reshape(2, -1).sum(axis=0)
         looks = np.where(spare < way, np.ceil(way / PHASES.edge_look).astype(np.intp), 0)
-        if not looks.any():
-            return until
+        result = np.ones(len(count), bool)
         row = np.repeat(np.arange(len(edge)), looks)
         ahead = np.cumsum(looks) - looks
-        share = (np.arange(len(row)) - ahead[row] + 1) / looks[row]
-        poses = lower[row] + share[:, None] * steps[edge[row]]
-        clear = self.free(poses)
-        clear[clear] = ~poses_blocked(self.exact, poses[clear])
-        bad = row[~clear]
-        result = until.copy()
-        np.minimum.at(result, edge[bad], number[bad])
+        look = np.arange(len(row)) - ahead[row]
+        for middle in (True, False):  # most edges that are none are blocked half-way between two poses already
+            chosen = np.flatnonzero(((look == looks[row] // 2) == middle) & result[edge[row]])
+            if not len(chosen):
+                break
+            poses = lower[row[chosen]] + ((look[chosen] + 1) / looks[row[chosen]])[:, None] * steps[edge[row[chosen]]]
+            clear = self.free(poses)
+            clear[clear] = ~poses_blocked(self.exact, poses[clear])
+            result[edge[row[chosen[~clear]]]] = False
         return result
 
     def _moved(self, poses: Array, others: Array) -> Array:
@@ -135,6 +143,11 @@ class _Checker:
         if self.exact.wholes:
             result = np.minimum(result, wholes_spare(self.exact, poses, most))
         return result
+
+
+def _steps(way: Array) -> Indices:
+    """In how many steps edges `(m, joints)` are looked at."""
+    return np.asarray(np.maximum(2, np.ceil(np.abs(way).max(axis=1) / PHASES.edge_resolution)).astype(np.intp))
 
 
 class _Tree:
@@ -241,8 +254,12 @@ def _along(line: Array, at: Array) -> Array:
     return np.stack([np.interp(at * lengths[-1], lengths, line[:, j]) for j in range(line.shape[1])], axis=1)
 
 
-def shorten(space: Space, lines: list[Array], random: np.random.Generator) -> list[Array]:
-    """Polylines with a corner cut where a straight edge is free: of some random ones that which saves most."""
+def shorten(
+    space: Space, lines: list[Array], random: np.random.Generator,
+    sound: Callable[[Array, Array], NDArray[np.bool_]] | None = None,
+) -> list[Array]:  # fmt: skip
+    """Polylines with a corner cut where a straight edge is free: of some random ones that which saves most, and, looked
+    at closely, is `sound`."""
     shares = np.sort(random.uniform(0.0, 1.0, (len(lines), PHASES.cuts_at_once, 2)), axis=2)
     ends = np.array([_along(line, s.reshape(-1)) for line, s in zip(lines, shares, strict=True)])
     first, second = ends[:, 0::2], ends[:, 1::2]
@@ -250,8 +267,14 @@ def shorten(space: Space, lines: list[Array], random: np.random.Generator) -> li
     free = space.advance(first.reshape(-1, width), second.reshape(-1, width))[1].reshape(first.shape[:2])
     result = []
     for k, line in enumerate(lines):
-        cut = [_cut(line, shares[k, c], first[k, c], second[k, c]) for c in np.flatnonzero(free[k])]
-        result.append(min([line, *cut], key=_length))
+        cut = [(c, _cut(line, shares[k, c], first[k, c], second[k, c])) for c in np.flatnonzero(free[k])]
+        saving = sorted((_length(shorter), n) for n, (_, shorter) in enumerate(cut) if _length(shorter) < _length(line))
+        for n in (n for _, n in saving):
+            c, shorter = cut[n]
+            if sound is None or sound(first[k, c][None], second[k, c][None]).all():
+                line = shorter
+                break
+        result.append(line)
     return result
 
 
@@ -272,18 +295,17 @@ def _connected(
     checker: _Checker, start: Array, end: Array, random: np.random.Generator, budget: Budget, rounds: int
 ) -> Array | None:
     """As `connect`. Most of the time would go into close looks at edges that no way takes: trees grow without them, and
-    lose what hangs on edges of a way that was found that are not free."""
+    lose what hangs on edges of a way that was found that are not free. The next way shares most edges with it."""
+    known: dict[bytes, bool] = {}
 
     def sound(line: Array) -> NDArray[np.bool_]:
-        checker.closely = True
-        free = checker.advance(line[:-1], line[1:])[1]
-        checker.closely = False
-        return free
+        edges = [edge.tobytes() for edge in np.stack([line[:-1], line[1:]], axis=1)]
+        new = np.array([edge not in known for edge in edges])
+        found = checker.sound(line[:-1][new], line[1:][new]).tolist() if new.any() else []
+        known.update(zip([edges[k] for k in np.flatnonzero(new)], found, strict=True))
+        return np.array([known[edge] for edge in edges])
 
-    checker.closely = False
-    line = connect(checker, start, end, random, budget, rounds, sound)
-    checker.closely = True
-    return line
+    return connect(checker, start, end, random, budget, rounds, sound)
 
 
 def sampled_starts(
@@ -298,7 +320,7 @@ def sampled_starts(
     line = _connected(checker, start, end, random, budget, rounds)
     if line is None:
         return []
-    return _cut_down(checker, line, random, budget, cuts)
+    return _cut_down(checker, line, random, budget, cuts, checker.sound)
 
 
 def straighter_starts(
@@ -306,18 +328,17 @@ def straighter_starts(
 ) -> list[Array]:
     """Starts as those, along a polyline `(poses, joints)` that is known to be free; its cuts are not looked at between
     poses."""
-    checker = _Checker(batch, phase)
-    checker.closely = False
-    return _cut_down(checker, line, random, budget, cuts)
+    return _cut_down(_Checker(batch, phase), line, random, budget, cuts)
 
 
 def _cut_down(
-    checker: _Checker, line: Array, random: np.random.Generator, budget: Budget, cuts: Sequence[int]
-) -> list[Array]:
+    checker: _Checker, line: Array, random: np.random.Generator, budget: Budget, cuts: Sequence[int],
+    sound: Callable[[Array, Array], NDArray[np.bool_]] | None = None,
+) -> list[Array]:  # fmt: skip
     lines = [line] * len(cuts)
     for number in range(max(cuts)):
         budget.check()
         left = [k for k, most in enumerate(cuts) if number < most]
-        for k, shorter in zip(left, shorten(checker, [lines[k] for k in left], random), strict=True):
+        for k, shorter in zip(left, shorten(checker, [lines[k] for k in left], random, sound), strict=True):
             lines[k] = shorter
     return [resample(line, checker.batch.slices) for line in lines]
