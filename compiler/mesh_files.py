@@ -7,6 +7,7 @@ another program made them.
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -21,6 +22,8 @@ from .named_meshes import FORMATS
 from .xml_texts import XmlError, refuse_document_types
 
 if TYPE_CHECKING:
+    from tempfile import TemporaryDirectory
+
     from .hulls import Array
 
 class Empty(ValueError):
@@ -105,9 +108,8 @@ def load_mesh(
 
 def read_mesh(path: str, content: bytes, scale: Sequence[float] = (1.0, 1.0, 1.0)) -> tuple[Array, Array]:
     """Points (M, 3) and triangles (T, 3) of the mesh that a file of one of `FORMATS` holds. Raises ValueError or
-    RuntimeError when it cannot be read or is empty, and XmlError where it declares a document type."""
-    import tempfile
-
+    RuntimeError when it cannot be read or is empty, XmlError where it declares a document type, and OSError where no
+    temporary file can be written."""
     import numpy as np
 
     from .apart import apart
@@ -119,7 +121,7 @@ def read_mesh(path: str, content: bytes, scale: Sequence[float] = (1.0, 1.0, 1.0
         raise Empty("it holds no triangles")
     if ending == ".dae":
         refuse_document_types(content)
-    with tempfile.TemporaryDirectory(prefix="tamplang-") as folder:
+    with _folder() as folder:
         file = Path(folder) / f"mesh{ending}"
         file.write_bytes(_shape_alone(content) if ending == ".obj" else content)
         loaded = partial(_loaded, file, scale)
@@ -129,6 +131,16 @@ def read_mesh(path: str, content: bytes, scale: Sequence[float] = (1.0, 1.0, 1.0
     if not np.isfinite(points).all():
         raise ValueError("a corner is not finite")
     return points, triangles
+
+
+def _folder() -> TemporaryDirectory[str]:
+    """Where a mesh lies while it is loaded. Raises OSError that says what cannot be written."""
+    from tempfile import TemporaryDirectory
+
+    try:
+        return TemporaryDirectory(prefix="tamplang-")
+    except FileNotFoundError as reason:  # what is said where all such folders are full, too
+        raise OSError(errno.ENOSPC, reason.strerror, "temporary files") from reason
 
 
 def _loaded(file: Path, scale: Sequence[float]) -> tuple[Array, Array]:

@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..langs.disk_cache import cache_folder, keep, recalled
+from ..langs.disk_cache import cache_folder, keep_sealed, recalled_sealed
 from ..langs.frozen import dataclass
 from .apart import apart
 from .convex_cuts import cut, hull_volume
 from .hulls import Array, HullError, corners_of
 from .mesh_surfaces import Surface, surface_of
 
-METHOD = "1"
+METHOD = "2"
 """Told apart in the cache: how parts are made of meshes. To be counted up with every change of it."""
 BULGE = 0.01
 """A mesh whose hull is larger by less than this share passes for convex."""
@@ -70,13 +70,13 @@ def mesh_solid(
     if found is None:
         found = _made(_sound(points, triangles), given)
         if given is None:
-            keep(file, json.dumps([found.corners, found.parts, found.faults, found.grown]).encode())
+            keep_sealed(file, json.dumps([found.corners, found.parts, found.faults, found.grown]).encode())
     return found
 
 
 def _recalled(file: Path) -> MeshSolid | None:
     """What is remembered, where this user wrote it and it is whole."""
-    content = recalled(file)
+    content = recalled_sealed(file)
     if content is None:
         return None
     try:
