@@ -19,7 +19,7 @@ class SolverOptions:
     """`mu` is the first penalty weight; the run stops once the scaled violation is below `tolerance` and the step
     below `step_tolerance`, or after `stall` iterations without progress. What violates by less than `projected` is
     projected onto the rows, where that is possible. Damping is Levenberg-Marquardt. A `persistent` run goes on where no
-    step promises much, as it does where rows weigh unlike each other."""
+    step promises much or the largest weight leaves much, as it does where rows weigh unlike each other."""
 
     mu: float = 1e2
     largest_mu: float = 1e7
@@ -145,6 +145,8 @@ def solve(program: Program, start: Array, options: SolverOptions, budget: Budget
         if violation < 0.9 * best:
             best, best_at = violation, iteration
         if iteration - best_at > options.stall and best > SOLVER.hopeless:
+            return SolverResult(run.x, iteration + 1, SolverStatus.STALLED)
+        if run.mu >= options.largest_mu and violation > SOLVER.pressed and not options.persistent:
             return SolverResult(run.x, iteration + 1, SolverStatus.STALLED)
         if iteration % SOLVER.promise_period == 0 and not options.persistent:
             slow = violation > SOLVER.hopeless and step < SOLVER.promise_step

@@ -24,6 +24,11 @@ class SolverSettings:
     promise_damping: float = setting(
         1e-2, "1", "What is added to the squares of the rows: it leaves out what only long ways would change."
     )
+    pressed: float = setting(
+        4e-2, "m or rad", "What the largest weight leaves violated by more is given up.",
+        "rendezvous n=4 takes 17 % fewer steps so, in seeds 3 to 9, and 49 solves of seven tasks are as good; with "
+        "2e-2, 2 of 880 runs that become feasible are lost, and real_choice takes half as long again",
+    )
     nearly: float = setting(
         2e-2, "m or rad",
         "What a run leaves violated by less is projected onto its rows before it counts as refused. Seen to succeed"
