@@ -121,6 +121,9 @@ class PhaseSettings:
         "Between two looks, to either side, where things pass each other so fast that they may be deeper there.",
         "a box passed another at 0.1 m/s, 1.2 mm deep between two looks that saw 0.2 mm",
     )
+    closer_lot: int = setting(
+        128, "times", "At so many times at once.", "climb n=128: all at once took 80 MB",
+    )
     far: float = setting(
         1e-3, "m",
         "Excess clearance beyond which nothing is measured: more counts as this much.",

@@ -87,13 +87,16 @@ def _look_closer(geometry: ExactGeometry, values: Array, entries: Entries, least
     before, after = np.maximum(time - 1, 0), np.minimum(time + 1, values.shape[1] - 1)
     here = values[phase, time][:, None]
     back, on = values[phase, before][:, None] - here, values[phase, after][:, None] - here
-    share = looks[:, None]
-    around = here + np.maximum(-share, 0.0) * back + np.maximum(share, 0.0) * on
-    closer = geometry.take(phase)
-    many = entries[np.repeat(np.arange(len(row)), len(looks))]
-    many.phase, many.time = np.repeat(row.ravel(), len(looks)), np.tile(np.arange(len(looks)), len(row))
-    distance = many.measured(closer, closer.kinematics.frames(around), np.full(len(many.first), PHASES.far)).value
-    np.minimum.at(least, phase[many.phase], distance + PHASES.deepest)
+    row, share = row.ravel(), looks[:, None]
+    for first in range(0, len(place), PHASES.closer_lot):
+        lot = np.arange(first, min(first + PHASES.closer_lot, len(place)))
+        around = here[lot] + np.maximum(-share, 0.0) * back[lot] + np.maximum(share, 0.0) * on[lot]
+        closer = geometry.take(phase[lot])
+        mine = np.flatnonzero((row >= first) & (row < first + PHASES.closer_lot))
+        many = entries[np.repeat(mine, len(looks))]
+        many.phase, many.time = np.repeat(row[mine] - first, len(looks)), np.tile(np.arange(len(looks)), len(mine))
+        distance = many.measured(closer, closer.kinematics.frames(around), np.full(len(many.first), PHASES.far)).value
+        np.minimum.at(least, phase[lot][many.phase], distance + PHASES.deepest)
 
 
 def _between(entries: Entries, times: int) -> Entries:
