@@ -7,6 +7,7 @@ between small objects and hence the chains. What remains is a formula over the o
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from operator import is_
 from typing import Any
 
 from ..ir import (
@@ -78,6 +79,8 @@ class Guards:
     def resolve(self, term: Term, env: Environment) -> Term:
         """`term` with known variables replaced; references into chains become objects. Raises Undefined."""
         match term:
+            case Object() | Number():
+                return term
             case Var():
                 value = env.get(term.name)
                 if isinstance(value, str):
@@ -93,11 +96,13 @@ class Guards:
             case Function():
                 if free_names(term) <= env.keys():
                     return Number(self.number(term, env))
-                return Function(term.name, tuple(self.resolve(a, env) for a in term.args))
+                args = tuple([self.resolve(a, env) for a in term.args])
+                return term if all(map(is_, args, term.args)) else Function(term.name, args)
             case Arith():
                 if free_names(term) <= env.keys():
                     return Number(self.number(term, env))
-                return Arith(term.operator, tuple(self.resolve(a, env) for a in term.operands))
+                operands = tuple([self.resolve(a, env) for a in term.operands])
+                return term if all(map(is_, operands, term.operands)) else Arith(term.operator, operands)
             case _:
                 return term
 
@@ -192,11 +197,11 @@ class Guards:
 
     def _literal(self, literal: Literal, env: Environment, word: KnownFacts | None) -> Formula:
         try:
-            args = tuple(self.resolve(a, env) for a in literal.args)
+            args = tuple([self.resolve(a, env) for a in literal.args])
         except Undefined:
             return FALSE
         if not all(isinstance(a, Object) for a in args):
-            return Literal(literal.predicate, args)
+            return literal if all(map(is_, args, literal.args)) else Literal(literal.predicate, args)
         fact = (literal.predicate, *(a.name for a in args if isinstance(a, Object)))
         if self.layout.kinds[literal.predicate] == STATIC:
             return TRUE if fact in self.static.facts else FALSE
@@ -211,13 +216,12 @@ class Guards:
             left, right = self.resolve(formula.left, env), self.resolve(formula.right, env)
             if isinstance(left, Object) and isinstance(right, Object):
                 return TRUE if COMPARISONS[formula.operator](left.name, right.name) else FALSE
-            if _is_thing(left, env) or _is_thing(right, env):
-                return Compare(formula.operator, left, right)
-            if free_names(left) | free_names(right) <= env.keys():
+            things = _is_thing(left, env) or _is_thing(right, env)
+            if not things and free_names(left) <= env.keys() and free_names(right) <= env.keys():
                 return TRUE if holds(formula.operator, self.number(left, env), self.number(right, env)) else FALSE
         except Undefined:
             return FALSE
-        return Compare(formula.operator, left, right)
+        return formula if left is formula.left and right is formula.right else Compare(formula.operator, left, right)
 
     def _exists(self, formula: Exists, env: Environment, word: KnownFacts | None) -> Formula:
         known = env.keys() | {v.name for v in formula.variables}

@@ -23,6 +23,8 @@ from ..ir import (
     Formula,
     Literal,
     Not,
+    Number,
+    Object,
     Or,
     Previous,
     Problem,
@@ -38,6 +40,7 @@ FALSE = Or(())
 NEGATED = {"=": "!=", "!=": "=", "<": ">=", ">=": "<", "<=": ">", ">": "<="}
 Renaming = Mapping[str, Term]
 Part = TypeVar("Part")
+_NONE: frozenset[str] = frozenset()
 _free: dict[int, tuple[Formula | Term | Type, frozenset[str]]] = {}
 """By identity: equality of large terms costs more than what is looked up."""
 
@@ -166,6 +169,10 @@ def _substituted(whole: Any, renaming: Renaming) -> Any:
 
 def free_names(item: Formula | Term | Type) -> frozenset[str]:
     """Names of the variables that are free in a formula, term or type; those of the last `known_names` are kept."""
+    if isinstance(item, Var):
+        return frozenset((item.name,))
+    if isinstance(item, Object | Number):
+        return _NONE
     known = _free.get(id(item))
     if known is not None and known[0] is item:
         return known[1]
@@ -177,10 +184,8 @@ def free_names(item: Formula | Term | Type) -> frozenset[str]:
 
 
 def _names(item: object) -> set[str]:
-    found: set[str] = set().union(*map(_names, children(item)))
+    found: set[str] = set().union(*map(free_names, children(item)))
     match item:
-        case Var():
-            found.add(item.name)
         case ChainEnd() | ChainModule():
             found.add(item.chain)
         case Exists() | Forall() | Aggregate():
