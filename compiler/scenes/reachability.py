@@ -154,15 +154,18 @@ def _achieves(
     return False
 
 
-def _reasons(relaxation: Relaxation, literal: ir.Literal, binding: Binding) -> Iterator[tuple[str, str | None]]:
-    """Sentences that say why nothing achieves a literal, each with the static fact that would help."""
+def _reasons(
+    relaxation: Relaxation, literal: ir.Literal, binding: Binding, asked: frozenset[str] = frozenset()
+) -> Iterator[tuple[str, str | None]]:  # fmt: skip
+    """Sentences that say why nothing achieves a literal, each with the static fact that would help; of predicates that
+    were `asked` about no more is said."""
     world = relaxation.world
     wanted = [_name(a, binding) for a in literal.args]
     derived = world.derived.get(literal.predicate)
     if derived is not None:
         inner = {v.name: w for v, w in zip(derived.variables, wanted, strict=True) if w is not None}
         for part, bound in _unreached(relaxation, derived.body, inner):
-            yield from _reasons(relaxation, part, bound)
+            yield from _reasons(relaxation, part, bound, asked)
         return
     predicate = world.predicates[literal.predicate]
     if predicate.static:
@@ -173,7 +176,7 @@ def _reasons(relaxation: Relaxation, literal: ir.Literal, binding: Binding) -> I
         yield NO_RULES, None
     elif not adders:
         yield f"no rule adds `{literal.predicate}`", None
-    obstacles = [o for rule in adders for o in _obstacle(relaxation, rule, literal.predicate, wanted)]
+    obstacles = [o for rule in adders for o in _obstacle(relaxation, rule, literal.predicate, wanted, asked)]
     yield from obstacles
     held = None if obstacles else _held(relaxation, literal.predicate, wanted)
     if held is not None:
@@ -190,7 +193,7 @@ def _adds(rule: ir.Rule, predicate: str) -> bool:
 
 
 def _obstacle(
-    relaxation: Relaxation, rule: ir.Rule, predicate: str, wanted: list[str | None]
+    relaxation: Relaxation, rule: ir.Rule, predicate: str, wanted: list[str | None], asked: frozenset[str]
 ) -> Iterator[tuple[str, str | None]]:
     """The first thing that keeps a rule from adding the literal."""
     for effect in ir.effects_of(rule.effects):
@@ -208,17 +211,24 @@ def _obstacle(
                 return
         for condition in needed_literals(rule.condition)[0]:
             if not possible(relaxation, condition, binding):
-                yield _unmet(relaxation, rule, condition, binding)
+                yield _unmet(relaxation, rule, condition, binding, asked)
                 return
 
 
-def _unmet(relaxation: Relaxation, rule: ir.Rule, condition: ir.Literal, binding: Binding) -> tuple[str, str | None]:
+def _unmet(
+    relaxation: Relaxation, rule: ir.Rule, condition: ir.Literal, binding: Binding, asked: frozenset[str]
+) -> tuple[str, str | None]:  # fmt: skip
+    """What a rule needs in vain, and why that never holds, as far as to what nobody gives."""
     shown = _shown(condition, binding)
     predicate = relaxation.world.predicates.get(condition.predicate)
     if predicate is not None and predicate.static:
         ground = all(_name(a, binding) is not None for a in condition.args)
         return f"`{rule.name}` needs `{shown}`, which is no fact", shown if ground else None
-    return f"`{rule.name}` needs `{shown}`, which can never hold", None
+    told = f"`{rule.name}` needs `{shown}`, which can never hold"
+    if condition.predicate in asked:
+        return told, None
+    why, lacking = next(_reasons(relaxation, condition, binding, asked | {condition.predicate}), (None, None))
+    return (told, None) if why is None else (f"{told}: {why}", lacking)
 
 
 def _shown(literal: ir.Literal, binding: Binding) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from ...compiler import ir
+from .shapes import bounding_radius
 
 LIMITS: dict[str, float] = {
     "position_m": 2e-3,
@@ -75,27 +76,40 @@ good plans are given where they come near.
 - time_s: times of phases against those of their samples. Rounding to 10 decimals."""
 
 SHAPED = ("position_m", "gap_m", "during_m", "slip_m", "penetration_m", "joint_limit_m")
-"""Limits that are meant for shapes of robots that reach about a metre. Where all robots of a scene reach less than
-`SMALL`, a robot of the size of a limit could go through anything: there they shrink as the reach does."""
+"""Limits that are meant for shapes of robots of about a metre. Where all robots of a scene come out less than `SMALL`
+without what they slide, a robot of the size of a limit could go through anything: there they shrink as it does."""
 SMALL = 0.1
 """Metres."""
+SLIDING = 0.1
+"""But no further than to this share of how far such robots come with what they slide: figures have errors of their own,
+which grow with ways."""
 
 
 def share_of(world: ir.World) -> float:
-    """What is left of the limits of shapes in a scene: 1, or the reach of the largest robot, in metres, of small ones.
-    Reach is the way along links and joints from the frame to the farthest effector or shape."""
-    reach = 0.0
-    for module in world.modules.values():
-        ways: list[float] = []
-        for moved in module.type.joints:
-            slide = max(-moved.lower, moved.upper, 0.0) if moved.kind == ir.JointKind.PRISMATIC else 0.0
-            before = ways[moved.parent] if moved.parent >= 0 else 0.0
-            ways.append(before + math.dist(moved.placement[:3], (0.0, 0.0, 0.0)) + slide)
-        parts = [(e.joint, e.placement) for e in module.type.effectors]
-        for joint, place in parts + [(link.joint, link.placement) for link in module.type.links]:
-            before = ways[joint] if joint >= 0 else 0.0
-            reach = max(reach, before + math.dist(place[:3], (0.0, 0.0, 0.0)))
-    return reach if 0.0 < reach < SMALL else 1.0
+    """What is left of the limits of shapes in a scene: 1, or how far, in metres, the largest of small robots comes
+    from its frame: along links and joints to the farthest point of a shape, with a share of what slides."""
+    types = [module.type for module in world.modules.values()]
+    reach = max((_comes(kind, True) for kind in types), default=0.0)
+    small = min(reach, max(max((_comes(kind, False) for kind in types), default=0.0), SLIDING * reach))
+    return small if 0.0 < small < SMALL else 1.0
+
+
+def _comes(kind: ir.ModuleType, slides: bool) -> float:
+    """How far from its frame a module comes at most, in metres; without `slides` up to the ends of its shapes."""
+    ways: list[float] = []
+    for moved in kind.joints:
+        slide = max(-moved.lower, moved.upper, 0.0) if slides and moved.kind == ir.JointKind.PRISMATIC else 0.0
+        before = ways[moved.parent] if moved.parent >= 0 else 0.0
+        ways.append(before + math.dist(moved.placement[:3], (0.0, 0.0, 0.0)) + slide)
+    parts = [(e.joint, e.placement, e.shape) for e in kind.effectors]
+    parts += [(link.joint, link.placement, link.shape) for link in kind.links]
+    found = [0.0]
+    for joint, place, shape in parts:
+        before = ways[joint] if joint >= 0 else 0.0
+        solids = () if slides or shape is None else shape.solids
+        ends = [math.hypot(*s.placement[:3]) + bounding_radius(s.shape.kind, s.shape.size) for s in solids]
+        found.append(before + math.dist(place[:3], (0.0, 0.0, 0.0)) + max(ends, default=0.0))
+    return max(found)
 
 
 RATES = ("joint_speed_rad_s", "joint_speed_m_s", "joint_acceleration_rad_s2", "joint_acceleration_m_s2",

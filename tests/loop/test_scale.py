@@ -62,6 +62,76 @@ def test_a_robot_of_any_size_picks_and_places(tmp_path: Path, size: str) -> None
     assert abs(goal[0] / SIZES[size] - 0.7) < 0.25 and abs(goal[2] / SIZES[size] - 0.13) < 0.01
 
 
+PUSH = """
+import std.logic
+import std.motion
+type crate < object
+type pad < region
+type ram < effector
+type wheelset < effector
+predicate (behind A: ram, X: crate)
+predicate (delivered X: crate)
+
+module rover(s: length = 1 m) {
+    effector W: wheelset box(0.002 * s, 0.002 * s, 0.002 * s) normal (0, 0, -1)
+    joint drive: planar(x, y) in (-3 * s, -3 * s) .. (3 * s, 3 * s)
+    link 0.03 * s
+    link 0.12 * s: box(0.3 * s, 0.24 * s)
+    effector bumper: ram box(0.02 * s, 0.24 * s, 0.06 * s) at (0.17 * s, 0, -0.06 * s) normal (1, 0, 0)
+}
+placement (W: wheelset) on (Y: object) { (support W), (on Y W), [stable Y W], [rolls W Y] }
+motion [rolls W Y: object] borne rest {
+    during bottom(W) = top(Y)
+    during axis(W, z) = (0, 0, -1)
+}
+## The ram A is flat against X.
+motion [against A: ram, X: crate] {
+    at switch gap(A, X) = 0
+    at switch dot(axis(A, z), axis(X, x)) >= 0.999
+    at switch abs(dot(position(X) - position(A), axis(X, y))) <= radius(X) / 8
+    keep pose(X, A)
+}
+motion [glides X Y: object] {
+    during bottom(X) = top(Y)
+    during axis(X, z) = (0, 0, 1)
+}
+motion [arrived X: crate, Y: pad] {
+    at switch norm(position(X) - position(Y)) <= radius(X)
+}
+rule approach(A: ram, X: crate, F: object) {
+    pre   not (behind A X), (on F X)
+    post  (behind A X), [against A X], not [stable F X], [glides X F]
+}
+rule push(A: ram, X: crate, F: object, Y: pad) {
+    pre   (behind A X), (on F X)
+    post  (delivered X), [arrived X Y]
+}
+rule back(A: ram, X: crate, F: object) {
+    pre   (behind A X), (delivered X), (on F X)
+    post  not (behind A X), not [against A X], not [glides X F], [stable F X]
+}
+task push(s: length = 1 m) {
+    object floor: box(6 * s, 6 * s, 0.04 * s) at (0, 0, -0.02 * s)
+    crate box1: box(0.3 * s, 0.3 * s, 0.2 * s) on floor at (1 * s, 0.4 * s)
+    pad spot: box(0.4 * s, 0.4 * s, 0.001 * s) at (2.2 * s, 0.6 * s, 0.0005 * s)
+    object pillar: cylinder(0.15 * s, 0.5 * s) on floor at (1.6 * s, 0.1 * s)
+    rover(s = s) r: W on floor
+    goal (delivered box1), not (behind r.bumper box1)
+}
+"""
+
+
+@pytest.mark.parametrize("size", ["1mm", "2cm", "30m"])
+def test_a_rover_of_any_size_pushes_a_crate_over_the_floor(tmp_path: Path, size: str) -> None:
+    """What rows hold in contact while they last is known in any unit of length; a rover of 6 mm that drives 12 cm is
+    small."""
+    file = tmp_path / "push.tamp"
+    file.write_text(PUSH)
+    problem = compile_problem(file, "push", {"s": size})[0]
+    assert not LengthUnit(problem).plain
+    _solved(problem)
+
+
 HALL = """
 import std.mobile
 task t(range: length = 8 m) {
@@ -92,6 +162,14 @@ def test_a_robot_that_slides_far_is_measured_by_its_body(tmp_path: Path) -> None
     file.write_text(HALL)
     units = [length_unit(compile_problem(file, "t", {"range": r})[0]) for r in ("4m", "15m", "60m")]
     assert units[0] == 1.0 and 3.0 < units[1] < 3.1 and 12.0 < units[2] < 12.1
+
+
+def test_a_small_robot_with_a_wide_table_is_measured_by_its_body(tmp_path: Path) -> None:
+    """A rover of 6 mm that drives 12 cm about could go through sheets of a millimetre."""
+    file = tmp_path / "hall.tamp"
+    file.write_text(PUSH)
+    problem = compile_problem(file, "push", {"s": "2cm"})[0]
+    assert 0.005 < share_of(problem.world) < 0.02 and 0.005 < length_unit(problem) < 0.02
 
 
 def test_poses_come_back_as_they_went(tmp_path: Path) -> None:

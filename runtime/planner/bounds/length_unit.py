@@ -9,6 +9,7 @@ turned back.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
 from typing import Any
@@ -16,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from ....compiler import ir
+from ....compiler.motion.collision import bounding_radius
 from ....compiler.motion.constraints import METRES, units
 from ....compiler.physics.masses import part_mass
 from ....compiler.physics.records import Hold, Inertial
@@ -23,30 +25,51 @@ from ....langs.trees import mapped
 from ...skeleton import Array, BoundResult, Configuration, PhasePath, Skeleton, Violation
 from ..motion.keyframes.causes import Cause
 from ..motion.settings import ACCEPTANCE
+from .scaled_rows import in_unit
 from .settings import BOUNDS
 from .verdicts import Conflict, Judgement
 
 
 def length_unit(problem: ir.Problem) -> float:
     """The unit of length of a problem, in metres: 1 where its robots are of the usual size, else the reach of the
-    largest of them. Where only slides make that long, as those of a plate that drives about a hall, it grows with them
-    no faster than it must: what moves, and the clearances that are wished for, are of the usual size."""
+    largest of them. Where only slides make that long, as those of a plate that drives about a hall, or of a small robot
+    on a table, it is no larger than it must: what moves, and the clearances that are wished for, are of the usual
+    size."""
     types = [m.type for m in problem.world.modules.values()]
     reach = max(map(_reach, types), default=1.0)
-    if reach == 0.0 or BOUNDS.least_reach <= reach <= BOUNDS.greatest_reach:
+    bodily = max(map(_bodily, types), default=1.0)
+    least, greatest = BOUNDS.least_reach, BOUNDS.greatest_reach
+    if reach == 0.0 or (reach <= greatest and bodily >= least):
         return 1.0
-    bodily = max((_reach(t, slides=False) for t in types), default=1.0)
-    return reach / BOUNDS.greatest_reach if bodily <= BOUNDS.greatest_reach < reach else reach
+    return reach / greatest if bodily <= greatest < reach else min(reach, max(bodily, reach / greatest))
 
 
 def _reach(type_: ir.ModuleType, slides: bool = True) -> float:
     """How far from its frame a module comes at most, in metres; without `slides` as if nothing slid."""
+    return max((length for length, _ in _parts(type_, slides)), default=0.0)
+
+
+def _bodily(type_: ir.ModuleType) -> float:
+    """How far from its frame the shapes of a module come at most, in metres, as if nothing slid."""
+    return max((length + _extent(shape) for length, shape in _parts(type_, slides=False)), default=0.0)
+
+
+def _extent(shape: ir.Shape | None) -> float:
+    """How far from where a shape is put it reaches at most, in metres."""
+    solids = () if shape is None else shape.solids
+    return max((math.hypot(*s.placement[:3]) + bounding_radius(s.shape) for s in solids), default=0.0)
+
+
+def _parts(type_: ir.ModuleType, slides: bool) -> Iterator[tuple[float, ir.Shape | None]]:
+    """How far out each end and link of a module is at most, in metres, and its shape."""
     lengths = [0.0]
     for joint in type_.joints:
         slide = joint.slide if slides else 0.0
         lengths.append(lengths[joint.parent + 1] + math.hypot(*joint.placement[:3]) + slide)
-    places = [(e.joint, e.placement) for e in type_.effectors] + [(k.joint, k.placement) for k in type_.links]
-    return max((lengths[joint + 1] + math.hypot(*place[:3]) for joint, place in places), default=0.0)
+    parts = [*[(e.joint, e.placement, e.shape) for e in type_.effectors],
+             *[(k.joint, k.placement, k.shape) for k in type_.links]]  # fmt: skip
+    for parent, placement, shape in parts:
+        yield lengths[parent + 1] + math.hypot(*placement[:3]), shape
 
 
 class LengthUnit:
@@ -86,10 +109,14 @@ class LengthUnit:
         return replace(problem, world=replace(problem.world, modules=modules, bodies=bodies), motions=motions)
 
     def _row(self, row: ir.Row) -> ir.Row:
-        """Numbers in rows stay what they are written as, in metres: what is measured beside them becomes metres, too,
-        and the whole is turned back. Poses that are kept are compared with poses alone."""
+        """The same row in the unit. Where it is not plain which of its numbers are lengths, these stay in metres: what
+        is measured beside them becomes metres, too, and the whole is turned back. Poses that are kept are compared with
+        poses alone."""
         if isinstance(row.left, ir.Function) and row.left.name == "pose":
             return row
+        plain = in_unit(row, self.metres)
+        if plain is not None:
+            return plain
 
         def in_metres(term: Any) -> Any:
             inner = mapped(term, in_metres)

@@ -130,7 +130,7 @@ class Refusals:
         earlier = ", ".join(str(p.action) for p in skeleton.phases[conflict.first : conflict.last])
         notes = [f"straight after {earlier}{where}"] if earlier else []
         notes += [*self._still(skeleton, conflict), *self._lasting(skeleton, conflict)]
-        if cause is not None and cause.why in (Why.CONTRADICTED, Why.HELD):
+        if cause is not None and cause.names and cause.why in (Why.CONTRADICTED, Why.HELD, Why.REACH):
             notes += self._held_since(skeleton, conflict.last, cause.names)
         if conflict.obstacles:
             seq = conflict.bound == Bound.SEQ

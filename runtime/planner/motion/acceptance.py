@@ -66,6 +66,16 @@ def steps(problem: Problem, phase: int, path: PhasePath) -> Iterator[Violation]:
                 yield Violation(phase, Breach.STEP, (name, joint.name), float(amount - PHASES.greatest_step), unit)
 
 
+def past_limits(problem: Problem, phase: int, motion: Resampled) -> Iterator[Violation]:
+    """Joints that go farther past their limits than `PHASES.beyond`, between slices too."""
+    for name, values in motion.joints.items():
+        for k, joint in enumerate(problem.world.modules[name].type.joints):
+            amount = float(np.maximum(values[:, k] - joint.upper, joint.lower - values[:, k]).max())
+            if amount > PHASES.beyond:
+                unit = "rad" if joint.kind == JointKind.REVOLUTE else "m"
+                yield Violation(phase, Breach.JOINT_LIMIT, (name, joint.name), amount, unit)
+
+
 # --- clearances ------------------------------------------------------------------------------------------------------
 
 

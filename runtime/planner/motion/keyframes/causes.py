@@ -46,8 +46,9 @@ class Cause:
     """Why a posture is refused, and the row of its literals that is missed least by all means but for that; what is
     `at` fault: the parts that are in the way, the joint and by how much it would have to go past its limit; or the
     `names` of the modules of a ring, of a literal that keeps where it is what would have to move, or of one that
-    holds at that switch and without which nothing would be missed. The `nearest`
-    posture is the one that misses least, and where things are in the way, the one in which they overlap."""
+    holds at that switch and without which nothing would be missed; where it is out of reach, of one that keeps an end
+    of a robot, if one does. The `nearest` posture is the one that misses least, and where things are in the way, the
+    one in which they overlap."""
 
     why: Why
     missed: Violation
@@ -136,7 +137,8 @@ def cause(
     still = _kept_still(skeleton.problem, mode, bound.missed.names[1:])
     held = still or _holding(skeleton.problem, mode)
     why = Why.HELD if still else Why.RING if ring else Why.HELD if held else Why.REACH
-    names = held if why == Why.HELD else tuple(sorted(ring))
+    named = held if why == Why.HELD else tuple(sorted(ring))
+    names = named or _kept_end(skeleton.problem, mode, bound.missed.names[1:])
     return Cause(why, bound.missed, bound.posture, names=names)
 
 
@@ -160,6 +162,13 @@ def _kept_still(problem: Problem, mode: frozenset[Fact], names: Sequence[str]) -
         keeping |= {own: literal for own, other in (pair, pair[::-1]) if other in resting}
     moving = [name for name in names if name not in resting and name not in keeping]
     return () if moving else next((keeping[name] for name in names if name in keeping), ())
+
+
+def _kept_end(problem: Problem, mode: frozenset[Fact], names: Sequence[str]) -> Fact:
+    """A literal that keeps an end among `names` of a robot with drives to something else; empty where there is none."""
+    ends = {name: problem.world.effector(name) for name in names}
+    driven = {n for n, end in ends.items() if end is not None and any(not j.passive for j in end[0].type.joints)}
+    return next((x for x in sorted(mode) if driven & set(keeps_pose(problem, x) or ())), ())
 
 
 def _holding(problem: Problem, mode: frozenset[Fact]) -> Fact:

@@ -16,7 +16,7 @@ from .....compiler.motion.collision import contacts
 from ....budget import Budget
 from ....geometry.splines import spline_weights
 from ....skeleton import Array, Breach, Configuration, PhasePath, Skeleton, Violation, may_differ
-from ..acceptance import clashes, dense, slip, steps
+from ..acceptance import clashes, dense, past_limits, slip, steps
 from ..nlp.augmented_lagrangian import PATH, project
 from ..settings import MotionSettings
 from ..time_scaling import shortest_duration
@@ -161,7 +161,7 @@ def accepted(
             finer = _denser(skeleton, phase, path, before, after, settings, factor, budget)
         motion = dense(problem, mode, finer, before)
         coarser, drift = drift, slip(problem, mode, motion, before)
-        found = [*steps(problem, phase, finer)]
+        found = [*steps(problem, phase, finer), *past_limits(problem, phase, motion)]
         if (drift <= PATHS.slip and not found) or drift > max(PATHS.slip, PATHS.least_shrinking * coarser):
             break
     if drift > PATHS.slip:
