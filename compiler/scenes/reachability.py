@@ -6,6 +6,7 @@ The relaxation is generous, so a goal that it refuses is impossible; one that it
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
 from .. import ir
 from ..checks.findings import Findings
@@ -15,19 +16,27 @@ Binding = Mapping[str, str]
 NO_RULES = "the program declares and imports no rules"
 
 
+class Reason(NamedTuple):
+    """Why something can never hold, the fact that would help, and whether that lies behind another rule."""
+
+    told: str
+    fact: str | None = None
+    behind: bool = False
+
+
 def check_goal(findings: Findings, relaxation: Relaxation, goal: ir.Formula) -> None:
     """Report each literal of the goal that has no achiever, and why; and two values of one functional predicate."""
     _check_values(findings, relaxation, goal)
     for literal, binding in _unreached(relaxation, goal, {}):
         shown = _shown(literal, binding)
         reasons = list(dict.fromkeys(_reasons(relaxation, literal, binding)))
-        reasons = [r for r in reasons if r[1] is not None] or reasons
+        reasons = [r for r in reasons if r.fact is not None and not r.behind] or reasons
         findings.report(
             "E0503",
             literal.span,
             f"the goal `{shown}` can never be reached",
             help=_repair(reasons),
-            note="; ".join(reason for reason, _ in reasons) or None,
+            note="; ".join(reason.told for reason in reasons) or None,
         )
 
 
@@ -47,10 +56,10 @@ def _check_values(findings: Findings, relaxation: Relaxation, goal: ir.Formula) 
             findings.report("E0306", literal.span, f"the goal wants two values: {one} and {other}", labels=labels)
 
 
-def _repair(reasons: list[tuple[str, str | None]]) -> str | None:
-    if any(reason == NO_RULES for reason, _ in reasons):
+def _repair(reasons: list[Reason]) -> str | None:
+    if any(reason.told == NO_RULES for reason in reasons):
         return "the standard library declares some: `import std.rules`"
-    facts = list(dict.fromkeys(fact for _, fact in reasons if fact is not None))
+    facts = [r.fact for r in reasons if r.fact is not None and (not r.behind or len(reasons) == 1)]
     return f"add `fact {facts[0]}`, if it is so" if facts else None
 
 
@@ -156,7 +165,7 @@ def _achieves(
 
 def _reasons(
     relaxation: Relaxation, literal: ir.Literal, binding: Binding, asked: frozenset[str] = frozenset()
-) -> Iterator[tuple[str, str | None]]:  # fmt: skip
+) -> Iterator[Reason]:  # fmt: skip
     """Sentences that say why nothing achieves a literal, each with the static fact that would help; of predicates that
     were `asked` about no more is said."""
     world = relaxation.world
@@ -169,20 +178,21 @@ def _reasons(
         return
     predicate = world.predicates[literal.predicate]
     if predicate.static:
-        yield f"`{_shown(literal, binding)}` is no fact, and no rule can make it one", _shown(literal, binding)
+        shown = _shown(literal, binding)
+        yield Reason(f"`{shown}` is no fact, and no rule can make it one", shown)
         return
     adders = [r for r in world.rules.values() if _adds(r, literal.predicate)]
     if not relaxation.world.rules:
-        yield NO_RULES, None
+        yield Reason(NO_RULES)
     elif not adders:
-        yield f"no rule adds `{literal.predicate}`", None
+        yield Reason(f"no rule adds `{literal.predicate}`")
     obstacles = [o for rule in adders for o in _obstacle(relaxation, rule, literal.predicate, wanted, asked)]
     yield from obstacles
     held = None if obstacles else _held(relaxation, literal.predicate, wanted)
     if held is not None:
         name = predicate.variables[predicate.functional_in or 0].name
         shown = f"`({' '.join(held)})` holds at the start and no rule deletes it"
-        yield f"{shown}: `{literal.predicate}` is functional in {name}", None
+        yield Reason(f"{shown}: `{literal.predicate}` is functional in {name}")
 
 
 def _adds(rule: ir.Rule, predicate: str) -> bool:
@@ -194,7 +204,7 @@ def _adds(rule: ir.Rule, predicate: str) -> bool:
 
 def _obstacle(
     relaxation: Relaxation, rule: ir.Rule, predicate: str, wanted: list[str | None], asked: frozenset[str]
-) -> Iterator[tuple[str, str | None]]:
+) -> Iterator[Reason]:
     """The first thing that keeps a rule from adding the literal."""
     for effect in ir.effects_of(rule.effects):
         if effect.negated or effect.literal.motion or effect.literal.predicate != predicate:
@@ -207,7 +217,7 @@ def _obstacle(
         for name, value in binding.items():
             kind = types.get(name)
             if kind is not None and value not in relaxation.world.of_type(kind):
-                yield f"`{rule.name}` takes only things of type `{kind}` for {name}", None
+                yield Reason(f"`{rule.name}` takes only things of type `{kind}` for {name}")
                 return
         for condition in needed_literals(rule.condition)[0]:
             if not possible(relaxation, condition, binding):
@@ -217,18 +227,18 @@ def _obstacle(
 
 def _unmet(
     relaxation: Relaxation, rule: ir.Rule, condition: ir.Literal, binding: Binding, asked: frozenset[str]
-) -> tuple[str, str | None]:  # fmt: skip
+) -> Reason:  # fmt: skip
     """What a rule needs in vain, and why that never holds, as far as to what nobody gives."""
     shown = _shown(condition, binding)
     predicate = relaxation.world.predicates.get(condition.predicate)
     if predicate is not None and predicate.static:
         ground = all(_name(a, binding) is not None for a in condition.args)
-        return f"`{rule.name}` needs `{shown}`, which is no fact", shown if ground else None
+        return Reason(f"`{rule.name}` needs `{shown}`, which is no fact", shown if ground else None)
     told = f"`{rule.name}` needs `{shown}`, which can never hold"
     if condition.predicate in asked:
-        return told, None
-    why, lacking = next(_reasons(relaxation, condition, binding, asked | {condition.predicate}), (None, None))
-    return (told, None) if why is None else (f"{told}: {why}", lacking)
+        return Reason(told)
+    why = next(_reasons(relaxation, condition, binding, asked | {condition.predicate}), None)
+    return Reason(told) if why is None else Reason(f"{told}: {why.told}", why.fact, behind=True)
 
 
 def _shown(literal: ir.Literal, binding: Binding) -> str:
