@@ -2,8 +2,9 @@
 
     python benchmarks/time.py [--baseline PYTHON] [--seeds N] [--only NAME]
 
-Every task is solved by `tamplang solve` as the `baseline` does (the Python of another build; this one without an
-objective, unless it is given), and by this build with `--minimise makespan`, in turn. Profiles are judged by toppra,
+Every task is solved by `tamplang solve` as the `baseline` does (the Python of another build), by this build without an
+objective, and with `--minimise makespan`, in turn: how many times shorter motions are than the baseline's (or this
+build's without an objective, where none is given), and user seconds over those of both. Profiles are judged by toppra,
 where it is installed: seconds of each phase that a module moves alone over those of the fastest law through the same
 curve, with the same limits.
 """
@@ -22,6 +23,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +54,9 @@ def solved(python: str, example: str, parameters: Sequence[str], seed: int, plan
     plan.unlink(missing_ok=True)
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
-    output = subprocess.run(command, capture_output=True, text=True, env=environment, check=False).stdout
+    output = subprocess.run(  # elsewhere, or `-m` would find the package that lies here
+        command, capture_output=True, text=True, env=environment, check=False, cwd=plan.parent
+    ).stdout
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     told = json.loads(output) if output else {}
     motion = json.loads(plan.read_text(encoding="utf-8"))["times"][-1] if plan.exists() else None
@@ -98,53 +102,69 @@ def profiles(plan: Path) -> list[float]:
     return found
 
 
-def row(
-    task: tuple[str, Sequence[str], float], baseline: str | None, seeds: int, folder: Path
-) -> tuple[str, list[float]]:
-    """The line of a task, and its phases' seconds over those of toppra."""
-    example, parameters, wanted = task
-    pairs, ratios, gaps, judged = [], [], [], []
-    verified = 0
+@dataclass
+class Row:
+    """What came of a task, by seed that all builds solved."""
+
+    gains: list[float] = field(default_factory=list)
+    gaps: list[float] = field(default_factory=list)
+    ratios: list[float] = field(default_factory=list)
+    plain: list[float] = field(default_factory=list)
+    motions: list[float] = field(default_factory=list)
+    profiles: list[float] = field(default_factory=list)
+
+
+def measured(example: str, parameters: Sequence[str], baseline: str | None, seeds: int, folder: Path) -> Row:
+    """A task by seeds. Without a baseline, plans of this build without an objective are what is compared with."""
+    found = Row()
     for seed in range(seeds):
         own = folder / "own.plan.json"
-        before = solved(baseline or sys.executable, example, parameters, seed, folder / "before.plan.json")
+        plain = solved(sys.executable, example, parameters, seed, folder / "plain.plan.json")
+        before = solved(baseline, example, parameters, seed, folder / "before.plan.json") if baseline else plain
         after = solved(sys.executable, example, parameters, seed, own, "--minimise", "makespan")
-        verified += before["verified"] and after["verified"]
-        if not (before["verified"] and after["verified"]):
+        if not (before["verified"] and plain["verified"] and after["verified"]):
             continue
-        pairs.append((before["motion"], after["motion"]))
-        ratios.append(after["cpu"] / before["cpu"])
+        found.motions.append(after["motion"])
+        found.gains.append(before["motion"] / after["motion"])
+        found.ratios.append(after["cpu"] / before["cpu"])
+        found.plain.append(after["cpu"] / plain["cpu"])
         bound = after["objective"]["bounds"]["these actions"]
-        gaps.append(100.0 * (after["motion"] - bound) / after["motion"])
+        found.gaps.append(100.0 * (after["motion"] - bound) / after["motion"])
         with contextlib.suppress(ImportError):
-            judged += profiles(own)
-    name = f"{example} {' '.join(parameters)}".strip()
-    if not pairs:
-        return f"| {name} | {wanted:g} | – | – | – | – | – | 0 of {seeds} |", judged
-    old, new = (statistics.median(p[i] for p in pairs) for i in (0, 1))
-    gain = statistics.median(a / b for a, b in pairs)
+            found.profiles += profiles(own)
+    return found
+
+
+def line(task: tuple[str, Sequence[str], float], found: Row, seeds: int) -> str:
+    """The line of a task in the table."""
+    name = ", ".join([task[0], *task[1]])
+    if not found.gains:
+        return f"| {name} | {task[2]:g} | – | – | – | – | – | – | 0 of {seeds} |"
+    middle = statistics.median
+    by_seed, motions = (" ".join(f"{x:.2f}" for x in row) for row in (found.gains, found.motions))
     return (
-        f"| {name} | {wanted:g} | {old:.2f} | {new:.2f} | {gain:.2f} | {statistics.median(gaps):.1f} % "
-        f"| {statistics.median(ratios):.2f} | {verified} of {seeds} |"
-    ), judged
+        f"| {name} | {task[2]:g} | {middle(found.gains):.2f} | {by_seed} | {motions} | {middle(found.gaps):.1f} % "
+        f"| {middle(found.ratios):.2f} | {middle(found.plain):.2f} | {len(found.gains)} of {seeds} |"
+    )
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--baseline", help="the Python of the build to compare with")
     parser.add_argument("--seeds", type=int, default=5)
-    parser.add_argument("--only", default="", help="tasks whose name and parameters hold this text")
+    parser.add_argument("--only", default="", help="tasks whose name and parameters begin with this text")
     arguments = parser.parse_args()
     print(f"{datetime.date.today()}, {platform.machine()}, {os.cpu_count()} cores, {arguments.seeds} seeds\n")
-    print("| task | at least | motion before, s | now, s | times shorter | above its own bound | CPU | verified |")
-    print("|---|---|---|---|---|---|---|---|", flush=True)
+    print("| task | at least | median | by seed | seconds | above its own bound | CPU / baseline | CPU / without "
+          "| verified |")  # fmt: skip
+    print("|---|---|---|---|---|---|---|---|---|", flush=True)
     judged: list[float] = []
     with tempfile.TemporaryDirectory() as folder:
         for task in TASKS:
-            if arguments.only in f"{task[0]} {' '.join(task[1])}":
-                line, more = row(task, arguments.baseline, arguments.seeds, Path(folder))
-                judged += more
-                print(line, flush=True)
+            if ", ".join([task[0], *task[1]]).startswith(arguments.only):
+                found = measured(task[0], task[1], arguments.baseline, arguments.seeds, Path(folder))
+                judged += found.profiles
+                print(line(task, found, arguments.seeds), flush=True)
     if judged:
         print(f"\nSeconds of {len(judged)} phases over those of toppra: median {statistics.median(judged):.3f}, "
               f"most {max(judged):.3f}")  # fmt: skip

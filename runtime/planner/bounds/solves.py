@@ -113,7 +113,8 @@ class Solves:
         once only and without much effort where it is to be refused `soon`; `blamed` is told which phases had
         none. Several phases are looked at one after the other first. Raises OutOfTime."""
         if not (soon or result.feasible) and self._goes_by_phases(first, result):
-            found = self._by_phases(skeleton, sequence, len(first))
+            whole = self._unmoved(skeleton, first, sequence, result) if len(first) <= BOUNDS.whole_to else None
+            found = whole or self._by_phases(skeleton, sequence, len(first))
             if found is not None:
                 return found
         held: set[frozenset[int]] = set()
@@ -180,6 +181,20 @@ class Solves:
         """Whether a skeleton is one whose phases may be looked at one after the other."""
         several = BOUNDS.by_phases_from <= len(first) <= BOUNDS.by_phases_to
         return several and not self._closes_a_loop(first, range(len(first)))
+
+    def _unmoved(
+        self, skeleton: Skeleton, first: Skeleton, sequence: BoundResult, refused: BoundResult
+    ) -> tuple[BoundResult, BoundResult] | None:
+        """Switches that move little in the phases that were refused, and the motion of the first phases, if it is found
+        with little effort."""
+        again, path = self._attempt(skeleton, sequence, refused, 1, len(first), True)
+        if not again.feasible:
+            return None
+        with self.clock("seq_path"):
+            draw, wide = self.seed.child("attempt", 1), BOUNDS.sampled_width
+            path = path or sequence_path(first, again, self.settings, draw, self.budget, False, None, wide)
+        self._count(Bound.SEQ_PATH, path.feasible)
+        return (again, path) if path.feasible else None
 
     def _by_phases(
         self, skeleton: Skeleton, sequence: BoundResult, motions: int

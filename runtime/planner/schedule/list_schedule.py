@@ -3,7 +3,7 @@ in its way allow."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
@@ -47,23 +47,32 @@ def scheduled(
 ) -> Timetable | None:  # fmt: skip
     """A schedule in which of all segments that may begin that of the highest priority is put first. Without
     `clearances` nothing is in the way. The first ones have `begun` at these ticks, the others begin, and all switches
-    come, behind the tick `earliest`. None where things block each other for ever."""
-    return _Placing(order, clearances, priority, begun, earliest).run()
+    come, behind the tick `earliest`. Where what was put early blocks a segment for ever, that one is put before all
+    later ones. None where a segment is blocked behind its place in the sequence, too."""
+    early: set[int] = set()
+    while True:
+        found = _Placing(order, clearances, priority, begun, earliest, early).run()
+        if isinstance(found, Timetable):
+            return found
+        if found in early:
+            return None
+        early.add(found)
 
 
 class _Placing:
     def __init__(
         self, order: Precedence, clearances: SegmentClearances | None, priority: Sequence[float], begun: Sequence[int],
-        earliest: int,
+        earliest: int, early: Collection[int],
     ) -> None:  # fmt: skip
-        self._order, self._clearances, self._priority = order, clearances, priority
+        self._order, self._clearances, self._priority, self._early = order, clearances, priority, early
         self._begun, self._least = begun, earliest
         self._starts: dict[int, int] = {}
         self._switches: dict[int, int] = {}
         self._taken: set[int] = set()
         self._lanes: dict[str, list[tuple[int, int, int]]] = {}
 
-    def run(self) -> Timetable | None:
+    def run(self) -> Timetable | int:
+        """The schedule, or the first segment that is blocked for ever."""
         count = len(self._order)
         for phase, start in enumerate(self._begun):
             self._put(phase, start)
@@ -74,7 +83,7 @@ class _Placing:
             ready.sort(key=lambda k: (-self._priority[k], k))
             placed = next(((k, s) for k in ready if (s := self._earliest(k)) is not None), None)
             if placed is None:
-                return None
+                return waiting[0]
             self._put(*placed)
             waiting.remove(placed[0])
             self._switch()
@@ -87,6 +96,8 @@ class _Placing:
         return self._starts[phase] + segment.ticks
 
     def _may_begin(self, k: int) -> bool:
+        if any(early < k and early not in self._starts for early in self._early):
+            return False
         return self._order.begins_after[k] <= self._switches.keys() and self._order.follows[k] <= self._starts.keys()
 
     def _put(self, phase: int, start: int) -> None:

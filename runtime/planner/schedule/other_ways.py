@@ -42,11 +42,10 @@ class OtherWays:
         for k, group in enumerate(groups):
             random = self._seed.child("other ways", k).random()
             every = np.arange(len(group.batch))
-            attempt(group, every, straight(group.batch), Schedule(), self._budget)
-            bent = np.repeat(every[group.detour], SCHEDULE.bent)
-            for size in SCHEDULE.bends if len(bent) else ():
-                inner = bumped(group.batch.take(bent), random, size)
-                attempt(group, bent, inner, Schedule(), self._budget)
+            bent = np.repeat(every, SCHEDULE.bent)
+            starts = [bumped(group.batch.take(bent), random, size) for size in SCHEDULE.bends]
+            index = np.concatenate([every, *(bent for _ in starts)])
+            attempt(group, index, np.concatenate([straight(group.batch), *starts]), Schedule(), self._budget)
         clear = {int(p) for group in groups for p in group.batch.phases[group.solved]}
         asked = [t for t in asked if t.phase in clear]
         stored = stored_paths(own, motions(groups), asked, [states[t.phase] for t in asked], self._settings.slices)

@@ -91,8 +91,10 @@ class Scheduler:
             far = {k for k, s in enumerate(order.segments) if s is not None and s.ticks > SCHEDULE.detour * least[k]}
             straight = tuple(s and (replace(s, ticks=max(1, least[s.phase])) if s.phase in far else s)
                              for s in order.segments)  # fmt: skip
-            enough = _bound(replace(order, segments=straight)) > (1.0 - SCHEDULE.shorter_by) * table.end
-            if self._ways is None or not far or enough:
+            end = _bound(replace(order, segments=straight))
+            if table.end <= (1.0 + SCHEDULE.tight) * _bound(order):
+                far &= _through(order, end)
+            if self._ways is None or not far or end > (1.0 - SCHEDULE.shorter_by) * table.end:
                 break
             ways = self._ways.found(skeleton, configurations(skeleton, paths), far, alone)
             faster = self._profiles(skeleton, [ways.get(k, path) for k, path in enumerate(paths)], tick)
@@ -204,6 +206,14 @@ def _bound(order: Precedence, begun: Sequence[int] = (), earliest: int = 0) -> i
     free = scheduled(order, None, tails(order), begun, earliest)
     assert free is not None
     return free.end
+
+
+def _through(order: Precedence, end: int) -> set[int]:
+    """The phases through which chains of more than `end` ticks lead."""
+    behind = tails(order)
+    free = scheduled(order, None, behind)
+    assert free is not None
+    return {k for k, start in enumerate(free.starts) if start is not None and start + behind[k] > end}
 
 
 def _straight(problem: Problem, segment: Segment, tick: float) -> int:
