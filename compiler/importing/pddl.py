@@ -100,8 +100,8 @@ class _Translation:
         self.costs.note([n for n in (section.rest if section is not None else ()) if _is_value(n)])
         derived = self._derived()
         rules = [self._rule(action) for action in self.domain.sections.get(":action", ())]
-        scene = [*self._things(), *self._init(), *self.costs.facts()]
         goal = self._goal()
+        scene = [*self._things(), *self._init(), *self.costs.facts()]
         self.made.objects = {self.words.objects[name]: name for name in self.tables.objects}
         declared = [*self._types(), "", *self._predicates(), *self.costs.predicates()]
         name = plain_name(self.problem.name)
@@ -127,6 +127,8 @@ class _Translation:
         for name, predicate in self.singled.items():
             kind = self.words.type_name(self.tables.objects[name])
             shown.append(f"predicate ({predicate} X: {kind}) static")
+        for above, predicate in self.words.unions.values():
+            shown.append(f"predicate ({predicate} X: {self.words.type_name(above)}) static")
         return shown
 
     def _singled(self, name: str) -> str:
@@ -173,10 +175,17 @@ class _Translation:
             if len(bound) != len(self.tables.predicates[name]):
                 self.domain.faults.tell("E0022", head, f"`{name}` takes {len(self.tables.predicates[name])} arguments")
                 return ""
-            parameters = parameters or bound
-            for (variable, (_, kind)), (first, _) in zip(list(formulas.variables.items()), parameters, strict=True):
+            declared = [kind for _, kind in parameters] or self.tables.predicates[name]
+            firsts = [first for first, _ in parameters or bound]
+            pairs = zip(firsts, declared, bound, strict=True)
+            parameters = [(first, self.tables.common((kind, own))) for first, kind, (_, own) in pairs]
+            for variable, first, (own, kind) in zip(list(formulas.variables), firsts, bound, strict=True):
                 formulas.variables[variable] = first, kind
+                formulas.types[first] = formulas.types[own]
+            asked = formulas.asks(parameters)
             text = formulas.condition(body)
+            if asked:
+                text = f"({' and '.join([*asked, text])})"
             reads.setdefault(name, set()).update(formulas.read)
             for constant, variable in formulas.used.items():
                 kind = self.words.type_name(self.tables.objects[constant])
@@ -200,7 +209,8 @@ class _Translation:
         before = formulas.conjuncts(parts[":precondition"]) if ":precondition" in parts else []
         costs: list[str] = []
         after = formulas.effects(parts[":effect"], costs) if ":effect" in parts else []
-        conditions = [*self._is(formulas), *before, *(formulas.asked if self.metric else ())]
+        kinds = formulas.asks(parameters)
+        conditions = [*kinds, *self._is(formulas), *before, *(formulas.asked if self.metric else ())]
         parameters += [(variable, self.tables.objects[c]) for c, variable in formulas.used.items()]
         lines = [f"rule {rule}({formulas.shown(parameters)}) {{"]
         lines += [f"pre {', '.join(conditions)}"] if conditions else []
@@ -224,6 +234,8 @@ class _Translation:
 
     def _init(self) -> list[str]:
         facts = [f"fact ({predicate} {self.words.objects[name]})" for name, predicate in self.singled.items()]
+        for types, (_, predicate) in self.words.unions.items():
+            facts += [f"fact ({predicate} {self.words.objects[name]})" for name in self.tables.members(types)]
         formulas = Formulas(self.problem.faults, self.words, scene=True)
         section = self.problem.the(":init")
         for node in section.rest if section is not None else ():

@@ -10,7 +10,7 @@ from ...langs.diagnostics import did_you_mean
 from ...langs.frozen import dataclass
 from .names import NO_PREDICATES, GivenNames
 from .nodes import Faults, Group, Node, Token
-from .pddl_tables import Tables, TypedWord, one_type, typed
+from .pddl_tables import Tables, TypedWord, known_type, typed
 
 NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?")
 _REFUSED = ("preference", "always", "sometime", "within", "at-most-once", "sometime-after", "sometime-before",
@@ -35,6 +35,20 @@ class Vocabulary:
     derived: set[str] = field(default_factory=set)
     priced: set[str] = field(default_factory=set)
     partial: set[str] = field(default_factory=set)
+    unions: dict[tuple[str, ...], tuple[str, str]] = field(default_factory=dict)
+    """For each `either` that is asked for the type above all of it, and the predicate that holds of what is of it."""
+
+    def union(self, types: tuple[str, ...], kind: str) -> str:
+        """The predicate that holds of what is of one of `types`, of those of the type `kind`; empty where all are."""
+        members = self.tables.members(types)
+        if len(members) == len(self.tables.members((kind,))):
+            return ""
+        types = tuple(sorted(set(types)))
+        if types not in self.unions:
+            self.unions[types] = kind, self.predicates.fresh(f"is_{'_or_'.join(types)}")
+        above, predicate = self.unions[types]
+        self.unions[types] = self.tables.common((above, kind)), predicate
+        return predicate
 
     def type_name(self, name: str) -> str:
         """A type in this language."""
@@ -50,6 +64,7 @@ class Formulas:
         self.faults, self.words, self.tables, self.scene = faults, words, words.tables, scene
         self.names = GivenNames(words.objects[o] for o in words.tables.objects) if scene else GivenNames()
         self.variables: dict[str, tuple[str, str]] = {}
+        self.types: dict[str, tuple[str, ...]] = {}
         self.used: dict[str, str] = {}
         self.read: set[str] = set()
         self.asked: list[str] = []
@@ -67,9 +82,16 @@ class Formulas:
     def _bound(self, item: TypedWord) -> tuple[str, str]:
         if item.name in self.variables:
             self.faults.tell("E0022", item.word, f"`{item.name}` is bound twice")
-        kind = one_type(self.tables, self.faults, item)
-        self.variables[item.name] = self.names.fresh(item.name[1:]), kind
-        return self.variables[item.name]
+        kind = known_type(self.tables, self.faults, item)
+        name = self.names.fresh(item.name[1:])
+        self.variables[item.name] = name, kind
+        self.types[name] = item.types
+        return name, kind
+
+    def asks(self, parameters: Iterable[tuple[str, str]]) -> list[str]:
+        """What has to hold of variables that are of `either` of several types."""
+        found = [(self.words.union(self.types[name], kind), name) for name, kind in parameters]
+        return [f"({predicate} {name})" for predicate, name in found if predicate]
 
     def shown(self, parameters: Iterable[tuple[str, str]]) -> str:
         """Parameters as this language writes them, those of one type together."""
@@ -149,6 +171,11 @@ class Formulas:
         before = self._enter(binders)
         parameters = self.bind(binders)
         inner = self.condition(body)
+        asked = self.asks(parameters)
+        if asked and node.head == "exists":
+            inner = " and ".join([*asked, inner])
+        elif asked:
+            inner = " or ".join([*(f"not {literal}" for literal in asked), inner])
         self._leave(before, parameters)
         return f"{node.head} {self.shown(parameters)} {{ {inner} }}" if parameters else inner
 
@@ -237,6 +264,8 @@ class Formulas:
         before = self._enter(binders)
         parameters = self.bind(binders)
         told = self.effects(body, None)
+        if told and (asked := self.asks(parameters)):
+            told = [f"if {' and '.join(asked)} {{ {', '.join(told)} }}"]
         self._leave(before, parameters)
         if told:
             into[2].append(f"for {self.shown(parameters)} {{ {', '.join(told)} }}" if parameters else ", ".join(told))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
 
 from ...langs.diagnostics import did_you_mean
@@ -69,9 +69,12 @@ class PddlFile:
 @dataclass(slots=True)
 class Tables:
     """What a domain and a problem declare. `parents` holds for each type the one above; `objects` their type;
-    `predicates` the types of their parameters."""
+    `predicates` the types of their parameters. `unions` are the types, and `loose` the objects, that are of `either`
+    of several: above them is what lies above all of these."""
 
     parents: dict[str, str] = field(default_factory=dict)
+    unions: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    loose: dict[str, tuple[str, ...]] = field(default_factory=dict)
     objects: dict[str, str] = field(default_factory=dict)
     constants: list[str] = field(default_factory=list)
     predicates: dict[str, list[str]] = field(default_factory=dict)
@@ -88,6 +91,22 @@ class Tables:
         """The lowest type that is all of them, or above them."""
         first, *others = names
         return next(t for t in self.above(first) if all(t in self.above(o) for o in others))
+
+    def within(self, name: str, kinds: Sequence[str]) -> bool:
+        """Whether whatever is of a type is of one of `kinds`."""
+        if name == ROOT or name in kinds or ROOT in kinds:
+            return name in kinds or ROOT in kinds
+        union = self.unions.get(name)
+        if union is not None and all(self.within(one, kinds) for one in union):
+            return True
+        return self.within(self.parents.get(name, ROOT), kinds)
+
+    def members(self, kinds: Sequence[str]) -> list[str]:
+        """The objects that are of one of `kinds`."""
+        return [
+            name for name, kind in self.objects.items()
+            if all(self.within(one, kinds) for one in self.loose.get(name, (kind,)))
+        ]  # fmt: skip
 
 
 def pddl_file(faults: Faults, groups: Sequence[Group]) -> PddlFile:
@@ -184,20 +203,14 @@ def read_tables(domain: PddlFile, problem: PddlFile) -> Tables:
         for item in typed(file.faults, group.rest) if group is not None else ():
             if item.name in tables.objects:
                 file.faults.tell("E0022", item.word, f"there are two objects `{item.name}`")
-            tables.objects[item.name] = one_type(tables, file.faults, item)
+            tables.objects[item.name] = known_type(tables, file.faults, item)
+            if len(item.types) > 1:
+                tables.loose[item.name] = item.types
     constants = domain.the(":constants")
     tables.constants = [i.name for i in typed(domain.faults, constants.rest)] if constants is not None else []
     _read_signatures(tables, domain, ":predicates", tables.predicates)
     _read_signatures(tables, domain, ":functions", tables.functions)
     return tables
-
-
-def one_type(tables: Tables, faults: Faults, item: TypedWord) -> str:
-    """The type of a name. `either` is refused: nothing here is of two types that none is above of alone."""
-    if len(item.types) > 1:
-        faults.tell("E0020", item.word, f"`{item.name}` is of `either` of several types, which has no counterpart here",
-                    "declare a type above them")  # fmt: skip
-    return known_type(tables, faults, item)
 
 
 def known_type(tables: Tables, faults: Faults, item: TypedWord) -> str:
@@ -211,25 +224,39 @@ def known_type(tables: Tables, faults: Faults, item: TypedWord) -> str:
 
 def _read_types(tables: Tables, domain: PddlFile) -> None:
     section = domain.the(":types")
-    declared = typed(domain.faults, section.rest) if section is not None else []
+    listed = typed(domain.faults, section.rest) if section is not None else []
+    declared = [item for item in listed if item.name != ROOT]
+    given: dict[str, tuple[str, ...]] = {}
     for item in declared:
-        if item.name == ROOT:
-            continue
-        if len(item.types) > 1:
-            domain.faults.tell("E0020", item.word, f"type `{item.name}` lies below `either` of several types")
-        elif tables.parents.setdefault(item.name, item.types[0]) != item.types[0]:
-            domain.faults.tell("E0022", item.word, f"type `{item.name}` lies below `{tables.parents[item.name]}` and "
-                               f"`{item.types[0]}`: here, it has one above")  # fmt: skip
+        if given.setdefault(item.name, item.types) != item.types:
+            one, other = (" or ".join(f"`{t}`" for t in types) for types in (given[item.name], item.types))
+            domain.faults.tell("E0022", item.word, f"type `{item.name}` lies below {one} and {other}: here, it has one "
+                               "above")  # fmt: skip
     for item in declared:
-        if item.types[0] != ROOT:
-            tables.parents.setdefault(item.types[0], ROOT)
+        for above in item.types:
+            if above != ROOT:
+                given.setdefault(above, (ROOT,))
     for item in declared:
-        seen = [item.name]
-        while (above := tables.parents.get(seen[-1], ROOT)) != ROOT and above not in seen:
-            seen.append(above)
-        if above != ROOT:
+        if item.name in _reached(item.name, given):
             domain.faults.tell("E0022", item.word, f"type `{item.name}` lies below itself")
     domain.faults.end()
+    tables.unions = {name: types for name, types in given.items() if len(types) > 1}
+    tables.parents = {name: types[0] for name, types in given.items()}
+    unions = sorted(tables.unions, key=lambda name: len(_reached(name, given)))
+    for name in unions:
+        tables.parents[name] = tables.common(given[name])
+
+
+def _reached(name: str, given: Mapping[str, Sequence[str]]) -> set[str]:
+    """All types above one, by whatever way."""
+    found: set[str] = set()
+    waiting = list(given.get(name, ()))
+    while waiting:
+        above = waiting.pop()
+        if above not in found:
+            found.add(above)
+            waiting += given.get(above, ())
+    return found
 
 
 def _read_signatures(tables: Tables, domain: PddlFile, section: str, into: dict[str, list[str]]) -> None:

@@ -142,6 +142,50 @@ def spoilt(text: str, old: str, new: str) -> str:
     return text.replace(old, new, 1)
 
 
+UNION = """(define (domain mix) (:requirements :adl :typing :derived-predicates)
+  (:types car truck bike - vehicle vehicle place - object amphi - (either car truck))
+  (:constants depot - place)
+  (:predicates (at ?v - (either car truck bike) ?p - place) (road ?a ?b - place) (trail ?a ?b - place)
+    (done ?v) (ready ?v - vehicle) (dirty ?v - vehicle))
+  (:derived (ready ?v - (either car truck)) (and (at ?v depot) (not (dirty ?v))))
+  (:derived (ready ?v - bike) (exists (?p - place) (and (at ?v ?p) (not (= ?p depot)))))
+  (:action drive :parameters (?v - (either car truck) ?a ?b - place)
+    :precondition (and (at ?v ?a) (road ?a ?b)) :effect (and (not (at ?v ?a)) (at ?v ?b)))
+  (:action ride :parameters (?v - (either bike car) ?a ?b - place)
+    :precondition (and (at ?v ?a) (trail ?a ?b)) :effect (and (not (at ?v ?a)) (at ?v ?b) (dirty ?v)))
+  (:action wash :parameters (?p - place) :precondition (exists (?v - (either bike truck)) (at ?v ?p))
+    :effect (forall (?v - (either car truck)) (when (at ?v ?p) (not (dirty ?v)))))
+  (:action finish :precondition (forall (?v - (either car bike)) (ready ?v))
+    :effect (forall (?v - (either truck bike)) (done ?v))))
+"""
+UNION_PROBLEM = """(define (problem some) (:domain mix)
+  (:objects c - car t - truck b - bike m - amphi x - (either car truck) p q - place)
+  (:init (at c p) (at t q) (at b p) (at m q) (at x p) (road p depot) (road depot p) (trail p q) (trail q p)
+    (trail q depot) (road depot q) (trail depot q) (dirty m) (dirty c))
+  (:goal GOAL))
+"""
+
+
+@pytest.mark.parametrize(("goal", "cost"), {
+    "(at x q)": 2,  # it may be a truck: it does not ride, but drives by the depot
+    "(and (not (dirty c)) (at c depot))": 2,  # washed where the bike is, for what is at p need not be a truck
+    "(and (not (dirty m)) (at m q))": 1,  # what is either a car or a truck is one of (either car truck)
+    "(and (done b) (done t))": 3,  # the car has to be ready, the bike is, and nobody asks for the others
+    "(done m)": None,  # finishing needs a truck or a bike, and m may be neither
+    "(at m p)": None,  # nor may it ride, and from q no road leaves
+}.items(), ids=str)  # fmt: skip
+def test_variables_objects_and_types_may_be_of_either_of_several_types(
+    command: Command, goal: str, cost: int | None
+) -> None:
+    Path("d.pddl").write_text(UNION)
+    Path("p.pddl").write_text(UNION_PROBLEM.replace("GOAL", goal))
+    answer = command("import", "d.pddl", "p.pddl", "-o", "task.tamp")
+    assert answer.status == 0, answer.told
+    assert not [code for code in problems(command, "task.tamp") if code.startswith("E")]
+    result = tamplang.load("task.tamp").solve(time=100.0)
+    assert result.status == ("infeasible" if cost is None else "solved") and (cost is None or result.cost == cost)
+
+
 IN_DOMAIN = {
     "open bracket": ("(when (and (not (= ?x ?r)) (open ?x)) (not (open ?x)))))))", "(when (open ?x)", "E0019"),
     "closed twice": ("(open ?r) (increase", "(open ?r)) (increase", "E0019"),
@@ -155,7 +199,8 @@ IN_DOMAIN = {
     "type below itself": ("room - place", "room - place place - room", "E0022"),
     "type of two": ("room - place", "room - place room - box", "E0022"),
     "unknown type": ("?b - box ?r - room)", "?b - bx ?r - room)", "E0022"),
-    "either": ("?b - box ?from", "?b - (either box room) ?from", "E0020"),
+    "unknown type in either": ("?b - box ?from", "?b - (either box rom) ?from", "E0022"),
+    "either of itself": ("room - place", "room - (either place box) box - room", "E0022"),
     "unknown predicate": ("(and (at ?b ?from)", "(and (att ?b ?from)", "E0022"),
     "arity": ("(and (at ?b ?from)", "(and (at ?b)", "E0022"),
     "unknown variable": ("(and (at ?b ?from)", "(and (at ?c ?from)", "E0022"),
