@@ -35,9 +35,10 @@ class PhasesRequest(Question[tuple[list[Configuration], BoundResult | None]]):
         return self
 
     def solved(self, skeleton: Skeleton, budget: Budget) -> tuple[list[Configuration], BoundResult | None]:
-        homeward = replace(
-            self.settings, homeward=True, switch_margin=max(self.settings.switch_margin, BOUNDS.homeward_margin)
-        )
+        homeward = replace(self.settings, homeward=True)
+        least = self.settings.switch_margin
+        margin = most = max(least, BOUNDS.homeward_margin)
+        rooms = [most] * self.motions  # the widest margins with which switches are not known to be none
         random = self.seed.child("phases").random()
         path = BoundResult(Bound.SEQ_PATH, True, 0.0, 0.0, 0, [start_configuration(skeleton.problem)], [], [])
         drawn = [0] * self.motions
@@ -46,8 +47,10 @@ class PhasesRequest(Question[tuple[list[Configuration], BoundResult | None]]):
             phase, number = len(path.paths), number + 1
             drawn[phase] += 1
             last = min(phase + KEYFRAMES.window, len(skeleton)) - 1
+            margin = min(margin, rooms[phase])
+            wishes = replace(homeward, switch_margin=margin, still=margin > least)
             switches = solve_span(
-                skeleton, phase, last, homeward, random, budget, path.configurations[-1], tries=self.tries
+                skeleton, phase, last, wishes, random, budget, path.configurations[-1], tries=self.tries
             )
             if switches.feasible:
                 widest = BOUNDS.sampled_width if drawn[phase] == BOUNDS.phase_draws else 0.0
@@ -60,6 +63,9 @@ class PhasesRequest(Question[tuple[list[Configuration], BoundResult | None]]):
                     if phase + 1 > farthest:
                         farthest, setbacks = phase + 1, 0
                     continue
+                margin = most  # more room at both ends, where there is, leaves more ways between them
+            else:
+                rooms[phase] = max(least, 0.5 * margin)
             if drawn[phase] >= BOUNDS.phase_draws:
                 setbacks += 1
                 back = max(0, phase - 1 - setbacks // 2)

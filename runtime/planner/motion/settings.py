@@ -15,7 +15,8 @@ class MotionSettings:
     metres, and nothing is refused for less;
     `limit_margin` pulls joint limits in at switches, radians; `tolerance` is the largest violation of a single row
     that still counts as feasible (metres or radians). With `polish`, motions become cheaper once they are feasible.
-    With `homeward`, switches are found where joints are near their home, however far they go to get there.
+    With `homeward`, switches are found where joints are near their home, however far they go to get there; with `still`
+    only those robots move to a switch that it concerns.
     What an `objective` adds up beside actions is looked at where switches are found: robots that a switch does not
     concern rest again where it was found with all of them moving, and ways get shorter."""
 
@@ -28,6 +29,7 @@ class MotionSettings:
     collisions: bool = True
     polish: bool = True
     homeward: bool = False
+    still: bool = False
     objective: Objective = ACTIONS
 
     @property

@@ -165,7 +165,7 @@ class SpanSolver:
         for number in range(max(tries, KEYFRAMES.more_tries)):
             if number >= tries and (warm is not None or not self.reached):
                 break
-            switches = self._program(number % 2 == 0)
+            switches = self._program(number % 2 == 0 or self.settings.still)
             given = warm is not None and number == 0
             period = KEYFRAMES.repair_period
             collided = self.reached and best is not None and number >= period
