@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -70,3 +71,29 @@ def test_the_answer_depends_on_the_question_alone_and_looks_ahead() -> None:
     assert path is not None and again is not None and len(path.paths) == 2 and len(one) == 5
     assert all(np.array_equal(a.modules["c"], b.modules["c"]) for a, b in zip(one, other, strict=True))
     assert np.array_equal(path.paths[1].modules["c"], again.paths[1].modules["c"])
+
+
+def test_where_there_is_less_room_than_wished_for_others_move_only_with_the_least(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    wished: list[tuple[int, float, bool]] = []
+    plain = phase_by_phase.solve_span
+
+    def solve_span(
+        skeleton: Skeleton, first: int, last: int, settings: MotionSettings, *rest: Any, **more: Any
+    ) -> BoundResult:
+        wished.append((first, settings.switch_margin, settings.still))
+        found: BoundResult = plain(skeleton, first, last, settings, *rest, **more)
+        found.feasible = found.feasible and not (first == 1 and settings.switch_margin > 0.04)
+        return found
+
+    monkeypatch.setattr(phase_by_phase, "solve_span", solve_span)
+    asked = _asked(monkeypatch, {2: 1})
+    _, path = PhasesRequest(MotionSettings(switch_margin=0.025), Seed(0), 3, 3).solved(pick_and_place(2), Budget(100.0))
+    assert path is not None and [phase for phase, *_ in asked] == [0, 1, 2, 2]
+    assert wished == [
+        (0, 0.1, True),
+        *((1, margin, still) for margin, still in ((0.1, True), (0.05, True), (0.025, False))),
+        (2, 0.025, False),
+        (2, 0.1, True),  # a switch without a way to it asks for all the room there may be
+    ]
