@@ -187,7 +187,7 @@ class Solves:
     ) -> tuple[BoundResult, BoundResult] | None:
         """Switches that move little in the phases that were refused, and the motion of the first phases, if it is found
         with little effort."""
-        again, path = self._attempt(skeleton, sequence, refused, 1, len(first), True)
+        again, path = self._attempt(skeleton, sequence, refused, 1, len(first), True, False)
         if not again.feasible:
             return None
         with self.clock("seq_path"):
