@@ -95,11 +95,11 @@ def _shown_as_on_the_terminal(text: str = "") -> Iterator[None]:
 
 
 def _check_seed(seed: object) -> None:
-    """Raises UsageError unless a seed is a whole number."""
-    if isinstance(seed, bool) or not isinstance(seed, int):
+    """Raises UsageError unless a seed is a whole number from 0."""
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         from .langs.diagnostics import UsageError
 
-        raise UsageError(f"a seed is a whole number, not {seed!r}")
+        raise UsageError(f"a seed is a whole number from 0, not {seed!r}")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -165,11 +165,12 @@ class Task:
         check_given("python", chosen | unknown, BESIDE_OPTIONS)
         _check_count("horizon", horizon, "auto")
         _check_count("jobs", jobs)
-        from .bars import callback
+        from .bars import callback, checked
         from .runtime.planner.bounds.speculation import opened
         from .runtime.planner.lgp import options_of
 
         options = options_of(self.problem, chosen)
+        checked(found, "`found` is called with every plan")
 
         def hand_on(record: PlanRecord) -> None:
             if found is not None:

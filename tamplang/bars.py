@@ -16,7 +16,7 @@ def callback(progress: Any) -> Callable[[Progress], None] | None:
     def show(now: Progress) -> None:
         _move(progress, now.elapsed, now.limit, f"{now.stage} {now.message}".strip())
 
-    return show if hasattr(progress, "update") else _checked(progress)
+    return show if hasattr(progress, "update") else checked(progress)
 
 
 def run_callback(progress: Any) -> Callable[[RunProgress], None] | None:
@@ -25,15 +25,16 @@ def run_callback(progress: Any) -> Callable[[RunProgress], None] | None:
     def show(now: RunProgress) -> None:
         _move(progress, now.done, now.done + now.left, now.message)
 
-    return show if hasattr(progress, "update") else _checked(progress)
+    return show if hasattr(progress, "update") else checked(progress)
 
 
-def _checked(progress: Any) -> Any:
-    if progress is not None and not callable(progress):
+def checked(given: Any, what: str = "progress is called, or is a bar that has `update`") -> Any:
+    """What is called, or None. Raises UsageError, saying `what` it should be."""
+    if given is not None and not callable(given):
         from .langs.diagnostics import UsageError
 
-        raise UsageError(f"progress is called, or is a bar that has `update`, not {progress!r}")
-    return progress
+        raise UsageError(f"{what}, not {given!r}")
+    return given
 
 
 def _move(bar: Any, done: float, total: float | None, told: str) -> None:

@@ -87,10 +87,16 @@ class Plan:
     def verify(self, time: float | None = None, against: Task | None = None) -> VerdictRecord:
         """Check the plan anew, with none of the planner's code. Its own texts are what it is checked against; with
         `against`, it is refused where that task says otherwise. Raises OutOfTime when `time` seconds are
-        not enough."""
+        not enough, and UsageError for a time or a task that is none."""
+        from .api import Task
+        from .compiler.options import check_given
+        from .langs.diagnostics import UsageError
         from .runtime.budget import Budget
         from .runtime.verify import verify
 
+        check_given("python", {"time": time})
+        if against is not None and not isinstance(against, Task):
+            raise UsageError(f"a plan is checked against a `tamplang.Task`, not {against!r:.40}")
         return verify(self.record, Budget(time), None if against is None else against.problem)
 
     def report(self, path: str | PathLike[str], unchecked: bool = False, time: float | None = None) -> None:
@@ -155,9 +161,14 @@ def read_plan(path: str | PathLike[str]) -> Plan:
 
 
 def record_of(plan: PlanLike) -> PlanRecord:
-    """The record of what stands for a plan. Raises PlanFileError where it is the name of a file that is none."""
+    """The record of what stands for a plan. Raises PlanFileError where it is the name of a file that is none, and
+    UsageError where it is nothing of that kind."""
     if isinstance(plan, Plan):
         return plan.record
     if isinstance(plan, str | PathLike):
         return read_plan(plan).record
+    if not hasattr(plan, "phases"):
+        from .langs.diagnostics import UsageError
+
+        raise UsageError(f"a plan is a `tamplang.Plan` or the name of its file, not {plan!r:.40}")
     return plan

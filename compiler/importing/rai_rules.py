@@ -97,6 +97,7 @@ class _RuleTranslation:
         self.known: dict[tuple[str, int], str] = {}
         self.changed: set[str] = set()
         self.singled: dict[str, str] = {}
+        self.wanted: list[str] = []
         self.given_names = GivenNames()
         self.symbols = {word.text for word in rules.symbols} | {a for fact in facts for a in fact[1:]}
         self.symbols |= {fact[0] for fact in facts} | {QUIT, ANY, "WAIT", "Terminate"}
@@ -113,7 +114,7 @@ class _RuleTranslation:
             self._leave(where, message)
         facts = list(dict.fromkeys(self._shown_fact(fact) for fact in self.facts))
         things = list(dict.fromkeys(a for fact in self.facts for a in fact[1:]))
-        things += [name for name in self.singled if name not in things]
+        things += [name for name in dict.fromkeys([*self.singled, *self.wanted]) if name not in things]
         if len(things) > MOST_OBJECTS:
             self.faults.add("E0510", self.faults.span(0, 1), f"{len(things)} objects, at most {MOST_OBJECTS}")
         facts += [f"({predicate} {self.objects[thing]})" for thing, predicate in self.singled.items()]
@@ -181,6 +182,7 @@ class _RuleTranslation:
                 shown.append(scope.variables[word.text])
             elif goal:
                 shown.append(self._object(word))
+                self.wanted.append(word.text)
             else:
                 self._object(word)
                 if word.text not in scope.constants:

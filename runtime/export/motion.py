@@ -37,8 +37,8 @@ def times(plan: Plan, rate: float | None = None) -> Array:
     own = np.array(plan.times)
     if rate is None:
         return own[_first_of_each(own)]
-    if not 0.0 < rate < math.inf:
-        raise UsageError(f"a rate is a number of hertz above 0, not {rate:g}")
+    if isinstance(rate, bool | str) or not isinstance(rate, int | float | np.number) or not 0.0 < rate < math.inf:
+        raise UsageError(f"a rate is a number of hertz above 0, not {rate!r}")
     end = float(own[-1])
     if end * rate > LONGEST:
         raise UsageError(f"{rate:g} samples a second are more than {LONGEST} in all")
@@ -104,7 +104,7 @@ def module_of(plan: Plan, name: str) -> ModuleRecord:
     if found is None:
         known = [m.name for m in plan.modules]
         listing = "it has " + ", ".join(f"`{n}`" for n in known[:8]) if known else "it has none"
-        raise UsageError(f"the plan has no module `{name}`", help=did_you_mean(name, known) or listing)
+        raise UsageError(f"the plan has no module `{name}`", help=did_you_mean(str(name), known) or listing)
     return found
 
 

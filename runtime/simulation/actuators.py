@@ -7,8 +7,11 @@ sensor reads with normal noise. Inertia and load are taken to be fed forward exa
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from ...langs.diagnostics import UsageError
 from ...langs.frozen import dataclass
 from ..skeleton import Array
 from .settings import SIMULATION
@@ -22,6 +25,11 @@ class Noise:
     position: float = 0.0
     joint: float = 5e-4
     drive: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name, value in (("position", self.position), ("joint", self.joint), ("drive", self.drive)):
+            if isinstance(value, str | bool) or not 0.0 <= value < math.inf:
+                raise UsageError(f"`{name}` of a noise is a number from 0, not {value!r}")
 
 
 EXACT = Noise(0.0, 0.0, 0.0)

@@ -12,6 +12,8 @@ from tamplang.compiler.pipeline import compile_text
 from tamplang.compiler.symbolic.successors import Successors
 from tamplang.langs.diagnostics import SourceError
 
+from .conftest import Command, problems
+
 RULES = """# A DECISION with wildcards.
 is_gripper is_object is_place
 on busy
@@ -135,3 +137,12 @@ def test_faults_have_a_place(tmp_path: Path, rules: str, code: str) -> None:
         program(tmp_path, rules)
     assert raised.value.diagnostics[0].code == code
     assert all(d.span is not None for d in raised.value.diagnostics)
+
+
+def test_things_that_only_the_goal_names_are_there(command: Command) -> None:
+    Path("r.fol").write_text("lit on\na b\nSTART_STATE { (lit a) }\nDecisionRule go { X, { (lit X) } { (on X) } }\n"
+                             "Rule { { (on b) } { (QUIT) } }\n")  # fmt: skip
+    assert command("import", "r.fol", "-o", "task.tamp").status == 0
+    text = Path("task.tamp").read_text()
+    assert "object b: sphere(1 cm)" in text and "goal  (on b)" in text
+    assert problems(command, "task.tamp") in ([], ["E0503"])  # nothing is wrong but that it cannot be reached

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import doctest
 import math
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -153,7 +154,8 @@ def test_a_traceback_ends_with_what_the_terminal_shows() -> None:
     ("options", "word"),
     [
         ({"noise": 3}, "tamplang.Noise"), ({"engine": "mujco"}, "did you mean `mujoco`"),
-        ({"latency": -1}, "seconds from 0"), ({"seed": "a"}, "whole"),
+        ({"latency": -1}, "seconds from 0"), ({"seed": "a"}, "whole"), ({"seed": -1}, "whole number from 0"),
+        ({"plan": 3}, "a plan is a `tamplang.Plan` or the name of its file"),
     ],
 )  # fmt: skip
 def test_what_a_run_does_not_take_is_told(options: dict[str, object], word: str) -> None:
@@ -168,4 +170,21 @@ def test_what_is_no_program_and_no_seed_is_told() -> None:
         loads(None)
     with pytest.raises(tamplang.UsageError, match="a seed is a whole number"):
         loads(LAMP, seed="a")
+    with pytest.raises(tamplang.UsageError, match="`found` is called"):
+        tamplang.loads(LAMP).solve(found=3)  # type: ignore[arg-type]
+    with pytest.raises(tamplang.UsageError, match="`joint` of a noise is a number from 0, not -1"):
+        tamplang.Noise(joint=-1)
     assert tamplang.Noise(drive=0.0).drive == 0.0 and "_HOMES" not in dir(tamplang)
+
+
+def test_what_plans_do_not_take_is_told() -> None:
+    asked: Any = tamplang.read_plan(PLAN)
+    for ask, told in [
+        (lambda: asked.trajectory(1), "the plan has no module `1`"),
+        (lambda: asked.poses("lamp", rate="fast"), "a rate is a number of hertz above 0, not 'fast'"),
+        (lambda: asked.verify(time=-1), "a number of seconds above 0, not -1"),
+        (lambda: asked.verify(against=3), "a plan is checked against a `tamplang.Task`, not 3"),
+        (lambda: asked.compare(3, "never.html"), "a plan is a `tamplang.Plan` or the name of its file, not 3"),
+    ]:
+        with pytest.raises(tamplang.UsageError, match=re.escape(told)):
+            ask()
