@@ -15,6 +15,11 @@ UNIT = r"(?:mm|cm|m|deg|rad|kg|g|s|min|N)"
 QUANTITY = rf"(?:-[ \t]*)?\d[\d.]*(?:[ \t]*{UNIT}\b(?:/s)?)?"
 PLACED = rf"{NAME}(?:\[[^\]\n]*\])*"
 BEHIND = r"(?:at|on|heading|normal|home|holds|mass|density|speed|torque)"
+WEIGHTS = ("mass", "density", "torque", "force", "bearing", "rotor", "brake", "holds")
+CLAUSES = (("on",), ("at", "in"), ("heading", "normal", "home"), ("speed",), ("acceleration",), ("jerk",), ("passive",),
+           WEIGHTS)  # fmt: skip
+ORDER = {word: place for place, words in enumerate(CLAUSES) for word in words}
+"""In which order the clauses of bodies, robots, ends and joints stand."""
 HEADS = r"(?:task|scene|rule|module|function|heuristic)"
 
 
@@ -61,6 +66,19 @@ def _bare_parameters(match: re.Match[str]) -> str:
     return ", ".join(re.sub(rf"^({NAME})(?=[ \t]*=|$)", rf"\1: {kind}", part) for part in found)
 
 
+def _in_order(match: re.Match[str]) -> str:
+    """The clauses of an item in the order in which they are read."""
+    text, depth = match["x"], 0
+    begun: list[tuple[int, int]] = []
+    for found in re.finditer(r"[()]|\w+", text):
+        depth += {"(": 1, ")": -1}.get(found[0], 0)
+        if depth == 0 and found[0] in ORDER:
+            begun.append((found.start(), ORDER[found[0]]))
+    ends = [start for start, _ in begun[1:]] + [len(text)]
+    clauses = [(place, text[start:end].strip()) for (start, place), end in zip(begun, ends, strict=True)]
+    return " ".join(clause for _, clause in sorted(clauses, key=lambda clause: clause[0]))
+
+
 def _typed_signature(match: re.Match[str]) -> str:
     return ", ".join(f"{name}: object" for name in re.findall(NAME, match["x"]))
 
@@ -77,10 +95,12 @@ SLIPS = (
     idiom(rf":[ \t]*(?P<x>({NAME})[ \t]+at[ \t]+({PLACED})[ \t]*(?=\())",
           "a robot stands `on` something, and `at` a place of it",
           r"\2 on \3 at "),
-    idiom(rf"(?P<x>(heading[ \t]+{QUANTITY})[ \t]+({NAME}[ \t]+on[ \t]+{PLACED}(?:[ \t]+at[ \t]*\([^()\n]*\))?"
-          r"|at[ \t]*\([^()\n]*\)))", "`heading` stands behind the place", r"\3 \2"),
-    idiom(rf"(?P<x>(home[ \t]+{QUANTITY})[ \t]+(in[ \t]+{QUANTITY}[ \t]*\.\.[ \t]*{QUANTITY}))",
-          "the limits stand in front of the home value", r"\3 \2"),
+    idiom(rf"(?P<x>(heading[ \t]+{QUANTITY})[ \t]+({NAME}[ \t]+on[ \t]+{PLACED}(?:[ \t]+at[ \t]*\([^()\n]*\))?))",
+          "`heading` stands behind the place", r"\3 \2"),
+    idiom(rf":[^\n{{}}#]*?(?P<x>\b(?:{'|'.join(ORDER)})\b[^\n{{}}#]*\b(?:{'|'.join(ORDER)})\b[^\n{{}}#]*?)"
+          r"(?=[ \t]*(?:[}#]|$))", "these stand in another order", _in_order),
+    idiom(rf"\blink[ \t]+{QUANTITY}(?P<x>((?:[ \t]+(?:mass|density)[ \t]+{QUANTITY})+)[ \t]*(:[ \t]*{SIZES}))",
+          "the shape of a link stands in front of its weight", r"\3\2"),
     idiom(rf"\blink[ \t]+(?P<x>({SIZES})[ \t]*:?[ \t]*({QUANTITY}))",
           "the length of a link stands in front of its shape",
           r"\3: \2"),
