@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Sequence
 
 from ...langs.diagnostics import Diagnostic, SourceError
@@ -14,6 +16,7 @@ from .kinds import KINDS, FileKind, kind_of_text
 from .model_texts import program, urdf
 from .models import Models
 from .names import plain_name
+from .nodes import Faults
 from .sunken_roots import cut_roots
 
 PDDL = frozenset(("domain", "problem"))
@@ -22,6 +25,13 @@ MODELS = frozenset(("mjcf", "sdf", "modules", "rai"))
 RULES = "rules"
 LONGEST_NAME = 80
 """Letters of a robot in the name of a file: disks take 255 bytes."""
+NUMBER = re.compile(r"(?<![\w.])[0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?")
+LONGEST_NUMBER = 400
+"""Digits of a number that is looked at: the largest one has 309."""
+MOST = 1e308
+LIKE = 4.0
+"""Powers of ten between a number in a file and what became of it: sums and turns change it by less than one, and the
+millimetres of a mesh by three."""
 IMPORTED = PDDL | MODELS | {RULES}
 """Kinds that programs are made of."""
 
@@ -96,8 +106,18 @@ def _imported(models: Models, stem: str, source: Source) -> Imported:
         texts = {names[robot.name]: urdf(robot) for robot in models.robots}
         text = format_made(program(models, names, plain_name(stem)))
     except OverflowError as error:
-        raise _refusal("E0022", f"`{source.path}` puts something at {error}: that is no place in a scene") from None
+        message = f"`{source.path}` puts something at {error}: that is no place in a scene"
+        raise SourceError([Diagnostic("E0022", message, _near(source, str(error)))]) from None
     return Imported(text, texts, tuple(models.told))
+
+
+def _near(source: Source, told: str) -> Span | None:
+    """The number of the file that is most like the one told: that was worked out of several."""
+    value = min(abs(float(told.split()[0])), MOST)
+    numbers = [(abs(float(m[0])), m) for m in NUMBER.finditer(source.text) if len(m[0]) <= LONGEST_NUMBER]
+    powers = [(abs(math.log10(min(number, MOST)) - math.log10(value)), m) for number, m in numbers if number > 0.0]
+    power, match = min(powers, key=lambda one: one[0], default=(math.inf, None))
+    return None if match is None or not power <= LIKE else Faults(source).span(match.start(), match.end())
 
 
 def _file_name(stem: str, robot: str, number: int) -> str:

@@ -127,3 +127,13 @@ def test_what_is_spoilt_was_good_before(command: Command, name: str) -> None:
     Path(name).write_text(GOOD[name])
     answer = read(command, name)
     assert answer.status == 0 and (name == "m.urdf" or Path("o.tamp").exists()), answer.told
+
+
+@pytest.mark.parametrize(
+    ("name", "number", "where"), [("m.xml", "0 0 0.4", "m.xml:2:25"), ("m.sdf", "<box><size>0.1", "m.sdf:2:")]
+)
+def test_what_lies_too_far_off_is_told_where_it_stands(command: Command, name: str, number: str, where: str) -> None:
+    text = GOOD[name].replace(number, f"{number[:-3]}7e250", 1)
+    Path(name).write_text(text + "<!-- 1e-320 0.0 1e999 -->")
+    answer = read(command, name)  # beside numbers that are next to nothing, too
+    assert answer.status == 1 and "no place in a scene" in answer.told and where in answer.told, answer.told
