@@ -123,6 +123,33 @@ def test_trees_lose_what_hangs_on_edges_that_are_none() -> None:
     assert np.array_equal(line[[0, -1]], ends)
 
 
+class Hall:
+    """A hall of 4 m with three walls, in which a point drives that has limits of 20 m."""
+
+    lower, upper = np.full(2, -20.0), np.full(2, 20.0)
+
+    def near(self, goals: np.ndarray) -> np.ndarray:
+        return goals
+
+    def ways(self, root: np.ndarray) -> list[np.ndarray]:
+        return []
+
+    def advance(self, starts: np.ndarray, goals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        shares = np.linspace(0.0, 1.0, 41)
+        poses = starts[:, None] + shares[:, None] * (goals - starts)[:, None]
+        blocked = (np.abs(poses) > 2.0).any(axis=2)
+        for at, side in ((-1.0, 1.0), (0.0, -1.0), (1.0, 1.0)):
+            blocked |= (np.abs(poses[..., 0] - at) < 0.05) & (side * poses[..., 1] < 1.6)
+        until = np.where(blocked.any(axis=1), blocked.argmax(axis=1) - 1, 40)
+        return poses[np.arange(len(poses)), until], until == 40
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_limits_far_wider_than_a_hall_hide_no_way_through_it(seed: int) -> None:
+    ends = np.array([-1.5, -1.5]), np.array([1.5, -1.5])
+    assert connect(Hall(), *ends, np.random.default_rng(seed), Budget(20.0), 300) is not None
+
+
 def test_more_slices_find_a_long_way_through_three_walls() -> None:
     walls = [box(f"wall{k}", (0.04, 3.3, 0.3), (k, 0.35 * (-1.0) ** k, 0.0)) for k in (-1, 0, 1)]
     sides = [box(f"side{s}", (4.2, 0.1, 0.3), (0.0, 2.05 * s, 0.0)) for s in (-1, 1)]

@@ -72,6 +72,15 @@ class BoundSettings:
         "What P_path of one skeleton may take.",
         "about 12 s, at 25 to 50 µs each",
     )
+    long_way_after: int = setting(
+        2, "draws",
+        "After so many, where nothing but one phase has no path, that is looked for once …",
+        "not measured",
+    )
+    long_way_slices: int = setting(
+        4, "1", "… in so many times as many slices, with trees that grow for the square as many rounds.",
+        "a rover through three walls of a hall of 4 m is solved with 80 slices, not with 20",
+    )
     soon_redraws: int = setting(
         1, "times",
         "The same, where something is in the way that could be moved.",

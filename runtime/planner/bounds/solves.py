@@ -13,7 +13,7 @@ from ...budget import Budget, Clock
 from ...geometry.attachments import looped
 from ...plan import BoundRecord
 from ...seeds import Seed
-from ...skeleton import LOADS, Bound, BoundResult, Configuration, Skeleton, beginning
+from ...skeleton import LOADS, Bound, BoundResult, Breach, Configuration, Skeleton, beginning
 from ..motion.keyframes.initial_guesses import guess
 from ..motion.keyframes.local_repair import MENDS, QUICK_MENDS, Mend, mended, resampled, unmoved
 from ..motion.keyframes.settings import KEYFRAMES
@@ -144,9 +144,24 @@ class Solves:
                 quickly = soon or (draw in QUICK_MENDS if isinstance(draw, Mend) else draw <= quick)
                 path = self._sequence_path(first, sequence, not quickly, before, seed)
             result = path
+            if draw == quick + BOUNDS.long_way_after and not soon and self._may_be_long(first, result):
+                result = self._long_way(first, sequence, result)
             blamed.append({v.phase for v in result.violations})
             self.cut = blame(Bound.SEQ_PATH, result, blamed, len(first))
         return sequence, result
+
+    def _may_be_long(self, first: Skeleton, refused: BoundResult) -> bool:
+        """Whether all that is wrong is one phase in which something is in the way, and its way may be a long one."""
+        failed = {v.phase for v in refused.violations}
+        blocked = all(v.kind in (Breach.COLLISION, Breach.SELF_COLLISION) for v in refused.violations)
+        return len(failed) == 1 and blocked and not self._closes_a_loop(first, failed)
+
+    def _long_way(self, first: Skeleton, sequence: BoundResult, refused: BoundResult) -> BoundResult:
+        """Motion in more slices, with which trees grow for longer: through mazes. What was refused stays so where there
+        is none."""
+        finer = replace(self.settings, slices=BOUNDS.long_way_slices * self.settings.slices)
+        found = self._sequence_path(first, sequence, thorough=True, settings=finer)
+        return found if found.feasible else refused
 
     def _shortened(self, skeleton: Skeleton, sequence: BoundResult, first: Skeleton) -> Judgement | None:
         """Motion of the first phases between switches that were moved for the sake of the objective; None where these
@@ -286,14 +301,14 @@ class Solves:
 
     def _sequence_path(
         self, skeleton: Skeleton, sequence: BoundResult, thorough: bool, known: BoundResult | None = None,
-        seed: Seed | None = None, sampled_to: float = math.inf,
+        seed: Seed | None = None, sampled_to: float = math.inf, settings: MotionSettings | None = None,
     ) -> BoundResult:  # fmt: skip
         """P_seqPath of a skeleton, or of a beginning of that of `sequence`."""
         self.tell("seq-path", f"P_seqPath of {counted(len(skeleton), 'phase')}")
         with self.clock("seq_path"):
             draw = seed or self.seed
             if known is None:
-                question = PathRequest(self.settings, draw, thorough, sequence, sampled_to)
+                question = PathRequest(settings or self.settings, draw, thorough, sequence, sampled_to)
                 result = self.ahead.answer(skeleton, question, self.budget)
             else:
                 result = sequence_path(skeleton, sequence, self.settings, draw, self.budget, thorough, known)

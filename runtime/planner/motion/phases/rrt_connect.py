@@ -188,11 +188,15 @@ class _Tree:
 
 
 def _samples(space: Space, tree: _Tree, random: np.random.Generator) -> Array:
-    """Poses `(edges, joints)` anywhere or around those of the tree."""
+    """Poses `(edges, joints)` around those of the tree, or anywhere in the box that it has reached and somewhat beyond:
+    limits of what drives are often far wider than the rooms in which it drives."""
+    reached = tree.poses[tree.poses[:, 0] < OUT_OF_SIGHT]
+    low = np.maximum(space.lower, reached.min(axis=0) - PHASES.beyond_reached)
+    high = np.minimum(space.upper, reached.max(axis=0) + PHASES.beyond_reached)
     around = tree.poses[random.integers(len(tree.poses), size=PHASES.edges)]
     around = np.clip(around + random.normal(0.0, PHASES.spread, around.shape), space.lower, space.upper)
     near = random.random((PHASES.edges, 1)) < PHASES.around
-    return space.near(np.where(near, around, random.uniform(space.lower, space.upper, around.shape)))
+    return space.near(np.where(near, around, random.uniform(low, high, around.shape)))
 
 
 def connect(

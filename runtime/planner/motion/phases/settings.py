@@ -183,6 +183,11 @@ class PhaseSettings:
         "Share of the samples drawn around poses that were reached already.",
     )
     spread: float = setting(0.6, "rad or m", "How far from them.")
+    beyond_reached: float = setting(
+        1.0, "rad or m", "How far beyond the box that a tree has reached the other samples are drawn.",
+        "a rover with limits of 4 m through three walls of a hall of 4 m: a way in 960 rounds in three of four "
+        "seeds, with samples anywhere within the limits in none; 0.3 and 0.6 do as well",
+    )
     withdrawal_stride: float = setting(0.025, "m", "How far what moves is pushed along a straight way at a time.")
     withdrawal_steps: int = setting(16, "steps", "And how often.", "out of what is 40 cm deep")
     withdrawal_near: float = setting(0.05, "m", "The axes of what rests nearer than this are tried as directions.")
