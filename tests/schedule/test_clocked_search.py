@@ -40,6 +40,8 @@ predicate (has A: hand, X: thing) functional in X
 predicate (full A: hand)
 predicate (tied A B: hand) symmetric
 predicate (rung)
+predicate (clean X: thing)
+predicate (dry X: thing)
 rule go(A: hand, S T: spot) {
     pre (at A S), (road S T), not exists B: hand { (tied A B) }
     post not (at A S), (at A T), [near A T]
@@ -64,14 +66,24 @@ rule haul(A B: hand, S T: spot) {
     pre (at A S), (at B S), (tied A B), (road S T)
     post not (at A S), (at A T), not (at B S), (at B T), [near A T]
 }
+rule wipe(A: hand, X: thing, S: spot) {
+    pre (at A S), (lies X S), not (clean X)
+    post (clean X), [near A X]
+}
+rule blow(A: hand, X: thing, S: spot) {
+    pre (at A S), (lies X S), not (dry X)
+    post (dry X), [near A X]
+}
 rule ring() { pre not (rung), exists A: hand, S: spot { (at A S) and not (full A) } post (rung) }
 """
-NAMES = "go", "take", "put", "hand_over", "tie", "haul"
+NAMES = "go", "take", "put", "hand_over", "tie", "haul", "wipe", "blow"
 
 
 def drawn(seed: int) -> Problem:
-    """A task of two or three modules, with things to carry."""
+    """A task of two or three modules, with things to carry, or, every other time, to work at: who did that only clocks
+    tell."""
     chance = random.Random(seed)
+    works = seed % 2 == 1
     modules, spots, things = chance.choice([(2, 2, 1), (2, 2, 1), (2, 2, 1), (3, 2, 1)])
     lines = [f"    spot s[{k}]: sphere(5 cm) at ({k} m, 0, 0)" for k in range(1, spots + 1)]
     lines += [f"    thing x[{k}]: sphere(5 cm) at ({k} m, 1 m, 0)" for k in range(1, things + 1)]
@@ -85,9 +97,13 @@ def drawn(seed: int) -> Problem:
     goals += [f"(at m[{k}].A s[{target}])" for k in range(1, modules + 1)]
     goals += [chance.choice(["(rung)", "(tied m[1].A m[2].A)"])]
     ties = modules == 2 and seed % 3 == 0
-    rules = RULES if ties else RULES[: RULES.index("rule tie")] + RULES[RULES.index("rule ring") :]
-    goals = [g for g in goals if ties or "tied" not in g]
+    left_out = ("wipe", "ring") if not works else ("take", "wipe")
+    rules = RULES[: RULES.index(f"rule {left_out[0]}")] + RULES[RULES.index(f"rule {left_out[1]}") :]
+    rules = rules if ties or works else rules[: rules.index("rule tie")] + rules[rules.index("rule ring") :]
+    goals = [g for g in goals if (ties and not works) or "tied" not in g]
     goal = ", ".join(chance.sample(goals, chance.choice((1, 2, 2))))
+    if works:
+        goal = ", ".join(["(clean x[1])", "(dry x[1])", *chance.sample(goals[1:-1], 1 + (modules > 2))])
     text = "\n".join(['import "rules.tamp"', "task t() {", *lines, f"    goal {goal}", "}"])
     return compile_sources([Source("task.tamp", text), Source("rules.tamp", rules)])[0]
 
