@@ -277,6 +277,24 @@ def test_the_least_makespan_is_that_of_all_schedules_and_plans_differ() -> None:
     assert sum(more > 1 for more, _ in classes) > 5 and sum(plans > more for more, plans in classes) > 5
 
 
+def test_who_gives_something_away_goes_on_behind_that() -> None:
+    """One brings a thing along roads that lead one way, gives it to the other one, who takes long to get there, and
+    goes on."""
+    lines = [f"    spot s[{k}]: sphere(5 cm) at ({k} m, 0, 0)" for k in (1, 2, 3)]
+    lines += ["    thing x: sphere(5 cm) at (1 m, 1 m, 0)", "    fact (lies x s[1])"]
+    lines += [f"    walker m[{k}]: at ({k} m, 3 m, 0)\n    fact (at m[{k}].A s[{k}])" for k in (1, 2)]
+    lines += [f"    fact (road s[{k}] s[{k + 1}])" for k in (1, 2)]
+    lines += ["    goal (has m[2].A x), (at m[2].A s[2]), (at m[1].A s[3])"]
+    text = "\n".join(['import "rules.tamp"', "task t() {", *lines, "}"])
+    problem = compile_sources([Source("task.tamp", text), Source("rules.tamp", RULES)])[0]
+    schedules, search = Schedules(problem), SkeletonSearch(problem, Successors(problem), "astar", Budget(None))
+    for seconds in (pace | {"hand_over": 5.0} for pace in paces(0)):
+        clocked = ClockedSearch(search, Pace(seconds, {}, 1.0, 0.0)).best(most=20_000)
+        schedules.seconds = seconds
+        assert clocked.candidate is not None and schedules.makespan(clocked.candidate.actions) == clocked.value
+        assert not schedules.some_end_before(clocked.value)
+
+
 def differing(search: SkeletonSearch, schedules: Schedules, first: Candidate) -> tuple[int, int]:
     """How many classes of cheapest plans a search proposes, which are all, and how many such plans there are."""
     plans = schedules.plans(len(first.actions))
