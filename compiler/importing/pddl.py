@@ -101,6 +101,10 @@ class _Translation:
         derived = self._derived()
         rules = [self._rule(action) for action in self.domain.sections.get(":action", ())]
         goal = self._goal()
+        reach: dict[str, list[str]] = {}
+        while reach != self.tables.predicates and not self.domain.faults.found:  # as far as all that asks for them
+            reach = dict(self.tables.predicates)
+            derived = self._derived()
         scene = [*self._things(), *self._init(), *self.costs.facts()]
         self.made.objects = {self.words.objects[name]: name for name in self.tables.objects}
         declared = [*self._types(), "", *self._predicates(), *self.costs.predicates()]
@@ -179,9 +183,9 @@ class _Translation:
             firsts = [first for first, _ in parameters or bound]
             pairs = zip(firsts, declared, bound, strict=True)
             parameters = [(first, self.tables.common((kind, own))) for first, kind, (_, own) in pairs]
-            for variable, first, (own, kind) in zip(list(formulas.variables), firsts, bound, strict=True):
-                formulas.variables[variable] = first, kind
-                formulas.types[first] = formulas.types[own]
+            for variable, reached, (own, _) in zip(list(formulas.variables), parameters, bound, strict=True):
+                formulas.variables[variable] = reached
+                formulas.types[reached[0]] = formulas.types[own]
             asked = formulas.asks(parameters)
             text = formulas.condition(body)
             if asked:

@@ -186,6 +186,19 @@ def test_variables_objects_and_types_may_be_of_either_of_several_types(
     assert result.status == ("infeasible" if cost is None else "solved") and (cost is None or result.cost == cost)
 
 
+def test_derived_predicates_reach_as_far_as_they_are_asked_for(command: Command) -> None:
+    Path("d.pddl").write_text("""(define (domain w) (:requirements :adl :derived-predicates) (:types a b - o o)
+      (:predicates (on ?x - o) (p ?x - a) (r ?x - a) (done))
+      (:derived (r ?x - a) (p ?x))
+      (:derived (p ?x - a) (on ?x))
+      (:action go :parameters (?y - o) :precondition (r ?y) :effect (done))
+      (:action turn :parameters (?y - o) :precondition (not (on ?y)) :effect (on ?y)))""")
+    Path("p.pddl").write_text("(define (problem x) (:domain w) (:objects k - a l - b) (:init (on l)) (:goal (done)))")
+    assert command("import", "d.pddl", "p.pddl", "-o", "task.tamp").status == 0
+    assert not [code for code in problems(command, "task.tamp") if code.startswith("E")]
+    assert tamplang.load("task.tamp").solve(time=100.0).cost == 2  # `l` is on, but no `a`
+
+
 IN_DOMAIN = {
     "open bracket": ("(when (and (not (= ?x ?r)) (open ?x)) (not (open ?x)))))))", "(when (open ?x)", "E0019"),
     "closed twice": ("(open ?r) (increase", "(open ?r)) (increase", "E0019"),
