@@ -16,7 +16,7 @@ Binding = Mapping[str, str]
 NO_RULES = "the program declares and imports no rules"
 
 
-class Reason(NamedTuple):
+class Hindrance(NamedTuple):
     """Why something can never hold, the fact that would help, and whether that lies behind another rule."""
 
     told: str
@@ -56,7 +56,7 @@ def _check_values(findings: Findings, relaxation: Relaxation, goal: ir.Formula) 
             findings.report("E0306", literal.span, f"the goal wants two values: {one} and {other}", labels=labels)
 
 
-def _repair(reasons: list[Reason]) -> str | None:
+def _repair(reasons: list[Hindrance]) -> str | None:
     if any(reason.told == NO_RULES for reason in reasons):
         return "the standard library declares some: `import std.rules`"
     facts = [r.fact for r in reasons if r.fact is not None and (not r.behind or len(reasons) == 1)]
@@ -165,7 +165,7 @@ def _achieves(
 
 def _reasons(
     relaxation: Relaxation, literal: ir.Literal, binding: Binding, asked: frozenset[str] = frozenset()
-) -> Iterator[Reason]:  # fmt: skip
+) -> Iterator[Hindrance]:  # fmt: skip
     """Sentences that say why nothing achieves a literal, each with the static fact that would help; of predicates that
     were `asked` about no more is said."""
     world = relaxation.world
@@ -179,20 +179,20 @@ def _reasons(
     predicate = world.predicates[literal.predicate]
     if predicate.static:
         shown = _shown(literal, binding)
-        yield Reason(f"`{shown}` is no fact, and no rule can make it one", shown)
+        yield Hindrance(f"`{shown}` is no fact, and no rule can make it one", shown)
         return
     adders = [r for r in world.rules.values() if _adds(r, literal.predicate)]
     if not relaxation.world.rules:
-        yield Reason(NO_RULES)
+        yield Hindrance(NO_RULES)
     elif not adders:
-        yield Reason(f"no rule adds `{literal.predicate}`")
+        yield Hindrance(f"no rule adds `{literal.predicate}`")
     obstacles = [o for rule in adders for o in _obstacle(relaxation, rule, literal.predicate, wanted, asked)]
     yield from obstacles
     held = None if obstacles else _held(relaxation, literal.predicate, wanted)
     if held is not None:
         name = predicate.variables[predicate.functional_in or 0].name
         shown = f"`({' '.join(held)})` holds at the start and no rule deletes it"
-        yield Reason(f"{shown}: `{literal.predicate}` is functional in {name}")
+        yield Hindrance(f"{shown}: `{literal.predicate}` is functional in {name}")
 
 
 def _adds(rule: ir.Rule, predicate: str) -> bool:
@@ -204,7 +204,7 @@ def _adds(rule: ir.Rule, predicate: str) -> bool:
 
 def _obstacle(
     relaxation: Relaxation, rule: ir.Rule, predicate: str, wanted: list[str | None], asked: frozenset[str]
-) -> Iterator[Reason]:
+) -> Iterator[Hindrance]:
     """The first thing that keeps a rule from adding the literal."""
     for effect in ir.effects_of(rule.effects):
         if effect.negated or effect.literal.motion or effect.literal.predicate != predicate:
@@ -217,7 +217,7 @@ def _obstacle(
         for name, value in binding.items():
             kind = types.get(name)
             if kind is not None and value not in relaxation.world.of_type(kind):
-                yield Reason(f"`{rule.name}` takes only things of type `{kind}` for {name}")
+                yield Hindrance(f"`{rule.name}` takes only things of type `{kind}` for {name}")
                 return
         for condition in needed_literals(rule.condition)[0]:
             if not possible(relaxation, condition, binding):
@@ -227,18 +227,18 @@ def _obstacle(
 
 def _unmet(
     relaxation: Relaxation, rule: ir.Rule, condition: ir.Literal, binding: Binding, asked: frozenset[str]
-) -> Reason:  # fmt: skip
+) -> Hindrance:  # fmt: skip
     """What a rule needs in vain, and why that never holds, as far as to what nobody gives."""
     shown = _shown(condition, binding)
     predicate = relaxation.world.predicates.get(condition.predicate)
     if predicate is not None and predicate.static:
         ground = all(_name(a, binding) is not None for a in condition.args)
-        return Reason(f"`{rule.name}` needs `{shown}`, which is no fact", shown if ground else None)
+        return Hindrance(f"`{rule.name}` needs `{shown}`, which is no fact", shown if ground else None)
     told = f"`{rule.name}` needs `{shown}`, which can never hold"
     if condition.predicate in asked:
-        return Reason(told)
+        return Hindrance(told)
     why = next(_reasons(relaxation, condition, binding, asked | {condition.predicate}), None)
-    return Reason(told) if why is None else Reason(f"{told}: {why.told}", why.fact, behind=True)
+    return Hindrance(told) if why is None else Hindrance(f"{told}: {why.told}", why.fact, behind=True)
 
 
 def _shown(literal: ir.Literal, binding: Binding) -> str:
