@@ -29,6 +29,10 @@ STEP = 1e-3
 STIFFNESS, SLIDE_STIFFNESS = 4000.0, 2e5
 """Of drives, N m/rad and N/m; damping is critical for the inertia that follows."""
 INERTIA, SLIDE_INERTIA = 0.3, 20.0
+CLAMPED = 0.25
+"""Drives give at the end of a step what they are told, and are clamped at what that would be at its start, off by what
+stiffness makes of the way of the step: at greatest speed by no more than this share of their strength. With 4000 N m
+per rad drives of 4 N m were clamped at 0.7 rad/s and shook; with a quarter those of 38 N m keep that."""
 ROTOR = 0.02
 """kg m² of a drive that states none."""
 WELD_TIME, WELD_FIRM = 0.004, (0.99, 0.999, 0.001, 0.5, 2.0)
@@ -208,8 +212,9 @@ def _module(mujoco: PythonModule, spec: Any, name: str, module: ir.Module) -> di
             name=f"d.{name}.{index}", target=f"{name}.{index}", trntype=mujoco.mjtTrn.mjTRN_JOINT
         )
         stiffness, inertia = (STIFFNESS, INERTIA) if turning else (SLIDE_STIFFNESS, SLIDE_INERTIA)
-        drive.set_to_position(kp=stiffness, kv=2.0 * math.sqrt(stiffness * inertia))
         most = min(joint.torque, UNLIMITED)
+        stiffness = min(stiffness, CLAMPED * most / (STEP * joint.speed)) or stiffness
+        drive.set_to_position(kp=stiffness, kv=2.0 * math.sqrt(stiffness * inertia))
         drive.forcerange, drive.forcelimited = [-most, most], True
         made[index], names[name, index] = body, f"m.{name}.{index}"
         _pad(mujoco, body, (name, index))
