@@ -38,7 +38,8 @@ _ENDING = (__file__, contextlib.__file__, budget.__file__)
 """Where an ending is under way: what is raised between the steps of these would escape it, so it waits for the next
 look."""
 _WRAPPING = "__set_name__"
-"""Python 3.11 wraps whatever is raised in such a method into a RuntimeError: what is raised waits there, too."""
+"""Python 3.11 wraps whatever is raised in such a method, or in what it calls, into a RuntimeError: what is raised waits
+there, too."""
 SHARE = 0.8
 """How much of the memory that is free at the start a command may take, where nothing else is said."""
 PAGE = os.sysconf("SC_PAGE_SIZE")
@@ -106,7 +107,7 @@ class Guard(Budget):
             raise KeyboardInterrupt
         if self._rests or now < self._quiet_until:
             return
-        if frame is not None and (frame.f_code.co_filename in _ENDING or frame.f_code.co_name == _WRAPPING):
+        if frame is not None and (frame.f_code.co_filename in _ENDING or _wraps(frame)):
             return
         if self.memory is not None and not self._closes and resident() > self.memory:
             self._quiet_until = now + AGAIN
@@ -116,6 +117,14 @@ class Guard(Budget):
         if self.closed if self._closes else now - self.started > self.seconds_of_work:
             self._quiet_until = now + AGAIN
             raise OutOfTime
+
+
+def _wraps(frame: FrameType) -> bool:
+    """Whether something around what is under way would make another error of what is raised."""
+    around: FrameType | None = frame
+    while around is not None and around.f_code.co_name != _WRAPPING:
+        around = around.f_back
+    return around is not None
 
 
 _guards: list[Guard] = []

@@ -168,7 +168,7 @@ def _reasons(
 ) -> Iterator[Hindrance]:  # fmt: skip
     """Sentences that say why nothing achieves a literal, each with the static fact that would help; of predicates that
     were `asked` about no more is said."""
-    world = relaxation.world
+    world, asked = relaxation.world, asked | {literal.predicate}
     wanted = [_name(a, binding) for a in literal.args]
     derived = world.derived.get(literal.predicate)
     if derived is not None:
@@ -186,9 +186,12 @@ def _reasons(
         yield Hindrance(NO_RULES)
     elif not adders:
         yield Hindrance(f"no rule adds `{literal.predicate}`")
-    obstacles = [o for rule in adders for o in _obstacle(relaxation, rule, literal.predicate, wanted, asked)]
-    yield from obstacles
-    held = None if obstacles else _held(relaxation, literal.predicate, wanted)
+    hindered = False
+    for rule in adders:  # one by one: who wants the first only would else ask about all orders of the predicates
+        for hindrance in _obstacle(relaxation, rule, literal.predicate, wanted, asked):
+            hindered = True
+            yield hindrance
+    held = None if hindered else _held(relaxation, literal.predicate, wanted)
     if held is not None:
         name = predicate.variables[predicate.functional_in or 0].name
         shown = f"`({' '.join(held)})` holds at the start and no rule deletes it"
@@ -237,7 +240,7 @@ def _unmet(
     told = f"`{rule.name}` needs `{shown}`, which can never hold"
     if condition.predicate in asked:
         return Hindrance(told)
-    why = next(_reasons(relaxation, condition, binding, asked | {condition.predicate}), None)
+    why = next(_reasons(relaxation, condition, binding, asked), None)
     return Hindrance(told) if why is None else Hindrance(f"{told}: {why.told}", why.fact, behind=True)
 
 

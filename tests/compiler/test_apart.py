@@ -44,9 +44,20 @@ class _Slow:
         time.sleep(0.3)
 
 
-def test_the_end_of_the_time_while_a_class_is_made_is_told_as_such() -> None:
+class _SlowBelow(_Slow):
+    """The same, where what it calls takes the time, as with members of enumerations that have a `__new__`."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._wait(0.3)
+
+    def _wait(self, seconds: float) -> None:
+        time.sleep(seconds)
+
+
+@pytest.mark.parametrize("member", [_Slow(), _SlowBelow()])
+def test_the_end_of_the_time_while_a_class_is_made_is_told_as_such(member: _Slow) -> None:
     with pytest.raises(OutOfTime), guarded(0.1, None):
-        type("Made", (), {"member": _Slow()})
+        type("Made", (), {"member": member})
         time.sleep(600)
 
 

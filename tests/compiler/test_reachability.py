@@ -118,3 +118,16 @@ def test_goals(facts: str, goal: str, reason: str | None) -> None:
         assert only.code == "E0503"
         assert only.note is not None
         assert reason in only.note
+
+
+def test_predicates_that_need_each_other_are_told_soon_and_once() -> None:
+    """Each of ten predicates comes from each other one: paths among them are millions, sentences are nine."""
+    count = range(10)
+    lines = [f"predicate (p{i} X: object)" for i in count]
+    lines += [f"rule r{i}_{j}(X: object) {{ pre (p{j} X) post (p{i} X) }}" for i in count for j in count if i != j]
+    lines += ["task t() {", "    object f: box(1 m, 1 m, 1 m) at (0, 0, 0)", "    goal (p0 f)", "}"]
+    (only,) = check_sources([Source("goal.tamp", "\n".join(lines))])
+    assert only.code == "E0503" and only.note is not None
+    first, *others = only.note.split("; ")
+    assert first == "`r0_1` needs `(p1 f)`, which can never hold: `r1_0` needs `(p0 f)`, which can never hold"
+    assert len(others) == 8

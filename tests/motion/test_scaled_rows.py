@@ -69,6 +69,11 @@ def test_squares_of_lengths_are_turned_otherwise() -> None:
     assert in_unit(_row("at switch dot(position(X), position(X)) <= 0.04"), 2.0) is None
 
 
+@pytest.mark.parametrize("side", ["axis(Y, z) / 2", "(axis(Y, z) + axis(X, z)) / 4"])
+def test_parts_of_axes_are_not_taken_for_lengths_in_the_unit(side: str) -> None:
+    assert in_unit(_row(f"at switch position(X) - position(Y) = {side}"), 2.0) is None
+
+
 def test_contacts_that_last_are_known_in_any_unit() -> None:
     problem = LengthUnit(_problem("during bottom(X) = top(Y)"), 0.05).problem
     assert lasting(problem, ("m", "a", "b")) == [("a", "b")]

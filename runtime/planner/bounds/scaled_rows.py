@@ -70,7 +70,7 @@ def _degree(term: ir.Term) -> int | None:
     if name in PRODUCTS:
         return sum(d or 0 for d in degrees) or (None if None in degrees else 0)
     if name == "/" and not degrees[1]:
-        return degrees[0] or None
+        return degrees[0]
     if name == "sqrt" and not (degrees[0] or 0) % 2:
         return None if degrees[0] is None else degrees[0] // 2
     if name in ("sin", "cos") and not degrees[0]:
