@@ -98,7 +98,8 @@ def _sizes_help(context: Context, call: syntax.Call, form: Sequence[str]) -> str
     point = re.sub(r"(\d),(\d)", r"\1.\2", written)
     if point != written and point.count(",") == len(form) - 1:
         return f"write `{point}`"
-    return f"it has the form `{call.function}({', '.join(form)})`"
+    along = ": its length is that of the link" if len(form) < len(SHAPES.get(call.function, ())) else ""
+    return f"it has the form `{call.function}({', '.join(form)})`{along}"
 
 
 def _convex(context: Context, scope: Scope, call: syntax.Call) -> ir.Shape | None:

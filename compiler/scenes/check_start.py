@@ -11,7 +11,7 @@ from ...langs.frozen import dataclass
 from ...langs.source import Span
 from .. import ir
 from ..checks.findings import Findings
-from ..extents import corners
+from ..extents import box_sides, corners
 from ..joint_lines import are_kept_apart, line
 from ..part_names import part_names
 from ..poses import Quaternion, compose, joint_frames, orientation, part_pose, position, rotate
@@ -66,14 +66,24 @@ def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str
         within = first.owner == second.owner
         apart = "give its joints other values at home" if within else "move them apart, or put one `on` the other"
         apart = _at_foot(world, exempt, depth, one, other) or _at_foot(world, exempt, depth, other, one) or apart
+        freedom = "neither ever moves" if built_in else _freedom(world, fixed, first, second)
         findings.report(
             "W0012" if built_in else "E0502",
             second.span,
             f"`{first.part}` and `{second.part}` overlap by {depth * 1000:.0f} mm at the start",
             help=None if built_in else apart,
-            note="neither ever moves" if built_in else _freedom(world, fixed, first, second),
+            note="; ".join(filter(None, (freedom, *(_put(world, v.owner) for v in (first, second))))) or None,
             labels=labels,
         )
+
+
+def _put(world: ir.World, name: str) -> str | None:
+    """Of a body of several parts, or of a hull, what of it is put at its place."""
+    body = world.bodies.get(name)
+    if body is None or (len(body.shape.solids) == 1 and body.shape.kind != ir.ShapeKind.CONVEX):
+        return None
+    sides = " x ".join(f"{100 * side:.3g}" for side in box_sides(body.shape))
+    return f"`{name}` is put in its place by the middle of the box around it, {sides} cm"
 
 
 def _at_foot(
@@ -92,12 +102,20 @@ def _at_foot(
                 f"`{foot}` faces along its module, which therefore hangs head down from what it stands on: give that "
                 "effector `normal (0, 0, -1)`"
             )
-        if end.joint == part.joint:
+        if _turns_with(world.modules[part.owner].type.joints, end.joint, part.joint):
             return (
                 f"`{part.part}` reaches {depth * 1000:.0f} mm past the face on which `{foot}` stands: set that "
                 "effector further out, with `at`, or make the link smaller there"
             )
     return None
+
+
+def _turns_with(joints: Sequence[ir.Joint], foot: int, part: int) -> bool:
+    """Whether what follows joint `part` stays at its height above a foot behind joint `foot`: between them are only
+    turns about the line of the module."""
+    while part != foot and part >= 0 and joints[part].kind == ir.JointKind.REVOLUTE and abs(joints[part].axis[2]) > 0.9:
+        part = joints[part].parent
+    return part == foot
 
 
 def _may_overlap(world: ir.World, one: Volume, other: Volume) -> bool:
