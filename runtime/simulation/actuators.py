@@ -28,7 +28,8 @@ class Noise:
 
     def __post_init__(self) -> None:
         for name, value in (("position", self.position), ("joint", self.joint), ("drive", self.drive)):
-            if isinstance(value, str | bool) or not 0.0 <= value < math.inf:
+            number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+            if not number or not 0.0 <= value < math.inf:
                 raise UsageError(f"`{name}` of a noise is a number from 0, not {value!r}")
 
 

@@ -89,9 +89,9 @@ def share_of(world: ir.World) -> float:
     """What is left of the limits of shapes in a scene: 1, or how far, in metres, the largest of small robots comes
     from its frame: along links and joints to the farthest point of a shape, with a share of what slides."""
     types = [module.type for module in world.modules.values()]
-    reach = max((_comes(kind, True) for kind in types), default=0.0)
-    small = min(reach, max(max((_comes(kind, False) for kind in types), default=0.0), SLIDING * reach))
-    return small if 0.0 < small < SMALL else 1.0
+    reach, shaped = (max((_comes(kind, slides) for kind in types), default=0.0) for slides in (True, False))
+    small = min(reach, max(shaped, SLIDING * reach))
+    return small if 0.0 < small < SMALL and shaped < SMALL else 1.0
 
 
 def _comes(kind: ir.ModuleType, slides: bool) -> float:

@@ -172,6 +172,28 @@ def test_a_small_robot_with_a_wide_table_is_measured_by_its_body(tmp_path: Path)
     assert 0.005 < share_of(problem.world) < 0.02 and 0.005 < length_unit(problem) < 0.02
 
 
+def test_a_robot_of_large_balls_on_a_short_link_is_of_the_usual_size(tmp_path: Path) -> None:
+    file = tmp_path / "balls.tamp"
+    file.write_text("""
+import std.rules
+module balls() {
+    effector A: gripper sphere(0.3 m) normal (0, 0, -1)
+    joint a: revolute(y) in -90 deg .. 90 deg
+    link 0.03 m
+    effector B: gripper sphere(0.3 m)
+}
+predicate (done)
+rule end() { post (done) }
+task t() {
+    base ground: box(2 m, 2 m, 4 cm) at (0, 0, -2 cm)
+    balls c: A on ground
+    goal (done)
+}
+""")
+    problem = compile_problem(file)[0]
+    assert share_of(problem.world) == length_unit(problem) == 1.0
+
+
 def test_poses_come_back_as_they_went(tmp_path: Path) -> None:
     problem = _problem(tmp_path, "20 m")
     unit = LengthUnit(problem)

@@ -174,6 +174,8 @@ def test_what_is_no_program_and_no_seed_is_told() -> None:
         tamplang.loads(LAMP).solve(found=3)  # type: ignore[arg-type]
     with pytest.raises(tamplang.UsageError, match="`joint` of a noise is a number from 0, not -1"):
         tamplang.Noise(joint=-1)
+    with pytest.raises(tamplang.UsageError, match="`drive` of a noise"):
+        tamplang.Noise(drive=None)  # type: ignore[arg-type]
     assert tamplang.Noise(drive=0.0).drive == 0.0 and "_HOMES" not in dir(tamplang)
 
 

@@ -1,8 +1,8 @@
 """What verdicts on some windows of actions say about similar ones.
 
 Two windows are similar when they differ only in names: of modules of one type, of ends of a reversible module, of
-bodies of one shape, of those that never move only in actions that strain some condition, as nothing else tells how they
-lie; where they open the plan, of bodies only, as every module starts in a place of its own. A window that strains the
+bodies of one shape. Bodies that never move keep their names in actions without strain, as nothing else tells where they
+lie. Where windows open the plan, modules keep theirs, as each starts in a place of its own. A window that strains the
 numeric conditions of its rules at least as much as a similar one that motion refused is expected to be refused too; one
 action that strains them no more than one that succeeded is expected to succeed. Expectations steer the search; no
 verdict rests on them, and `forget` drops them.
@@ -75,8 +75,8 @@ class GeneralisedNoGoods:
         self._lengths.clear()
 
     def _kind(self, phases: Sequence[Phase], strains: Sequence[float], from_start: bool = False) -> Kind:
-        """As `lifted`, with bodies replaced by their shapes; the same body twice is told from two bodies. From the
-        start modules keep their names, and bodies that never move do in actions without strain."""
+        """As `lifted`, with bodies replaced by their shapes; the same body twice is told from two bodies. Modules
+        keep their names from the start, bodies that never move in actions without strain."""
         return self._signature(phases, bodies=True, modules=not from_start, strains=strains)
 
     def _signature(
