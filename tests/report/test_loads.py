@@ -34,6 +34,7 @@ def test_loads_stand_beside_their_limits_and_the_weakest_part_is_named() -> None
     assert robot.inside == pytest.approx(0.0, abs=2e-3)
     section = render_report(plan).split('id="loads"')[1].split("</section>")[0]
     assert "Weakest part:" in section and "the drive of lift of a" in section
+    assert "<span>pad</span>" in section  # one piece, which is not broken
     told = re.findall(r'class="mass" data-way="([^"]+)"', section)
     assert len(told) == 1 and len(told[0].split()) == 13
 
