@@ -78,7 +78,7 @@ class BoundSettings:
         "not measured",
     )
     long_way_slices: int = setting(
-        4, "1", "… in so many times as many slices, with trees that grow for the square as many rounds.",
+        80, "slices", "… in so many, if it has fewer, with trees that grow for the square as many rounds.",
         "a rover through three walls of a hall of 4 m is solved with 80 slices, not with 20",
     )
     soon_redraws: int = setting(

@@ -154,12 +154,13 @@ class Solves:
         """Whether all that is wrong is one phase in which something is in the way, and its way may be a long one."""
         failed = {v.phase for v in refused.violations}
         blocked = all(v.kind in (Breach.COLLISION, Breach.SELF_COLLISION) for v in refused.violations)
-        return len(failed) == 1 and blocked and not self._closes_a_loop(first, failed)
+        alone = len(failed) == 1 and blocked and not self._closes_a_loop(first, failed)
+        return alone and self.settings.slices < BOUNDS.long_way_slices
 
     def _long_way(self, first: Skeleton, sequence: BoundResult, refused: BoundResult) -> BoundResult:
         """Motion in more slices, with which trees grow for longer: through mazes. What was refused stays so where there
         is none."""
-        finer = replace(self.settings, slices=BOUNDS.long_way_slices * self.settings.slices)
+        finer = replace(self.settings, slices=BOUNDS.long_way_slices)
         found = self._sequence_path(first, sequence, thorough=True, settings=finer)
         return found if found.feasible else refused
 

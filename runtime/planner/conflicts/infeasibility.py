@@ -137,7 +137,7 @@ class Refusals:
             where = "there it can be done" if seq else "at the place of the start there is a motion"
             notes.append(f"without {', '.join(sorted(conflict.obstacles))} {where}")
         if count > 1:
-            of = "" if _goes_on(skeleton, conflict) else " of those that end at the goal"
+            of = "" if _goes_on(skeleton, conflict) else " of those at the end of a plan"
             notes.append(f"this was met in {count} such sequences; the smallest miss{of} is shown")
         row = f"{self._reason(conflict)}{told(cause)}"
         message = f"{_BOUND_NAMES[conflict.bound]} refuses {action}: {row}"
