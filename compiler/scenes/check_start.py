@@ -134,10 +134,12 @@ def _may_overlap(world: ir.World, one: Volume, other: Volume) -> bool:
     return away is not None and not (at_home and away > 0.0)
 
 
-def _freedom(world: ir.World, fixed: Set[str], *volumes: Volume) -> str | None:
-    """Which parts of modules could move out of an overlap, and by which joints; None where no module is concerned."""
+def _freedom(world: ir.World, fixed: Set[str], *volumes: Volume) -> str:
+    """Which parts of modules could move out of an overlap, and by which joints; without modules, which bodies rules may
+    move."""
     if not any(v.owner in world.modules for v in volumes):
-        return None
+        loose = " and ".join(f"`{v.owner}`" for v in volumes if v.owner not in fixed)
+        return f"rules may move {loose}; only what none moves may be built in"
     told = []
     for volume in volumes:
         if volume.owner not in world.modules:
