@@ -83,7 +83,7 @@ def test_answers_from_elsewhere_are_those_from_here(skeleton: Skeleton) -> None:
     settings, budget = MotionSettings(), Budget(None)
     whole, window = SequenceRequest(settings, Seed(0), 3), WindowRequest(settings, Seed(0), 0, 0)
     here = whole.solved(skeleton, budget)
-    attempt = AttemptRequest(settings, Seed(1), 3, here.configurations[1:], len(skeleton))
+    attempt = AttemptRequest(settings, Seed(1), 3, here.configurations[1:], len(skeleton), True)
     with Processes(1) as side:
         ahead = Counted(side)
         ready(ahead, skeleton)
@@ -104,7 +104,7 @@ def test_questions_about_other_starts_are_other_questions(skeleton: Skeleton) ->
     start = start_configuration(skeleton.problem)
     moved = start.copy()
     moved.modules["c[1]"][8] += 1e-12
-    keys = {AttemptRequest(MotionSettings(), Seed(1), 3, [c], 1).key for c in (start, moved, start.copy())}
+    keys = {AttemptRequest(MotionSettings(), Seed(1), 3, [c], 1, True).key for c in (start, moved, start.copy())}
     assert len(keys) == 2
 
 
