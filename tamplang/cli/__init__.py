@@ -9,7 +9,7 @@ import signal
 import sys
 import time
 from collections.abc import Sequence
-from io import TextIOWrapper
+from io import BufferedWriter, RawIOBase, TextIOWrapper
 
 import click
 
@@ -36,12 +36,13 @@ def main() -> int:
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     sys.excepthook = report_crash
     _open_closed_streams()
+    _buffer_streams()
     use_one_thread()
     gc.set_threshold(*COLLECTED)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # for terminals that cannot show every character
-    status = run(sys.argv[1:], time.monotonic() - process_age())
+    status = _written(run(sys.argv[1:], time.monotonic() - process_age()))
     if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # while Python ends, Ctrl-C would show a traceback
     gc.freeze()  # nothing is looked through once more only to end
@@ -55,6 +56,31 @@ def _open_closed_streams() -> None:
         if getattr(sys, name) is None:
             mode = "r" if flags == os.O_RDONLY else "w"
             setattr(sys, name, os.fdopen(os.open(os.devnull, flags), mode, encoding="utf-8", errors="replace"))
+
+
+def _buffer_streams() -> None:
+    """Standard streams write all they are given. Without a buffer (`python -u`, PYTHONUNBUFFERED) what a write to a
+    pipe leaves when a signal comes is lost without a word, and the guard has one come twenty times a second."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        raw = stream.buffer if isinstance(stream, TextIOWrapper) else None
+        if isinstance(raw, RawIOBase):
+            whole = TextIOWrapper(BufferedWriter(raw), stream.encoding, stream.errors, line_buffering=True)
+            setattr(sys, name, whole)
+
+
+def _written(status: int) -> int:
+    """The status of a command once its streams have written what they hold; what they cannot write is given up, else
+    Python would complain of it as it ends."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError as error:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+            if status == ExitStatus.DONE:
+                click.echo(f"Error: cannot write: {error.strerror}", err=True)
+                status = ExitStatus.USAGE
+    return status
 
 
 def run(arguments: Sequence[str], started: float | None = None) -> int:

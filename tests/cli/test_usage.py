@@ -139,12 +139,16 @@ def test_a_terminal_that_cannot_show_every_character() -> None:
     assert "\\u2026" in process.stdout
 
 
+@pytest.mark.parametrize("unbuffered", ["", "1"])
 @pytest.mark.parametrize("arguments", [["check", "--format", "json", CLIMB], ["explain", "E0103"]])
-def test_a_full_disk_behind_standard_output_is_no_crash(arguments: list[object], tmp_path: Path) -> None:
+def test_a_full_disk_behind_standard_output_is_no_crash(
+    arguments: list[object], unbuffered: str, tmp_path: Path
+) -> None:
     with open("/dev/full", "w") as full:
         process = subprocess.run(
             [sys.executable, "-m", "tamplang", *map(str, arguments)],
-            cwd=tmp_path, env=environment(), stdout=full, stderr=subprocess.PIPE, text=True, timeout=60,
+            cwd=tmp_path, env={**environment(), "PYTHONUNBUFFERED": unbuffered}, stdout=full, stderr=subprocess.PIPE,
+            text=True, timeout=60,
         )  # fmt: skip
     assert process.returncode == 2
     assert process.stderr.endswith("Error: cannot write: No space left on device\n")

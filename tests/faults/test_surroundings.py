@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 import socket
+import subprocess
+import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -14,6 +17,8 @@ import pytest
 from tamplang.runtime.parallel import ClusterUnavailable, open_executor
 
 from .conftest import LIGHT, Faulty, here
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 @pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
@@ -127,3 +132,14 @@ def test_silence_at_the_address_of_a_cluster(
 ) -> None:
     process = faulty(command, light, "--cluster", serve(None))
     assert process.returncode == 1 and "S0006" in process.stderr
+
+
+def test_a_slow_reader_gets_all_that_is_printed_without_a_buffer() -> None:
+    """Without a buffer what a signal leaves of a write to a pipe is lost, and the guard has one come all the time."""
+    command = [sys.executable, "-u", "-m", "tamplang", "compile", str(EXAMPLES / "chain_climb.tamp"), "--emit"]
+    with subprocess.Popen([*command, "successors"], stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        first = process.stdout.read(1)
+        time.sleep(0.5)
+        told = first + process.stdout.read()
+    assert process.returncode == 0 and len(told) > 1_000_000 and told.endswith(b"return out\n")
