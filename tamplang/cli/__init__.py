@@ -73,6 +73,8 @@ def _written(status: int) -> int:
     """The status of a command once its streams have written what they hold; what they cannot write is given up, else
     Python would complain of it as it ends."""
     for stream in (sys.stdout, sys.stderr):
+        if stream.closed:  # as a server's is whose client has gone
+            continue
         try:
             stream.flush()
         except OSError as error:
