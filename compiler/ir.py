@@ -131,6 +131,11 @@ class Joint:
     stated: Span | None = field(default=None, compare=False, repr=False)
 
     @property
+    def unit(self) -> str:
+        """What its values are counted in."""
+        return "rad" if self.kind == JointKind.REVOLUTE else "m"
+
+    @property
     def slide(self) -> float:
         """How far it can carry its frame from where it is placed, metres."""
         return max(abs(self.lower), abs(self.upper)) if self.kind == JointKind.PRISMATIC else 0.0

@@ -166,6 +166,12 @@ def bounding_radius(shape: Shape) -> float:
     return math.hypot(size[0], size[1] / 2)
 
 
+@lru_cache(maxsize=512)
+def shape_reach(shape: Shape) -> float:
+    """How far the parts of a shape come from its origin, in metres."""
+    return max((math.hypot(*p.placement[:3]) + bounding_radius(p.shape) for p in shape.solids), default=0.0)
+
+
 def on_axis(axis: Vec3, point: Array) -> bool:
     """Whether a point is on the axis through the origin."""
     return bool(np.linalg.norm(np.cross(axis, point)) <= ON_AXIS * math.hypot(*axis))

@@ -72,7 +72,7 @@ def check_start(findings: Findings, world: ir.World, carried: Iterable[tuple[str
             second.span,
             f"`{first.part}` and `{second.part}` overlap by {depth * 1000:.0f} mm at the start",
             help=None if built_in else apart,
-            note="; ".join(filter(None, (freedom, *(_put(world, v.owner) for v in (first, second))))) or None,
+            note="; ".join(filter(None, (freedom, *(_put(world, v.owner) for v in (first, second))))),
             labels=labels,
         )
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ....compiler import ir
-from ....compiler.motion.collision import bounding_radius
+from ....compiler.motion.collision import shape_reach
 from ....compiler.motion.constraints import METRES, units
 from ....compiler.physics.masses import part_mass
 from ....compiler.physics.records import Hold, Inertial
@@ -44,20 +44,15 @@ def length_unit(problem: ir.Problem) -> float:
     return reach / greatest if bodily <= greatest < reach else min(reach, max(bodily, reach / greatest))
 
 
-def _reach(type_: ir.ModuleType, slides: bool = True) -> float:
-    """How far from its frame a module comes at most, in metres; without `slides` as if nothing slid."""
-    return max((length for length, _ in _parts(type_, slides)), default=0.0)
+def _reach(type_: ir.ModuleType) -> float:
+    """How far from its frame a module comes at most, in metres."""
+    return max((length for length, _ in _parts(type_, slides=True)), default=0.0)
 
 
 def _bodily(type_: ir.ModuleType) -> float:
     """How far from its frame the shapes of a module come at most, in metres, as if nothing slid."""
-    return max((length + _extent(shape) for length, shape in _parts(type_, slides=False)), default=0.0)
-
-
-def _extent(shape: ir.Shape | None) -> float:
-    """How far from where a shape is put it reaches at most, in metres."""
-    solids = () if shape is None else shape.solids
-    return max((math.hypot(*s.placement[:3]) + bounding_radius(s.shape) for s in solids), default=0.0)
+    parts = _parts(type_, slides=False)
+    return max((length + (shape_reach(shape) if shape else 0.0) for length, shape in parts), default=0.0)
 
 
 def _parts(type_: ir.ModuleType, slides: bool) -> Iterator[tuple[float, ir.Shape | None]]:

@@ -119,8 +119,7 @@ class Solves:
                 return found
         held: set[frozenset[int]] = set()
         mends = MENDS if len(skeleton) > KEYFRAMES.longest_whole else ()
-        quick, draws, loaded = self._quick_draws(first, soon), BOUNDS.soon_redraws if soon else self._draws(first), 0
-        draws += quick
+        (quick, draws), loaded = (0, BOUNDS.soon_redraws) if soon else self._draws(first), 0
         for draw in (*mends, *range(1, draws + 1)):
             loaded += bool(result.violations) and all(v.kind in LOADS for v in result.violations)
             if result.feasible or loaded > BOUNDS.loaded_redraws:
@@ -206,10 +205,9 @@ class Solves:
         again, path = self._attempt(skeleton, sequence, refused, 1, len(first), True, False)
         if not again.feasible:
             return None
-        with self.clock("seq_path"):
-            draw, wide = self.seed.child("attempt", 1), BOUNDS.sampled_width
-            path = path or sequence_path(first, again, self.settings, draw, self.budget, False, None, wide)
-        self._count(Bound.SEQ_PATH, path.feasible)
+        if path is None:
+            draw = self.seed.child("attempt", 1)
+            path = self._sequence_path(first, again, thorough=False, seed=draw, sampled_to=BOUNDS.sampled_width)
         return (again, path) if path.feasible else None
 
     def _by_phases(
@@ -231,14 +229,12 @@ class Solves:
         self._count(Bound.SEQ, result.feasible)
         return result
 
-    def _draws(self, first: Skeleton) -> int:
-        """How often the switches of a skeleton, of which `first` is to get its motion, are drawn anew."""
-        loops = self._closes_a_loop(first, range(len(first)))
-        return BOUNDS.redraws if loops else max(BOUNDS.redraws, BOUNDS.redrawn_phases // len(first))
-
-    def _quick_draws(self, first: Skeleton, soon: bool) -> int:
-        """How often they are drawn first without a look for a way among samples."""
-        return 0 if soon or not self._closes_a_loop(first, range(len(first))) else BOUNDS.quick_redraws
+    def _draws(self, first: Skeleton) -> tuple[int, int]:
+        """How often the switches of a skeleton, of which `first` is to get its motion, are drawn anew: at first without
+        a look for a way among samples, and in all."""
+        if self._closes_a_loop(first, range(len(first))):
+            return BOUNDS.quick_redraws, BOUNDS.quick_redraws + BOUNDS.redraws
+        return 0, max(BOUNDS.redraws, BOUNDS.redrawn_phases // len(first))
 
     def _closes_a_loop(self, skeleton: Skeleton, phases: Collection[int]) -> bool:
         return any(looped(self.problem, skeleton.phases[phase].mode) for phase in phases)

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ....compiler.ir import Fact, JointKind, Problem, Shape
+from ....compiler.ir import Fact, Problem, Shape
 from ....compiler.kept_pairs import kept_pairs
 from ....compiler.module_parts import module_parts, own_pairs
 from ....compiler.motion.collision import PhaseContacts, pair
@@ -62,8 +62,8 @@ def steps(problem: Problem, phase: int, path: PhasePath) -> Iterator[Violation]:
         largest = np.abs(np.diff(rows[:, 7:], axis=0)).max(axis=0, initial=0.0)
         for joint, amount in zip(problem.world.modules[name].type.joints, largest, strict=True):
             if amount > PHASES.greatest_step:
-                unit = "rad" if joint.kind == JointKind.REVOLUTE else "m"
-                yield Violation(phase, Breach.STEP, (name, joint.name), float(amount - PHASES.greatest_step), unit)
+                beyond = float(amount - PHASES.greatest_step)
+                yield Violation(phase, Breach.STEP, (name, joint.name), beyond, joint.unit)
 
 
 def past_limits(problem: Problem, phase: int, motion: Resampled) -> Iterator[Violation]:
@@ -72,8 +72,7 @@ def past_limits(problem: Problem, phase: int, motion: Resampled) -> Iterator[Vio
         for k, joint in enumerate(problem.world.modules[name].type.joints):
             amount = float(np.maximum(values[:, k] - joint.upper, joint.lower - values[:, k]).max())
             if amount > PHASES.beyond:
-                unit = "rad" if joint.kind == JointKind.REVOLUTE else "m"
-                yield Violation(phase, Breach.JOINT_LIMIT, (name, joint.name), amount, unit)
+                yield Violation(phase, Breach.JOINT_LIMIT, (name, joint.name), amount, joint.unit)
 
 
 # --- clearances ------------------------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .....compiler import ir
-from .....compiler.ir import Fact, JointKind, Problem, ShapeKind
+from .....compiler.ir import Fact, Problem, ShapeKind
 from .....compiler.motion.constraints import BodyKind, EffectorKind, Kind, RestKind, arguments, stage, units
 from .....compiler.motion.loaded_rows import speaks_of_loads
 from .....compiler.motion.stages import Stage
@@ -164,8 +164,7 @@ def limits(problem: Problem, layout: UnknownsLayout, margin: float, phase_of: li
             pull = min(margin, 0.01 * (joint.upper - joint.lower))
             lower = max(joint.lower, min(joint.lower + pull, start))
             upper = min(joint.upper, max(joint.upper - pull, start))
-            unit = "rad" if joint.kind == JointKind.REVOLUTE else "m"
-            label = RowLabel(phase_of[t], Breach.JOINT_LIMIT, (name, joint.name), (unit,))
+            label = RowLabel(phase_of[t], Breach.JOINT_LIMIT, (name, joint.name), (joint.unit,))
             places += [slot[entry], slot[entry]]
             signs += [1.0, -1.0]
             targets += [upper, -lower]

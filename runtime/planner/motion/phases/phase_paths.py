@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from .....compiler.ir import JointKind, World
+from .....compiler.ir import World
 from .....compiler.motion.collision import contacts
 from ....budget import Budget
 from ....seeds import Seed
@@ -69,8 +69,7 @@ def _failures(group: PhaseGroup, world: World) -> list[Violation]:
         kind, excess = (Breach.JOINT_LIMIT, beyond) if beyond.max() > PHASES.beyond else (Breach.STEP, step)
         module, joint = batch.variables[k][int(excess.argmax())]
         record = world.modules[module].type.joints[joint]
-        unit = "rad" if record.kind == JointKind.REVOLUTE else "m"
-        found.append(Violation(phase, kind, (module, record.name), float(excess.max()), unit))
+        found.append(Violation(phase, kind, (module, record.name), float(excess.max()), record.unit))
     return found
 
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .....compiler.ir import Body, Shape, World
-from .....compiler.motion.collision import bounding_radius, pose_matrix, shape_distance
+from .....compiler.motion.collision import bounding_radius, pose_matrix, shape_distance, shape_reach
 from .....compiler.remembering import remembered
 from .....langs.frozen import dataclass
 from ....skeleton import Array, BodyPoses, Configuration, fixed_poses
@@ -64,7 +62,7 @@ def _fixed(world: World) -> tuple[list[Body], Array, Array]:
     radii `(B,)`."""
     bodies = [b for b in world.solids if not b.movable]
     middles = np.array([b.pose[:3] for b in bodies], dtype=float).reshape(-1, 3)
-    return bodies, middles, np.array([_reach(b.shape) for b in bodies])
+    return bodies, middles, np.array([shape_reach(b.shape) for b in bodies])
 
 
 @remembered(4)
@@ -99,7 +97,7 @@ class Surroundings:
             near += [fixed[k] for k in np.flatnonzero(_close(middles, radii, reaches)).tolist()]
         loose = [b for b in (_movable(world) if shared else world.solids) if b.name in self._rest]
         at = np.array([bodies[b.name][:3] for b in loose]).reshape(-1, 3)
-        near += [loose[k] for k in np.flatnonzero(_close(at, np.array([_reach(b.shape) for b in loose]), reaches))]
+        near += [loose[k] for k in np.flatnonzero(_close(at, np.array([shape_reach(b.shape) for b in loose]), reaches))]
         found = _reached([item for b in near for item in _parts(world, b, bodies[b.name])], reaches)
         found.sort(key=lambda item: item[0])
         return [obstacle for _, obstacle in [*found, *_reached(self._modules(), reaches)]]
@@ -121,12 +119,6 @@ class Surroundings:
                 pose = own[link.joint] @ pose_matrix(link.placement)
                 found.append((place, Obstacle(link.shape, pose, module.name, None)))
         return found
-
-
-@lru_cache(maxsize=512)
-def _reach(shape: Shape) -> float:
-    """How far the parts of a body come from its origin, in metres."""
-    return max((math.hypot(*p.placement[:3]) + bounding_radius(p.shape) for p in shape.solids), default=0.0)
 
 
 def _close(middles: Array, radii: Array, reaches: Mapping[Point, float]) -> NDArray[np.bool_]:
