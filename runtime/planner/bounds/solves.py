@@ -85,7 +85,7 @@ class Solves:
         if result.feasible:
             self.cut = None
             return self._timed(first, result, sequence.configurations[len(first) + 1 :])
-        if movable and (result is before or self._obstacles(first, sequence, result) == (phase, movable)):
+        if movable and (result is before or self._obstacles(first, sequence, result, widest) == (phase, movable)):
             told = tuple(v for v in result.violations if v.phase == phase)
             return Judgement(False, conflicts=[Conflict(Bound.SEQ_PATH, 0, phase, True, told, obstacles=movable)])
         bound = Bound.SEQ_PATH
@@ -98,7 +98,7 @@ class Solves:
         return Judgement(False, conflicts=[blame(bound, result, blamed, len(first))])
 
     def _obstacles(
-        self, first: Skeleton, sequence: BoundResult, result: BoundResult, sampled_to: float = math.inf
+        self, first: Skeleton, sequence: BoundResult, result: BoundResult, sampled_to: float
     ) -> tuple[int, frozenset[str]]:
         """What keeps a motion from being found that could be moved away, as long as such candidates come first."""
         if result.feasible or self.tries is None:
