@@ -99,6 +99,11 @@ class View:
     windows: list[tuple[WindowRecord, float | None]]
     """Windows, with the seconds that it took to plan them."""
 
+    @property
+    def searched(self) -> bool:
+        """Whether the plan tells of a search: the record of a run has windows instead."""
+        return bool(self.plan.statistics.tree_nodes or self.tree.branches or not self.plan.windows)
+
 
 def latency(plan: Plan) -> tuple[float, float] | None:
     seconds = plan.timing.windows[1:] if plan.timing is not None else []

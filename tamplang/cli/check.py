@@ -30,7 +30,7 @@ FILES = click.argument("files", metavar="FILE...", nargs=-1, required=True, type
 @FILES
 @limit_options
 @click.option("--format", "form", type=click.Choice(FORMATS), default="full", show_default=True, help="How to print.")
-@click.option("--quiet", is_flag=True, help="Tell errors only.")
+@click.option("-q", "--quiet", is_flag=True, help="Tell errors only.")
 @watch_option
 def check(
     files: tuple[Path, ...], form: str, seconds: float, memory: int | None, quiet: bool, watch: bool

@@ -28,7 +28,7 @@ def volume_options(command: Callable[..., Any]) -> Callable[..., Any]:
         return command(*args, volume=verbose - quiet, **kwargs)
 
     loud = click.option("--verbose", is_flag=True, help="Tell every step of the planner, one a line.")
-    silent = click.option("--quiet", is_flag=True, help="Tell nothing on the way: results and errors only.")
+    silent = click.option("-q", "--quiet", is_flag=True, help="Tell nothing on the way: results and errors only.")
     return silent(loud(with_volume))
 
 

@@ -46,7 +46,7 @@ def test_standard_input_imports_from_the_current_folder(tmp_path: Path) -> None:
 
 
 def test_check_quiet_tells_errors_only(tamplang: Tamplang, program: Callable[[str], Path]) -> None:
-    loud, quiet = (tamplang("check", program("# nothing\n"), *more) for more in ((), ("--quiet",)))
+    loud, quiet = (tamplang("check", program("# nothing\n"), *more) for more in ((), ("-q",)))
     assert "W0016" in loud.stdout and "1 warning" in loud.stderr
     assert quiet.stdout == quiet.stderr == ""
     assert "E0102" in tamplang("check", program(WRONG), "--quiet").stdout
@@ -142,7 +142,7 @@ def test_words_are_completed(tmp_path: Path, words: str, found: str) -> None:
 
 def test_solve_tells_nothing_or_everything(tamplang: Tamplang) -> None:
     tamplang("new", "tiny")
-    quiet = tamplang("solve", "tiny.tamp", "--bound", "seq", "--quiet")
+    quiet = tamplang("solve", "tiny.tamp", "--bound", "seq", "-q")
     loud = tamplang("solve", "tiny.tamp", "--bound", "seq", "--verbose")
     assert (quiet.returncode, quiet.stderr) == (0, "") and quiet.stdout
     assert len(loud.stderr.splitlines()) >= 2

@@ -299,6 +299,18 @@ def test_pictures_are_saved_and_paper_gets_one_per_switch(opened: Opened) -> Non
     assert opened.page.evaluate("tamplang.time()") == 0.0
 
 
+def test_long_lines_of_sources_are_whole_on_paper(opened: Opened) -> None:
+    page = opened.page
+    page.emulate_media(media="print")
+    page.set_viewport_size({"width": 400, "height": 800})
+    page.evaluate("document.querySelectorAll('details').forEach(d => d.open = true)")
+    blocks = "[...document.querySelectorAll('pre.code')]"
+    beyond = page.evaluate(f"{blocks}.filter(block => block.scrollWidth > block.clientWidth + 1).length")
+    assert beyond == 0
+    page.emulate_media(media="screen")
+    page.set_viewport_size({"width": 1280, "height": 720})
+
+
 def test_following_keeps_the_robot_in_the_middle(opened: Opened) -> None:
     opened.page.locator("#follow").check()
     for time in (0.5, 2.5, 4.5):

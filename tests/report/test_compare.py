@@ -6,6 +6,7 @@ from pathlib import Path
 
 import msgspec
 from click.testing import CliRunner
+from playwright.sync_api import Browser
 
 from tamplang.cli.app import application
 from tamplang.runtime.plan import MachineRecord, TimingRecord
@@ -35,7 +36,7 @@ def test_what_differs_is_told_in_figures_and_actions(tmp_path: Path) -> None:
     assert [row.same for row in rows] == [True] * (len(rows) - 1) + [False] and rows[-1].second == ""
 
 
-def test_the_command_writes_a_page_of_both(tmp_path: Path) -> None:
+def test_the_command_writes_a_page_of_both_of_which_what_plays_is_not_printed(tmp_path: Path, browser: Browser) -> None:
     for name in ("a", "b"):
         write_plan(climb_plan(), tmp_path / f"{name}.json")
     first, second, page = (str(tmp_path / name) for name in ("a.json", "b.json", "c.html"))
@@ -43,3 +44,9 @@ def test_the_command_writes_a_page_of_both(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     text = Path(page).read_text(encoding="utf-8")
     assert text.count("<iframe") == 2 and "Both in step" in text and "a.json" in text
+    shown = browser.new_page()
+    shown.goto(Path(page).as_uri())
+    assert shown.locator("#step-title").is_visible()
+    shown.emulate_media(media="print")
+    assert shown.locator("#differences").is_visible() and not shown.locator("#step-title").is_visible()
+    shown.close()

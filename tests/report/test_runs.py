@@ -38,6 +38,13 @@ def test_the_page_tells_windows_and_what_was_broken_off(run: Plan) -> None:
     assert 'id="planning"' not in render_report(climb_plan())
 
 
+def test_a_run_that_tells_of_no_search_has_no_empty_chapters(run: Plan) -> None:
+    without = replace(run.statistics, tree_nodes=0, expanded_nodes=0, bounds=[], refusals=[], tree=[])
+    page = render_report(replace(run, statistics=without))
+    for chapter in ("Search", "Bounds", "Time by stage", "Refused candidates"):
+        assert f">{chapter}<" in render_report(climb_plan()) and f">{chapter}<" not in page
+
+
 def test_the_page_tells_what_happens_by_itself(run: Plan) -> None:
     middle = run.phases[0].end
     pushed = CourseRecord("target", middle, [[0.0, 0.0, 1.0]], 0.0, False)
