@@ -367,3 +367,10 @@ class Plan(Record, frozen=True):
     timing: TimingRecord | None = None
     statics: StaticsRecord | msgspec.UnsetType = msgspec.UNSET
     """Where the task asks for physics."""
+
+
+def what_it_does(plan: Plan) -> Plan:
+    """The plan without what is said of it: by what version it was found, how, in what time, and with what verdict."""
+    return msgspec.structs.replace(
+        plan, versions={}, statistics=StatisticsRecord(), verdict=None, windows=[], timing=None
+    )  # fmt: skip

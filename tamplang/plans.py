@@ -19,13 +19,25 @@ if TYPE_CHECKING:
     """What is taken where a plan is: a plan, its record, or the name of its file."""
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
 class Plan:
     """A plan; `record` is what a plan file holds (`docs/plan-format.md`). The verdict in it is `fresh` when it was made
-    in this process, and not read from a file."""
+    in this process, and not read from a file.
+
+    Plans are equal when they do the same in the same task: every action, place and instant of the motion, and the texts
+    that it was made from. How a plan was found, how long that took and what verdict it has do not count, so that a plan
+    equals its file, read, and what the same task, seed and options give again. Equal plans have one hash."""
 
     record: PlanRecord
     fresh: bool = False
+
+    def __eq__(self, other: object) -> bool:
+        from .runtime.plan import what_it_does
+
+        return what_it_does(self.record) == what_it_does(other.record) if isinstance(other, Plan) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash((self.record.task.name, self.actions, self.record.times[-1]))
 
     def __repr__(self) -> str:
         actions = counted(len(self.record.phases), "action")

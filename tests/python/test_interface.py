@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pandas
 import pytest
+from msgspec.structs import replace
 
 import tamplang
 from tamplang import api, texts
@@ -47,6 +48,20 @@ def test_what_users_can_mend_has_one_base(tmp_path: Path) -> None:
         assert issubclass(raised, tamplang.Error)
     with pytest.raises(tamplang.ClusterUnavailable):
         tamplang.loads(LAMP).solve(cluster="tcp://127.0.0.1:9")
+
+
+def test_plans_are_equal_that_do_the_same_in_the_same_task(tmp_path: Path) -> None:
+    climb = Path(tamplang.__file__).resolve().parents[1] / "examples" / "climb.tamp"
+    found, other = (tamplang.load(climb, n=n, crawlers=1).solve().plan for n in (1, 2))
+    assert found is not None and other is not None
+    found.save(tmp_path / "a.json")
+    read = tamplang.read_plan(tmp_path / "a.json")
+    assert read == found and hash(read) == hash(found) and not read.verified
+    assert tamplang.load(climb, n=1, crawlers=1).solve(search="bfs").plan in {found}
+    track = found.record.tracks[0]
+    moved = replace(track, joints=[*track.joints[:-1], [q + 1e-9 for q in track.joints[-1]]])
+    assert found != tamplang.Plan(replace(found.record, tracks=[moved, *found.record.tracks[1:]]), fresh=True)
+    assert found != other and found != found.record and found != "a.json"
 
 
 def test_a_wrong_value_of_an_option_is_told_with_the_near_ones() -> None:
