@@ -108,3 +108,11 @@ def test_the_free_end_of_a_chain_grasps_and_places(modules: int) -> None:
     problem = compiled("carry", modules=str(modules))
     assert rules_of(problem) == ["connect"] * (modules - 1) + ["grasp", "place"]
     assert solved(problem)[-1].startswith("place(")
+
+
+@pytest.mark.parametrize("modules, rules", [("3", ["gather", "grasp"]), ("5", ["gather", "gather", "grasp"])])
+def test_links_that_are_made_at_a_stroke_cost_one_action(modules: str, rules: list[str]) -> None:
+    problem = compiled("gather", modules=modules)
+    assert rules_of(problem) == rules
+    search = started(problem)
+    assert search.value(search.successors.initial) <= len(rules)
