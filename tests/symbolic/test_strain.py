@@ -33,7 +33,9 @@ def plain_strain(successors: Successors, interpreter: Interpreter, number: int, 
     return min(found)
 
 
-@pytest.mark.parametrize("problem", [compiled("relay"), compiled("hand_over"), compiled("two_lengths"), climb(2, 2, rise=0.2)])
+@pytest.mark.parametrize(
+    "problem", [compiled("relay"), compiled("hand_over"), compiled("two_lengths"), climb(2, 2, rise=0.2)]
+)
 def test_the_strain_is_that_of_the_witness_with_most_room(problem: Problem) -> None:
     successors, interpreter, chance = Successors(problem), Interpreter(problem), random.Random(3)
     strain, state, different = Strain(successors), successors.initial, set()
