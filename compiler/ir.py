@@ -322,6 +322,13 @@ class Problem:
     things side by side, or a robot in mid-run that has just let go."""
     pressed: frozenset[tuple[str, str]] = frozenset()
     """Those that overlap at the start by less than what `check` lets pass."""
+    scene_motion: frozenset[Fact] | None = None
+    """Where the problem begins in the midst of a task: the motion literals in the scene, before any action."""
+
+    @property
+    def motion_of_scene(self) -> frozenset[Fact]:
+        """The motion literals of the scene as the task states it."""
+        return self.init_motion if self.scene_motion is None else self.scene_motion
 
     def called(self, path: str) -> str:
         """How a source or file is called on any machine."""

@@ -9,9 +9,9 @@ from ..remembering import remembered
 
 @remembered(8)
 def bolted(problem: Problem, mode: frozenset[Fact]) -> frozenset[str]:
-    """The modules whose frames stay where they are at the start while `mode` holds: nothing carries them at the start,
+    """The modules whose frames stay where they are at the start while `mode` holds: nothing carries them in the scene,
     and nothing does now."""
-    loose = frozenset(problem.world.modules) - _carried(problem, problem.init_motion)
+    loose = frozenset(problem.world.modules) - _carried(problem, problem.motion_of_scene)
     return loose - _carried(problem, mode) if loose else loose
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -69,6 +70,25 @@ def test_the_window_of_a_dead_end_is_undone_and_planned_otherwise(stuck: tuple[i
     assert plan.complete and plan.verdict is not None and plan.verdict.verified
     assert [window.motions for window in plan.windows] == [1, 1, 1, 1]
     assert "dead end" in {window.reason for window in plan.windows}
+
+
+def test_a_window_that_led_to_a_dead_end_is_planned_with_what_failed_behind_it_in_view() -> None:
+    numbers = []
+    outcome = solve_receding(_slots(0), _options(0), 1, lambda told: numbers.append(_window(told)), lookahead=0)
+    assert outcome.status == "solved"
+    assert 0 < sum(later < earlier for earlier, later in pairwise(numbers)) <= 6
+
+
+def _window(told: Progress) -> int:
+    return int(told.message.split()[1].rstrip(","))
+
+
+@pytest.mark.parametrize("horizon", [1, 4])
+def test_a_plate_that_lay_on_the_ground_is_lifted_in_a_window_of_its_own(horizon: int) -> None:
+    problem = load(EXAMPLES / "quadruped.tamp").problem
+    (plan,) = solve_receding(problem, _options(0), horizon).plans
+    assert plan.complete and plan.verdict is not None and plan.verdict.verified
+    assert plan.windows[-1].actions == ["standUp(p.S, ground)"]
 
 
 def test_every_seed_that_got_stuck_is_solved_by_looking_ahead(stuck: tuple[int, Outcome]) -> None:

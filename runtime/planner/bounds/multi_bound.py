@@ -43,9 +43,11 @@ class MultiBound(Solves):
         """How many candidates in a row were only expected to be refused."""
         self.experience = GeneralisedNoGoods(self.problem)
 
-    def restart(self, problem: Problem, seed: Seed, budget: Budget) -> None:
-        """Go on with the same task from another state: what was learnt of phases wherever they start stays."""
+    def restart(self, problem: Problem, seed: Seed, budget: Budget, undoable: bool = False) -> None:
+        """Go on with the same task from another state: what was learnt of phases wherever they start stays. Where that
+        state is `undoable`, motion from there is soon given up at first."""
         self._use(problem)
+        self.brief_redraws = undoable
         self.seed, self.budget = seed, budget
         self.tries = BOUNDS.quick_starts
         self._windows.clear()
@@ -105,7 +107,7 @@ class MultiBound(Solves):
         """As `judge`, for a way that was seen before: `ahead` holds its first switch configurations as they were
         expected then. A refusal has no conflicts. Raises OutOfTime."""
         skeleton, ahead = self.unit.skeleton(skeleton), [self.unit.configuration(c) for c in ahead]
-        return self.unit.judgement(self.motion(skeleton, self._onward(skeleton, ahead), motions))
+        return self.unit.judgement(self.motion(skeleton, self._onward(skeleton, ahead), motions, self._briefly))
 
     def _onward(self, skeleton: Skeleton, ahead: Sequence[Configuration]) -> BoundResult:
         """P_seq from the first switch configurations `ahead`, and guesses behind them."""

@@ -43,6 +43,8 @@ class Solves:
     ahead: Speculation = field(default_factory=Speculation)
     clock: Clock = field(default_factory=Clock, init=False)
     tries: int | None = field(default=BOUNDS.quick_starts, init=False)
+    brief_redraws: bool = field(default=False, init=False)
+    """Whether motion that is refused is soon given up at first, as what came before can be changed."""
     cut: Conflict | None = field(default=None, init=False)
     """Of a candidate whose motion is being looked for: what was in the way of the last one, should time run out."""
     _counts: dict[Bound, list[int]] = field(init=False)
@@ -63,25 +65,28 @@ class Solves:
         self._count(Bound.SEQ, result.feasible)
         return result
 
-    def motion(self, skeleton: Skeleton, sequence: BoundResult, motions: int | None = None) -> Judgement:
+    def motion(
+        self, skeleton: Skeleton, sequence: BoundResult, motions: int | None = None, soon: bool = False
+    ) -> Judgement:
         """P_seqPath of the first phases (default: of all) between switch poses, drawn anew, in long skeletons first
         around phases that fail; then P_path. The phases behind them keep a say in where switches are. A refusal by
-        P_seq stays one, without conflicts."""
+        P_seq stays one, without conflicts. With `soon` what fails is drawn anew as seldom as where something is in the
+        way that could be moved."""
         if not sequence.feasible:
             return Judgement(False)
         first = beginning(skeleton, len(skeleton) if motions is None else motions)
         if not first.phases:
             return Judgement(True, paths=[])
-        soon = self._shortened(skeleton, sequence, first)
-        if soon is not None:
-            return soon
+        shorter = self._shortened(skeleton, sequence, first)
+        if shorter is not None:
+            return shorter
         widest = BOUNDS.first_sampled if self._is_long(first) else math.inf
         result = self._sequence_path(first, sequence, thorough=False, sampled_to=widest)
         blamed = [{v.phase for v in result.violations}]
         if not result.feasible:
             self.cut = blame(Bound.SEQ_PATH, result, blamed, len(first))
         before, (phase, movable) = result, self._obstacles(first, sequence, result, widest)
-        sequence, result = self._redrawn(skeleton, first, sequence, result, blamed, bool(movable))
+        sequence, result = self._redrawn(skeleton, first, sequence, result, blamed, soon or bool(movable))
         if result.feasible:
             self.cut = None
             return self._timed(first, result, sequence.configurations[len(first) + 1 :])
@@ -89,7 +94,7 @@ class Solves:
             told = tuple(v for v in result.violations if v.phase == phase)
             return Judgement(False, conflicts=[Conflict(Bound.SEQ_PATH, 0, phase, True, told, obstacles=movable)])
         bound = Bound.SEQ_PATH
-        if self.finest == Bound.PATH and not all(v.kind in LOADS for v in result.violations):
+        if self.finest == Bound.PATH and not self._briefly and not all(v.kind in LOADS for v in result.violations):
             known = sequence.configurations[: len(first) + 1]
             free = self._path(first, replace(sequence, configurations=known))
             if free.feasible:
@@ -154,7 +159,7 @@ class Solves:
         failed = {v.phase for v in refused.violations}
         blocked = all(v.kind in (Breach.COLLISION, Breach.SELF_COLLISION) for v in refused.violations)
         alone = len(failed) == 1 and blocked and not self._closes_a_loop(first, failed)
-        return alone and self.settings.slices < BOUNDS.long_way_slices
+        return alone and self.settings.slices < BOUNDS.long_way_slices and not self._briefly
 
     def _long_way(self, first: Skeleton, sequence: BoundResult, refused: BoundResult) -> BoundResult:
         """Motion in more slices, with which trees grow for longer: through mazes. What was refused stays so where there
@@ -234,7 +239,14 @@ class Solves:
         a look for a way among samples, and in all."""
         if self._closes_a_loop(first, range(len(first))):
             return BOUNDS.quick_redraws, BOUNDS.quick_redraws + BOUNDS.redraws
+        if self._briefly:
+            return 0, BOUNDS.redraws
         return 0, max(BOUNDS.redraws, BOUNDS.redrawn_phases // len(first))
+
+    @property
+    def _briefly(self) -> bool:
+        """Whether motion is given up soon now: not once bounds try harder."""
+        return self.brief_redraws and self.tries is not None
 
     def _closes_a_loop(self, skeleton: Skeleton, phases: Collection[int]) -> bool:
         return any(looped(self.problem, skeleton.phases[phase].mode) for phase in phases)

@@ -77,7 +77,10 @@ def rerooted(
     as they are, also outside of limits and in mid-air."""
     world = placed(problem.world, configuration)
     near, pressed = touching(world), frozenset(pressed_in(world))
-    return replace(problem, init=facts, init_motion=motion_literals, world=world, touching=near, pressed=pressed)
+    return replace(
+        problem, init=facts, init_motion=motion_literals, world=world, touching=near, pressed=pressed,
+        scene_motion=problem.motion_of_scene,
+    )  # fmt: skip
 
 
 def placed(world: ir.World, configuration: Configuration) -> ir.World:

@@ -122,13 +122,15 @@ class _HorizonRun:
                 return Status.EXHAUSTED
 
     def _plan(self) -> Window:
-        """The window from the present state."""
+        """The window from the present state. Where what followed it failed, P_seq looks one more window ahead for each
+        time: what failed there then has a say in the motion here."""
         level = self.levels[-1]
+        lookahead = self.lookahead + self.horizon.length * level.failures
         window = plan_window(
             self.problem, level.reached, self.options, self.horizon.length, self.budget, self.memory,
             seed=Seed(self.options.seed).child("failures", level.failures), forbidden=tuple(level.forbidden),
-            lookahead=self.lookahead, before=self.kept[-1].window if self.kept and not level.failures else None,
-            clocks=self.kept[-1].window.clocks if self.kept else (),
+            lookahead=lookahead, before=self.kept[-1].window if self.kept and not level.failures else None,
+            clocks=self.kept[-1].window.clocks if self.kept else (), undoable=bool(self.kept),
         )  # fmt: skip
         self.tree_nodes += window.tree_nodes
         self.expanded_nodes += window.expanded_nodes

@@ -117,13 +117,15 @@ def plan_window(
     before: Window | None = None,
     candidates: int = RECEDING.candidates,
     clocks: Clocks = (),
+    undoable: bool = False,
 ) -> Window:
     """Plan from `reached` on: actions that do not begin with one of `forbidden`, motion for the first `horizon` of
     them. `problem` is the task; its own start does not matter. Another `seed` gives other motions. `before` is
     the window that led here, if things went as it said: its way on is tried first. At most so many `candidates` are
-    judged for one goal. `clocks` are those at the start. Raises OutOfTime, Inapplicable, MissingLibrary."""
+    judged for one goal. `clocks` are those at the start. From an `undoable` state motion is soon given up.
+    Raises OutOfTime, Inapplicable, MissingLibrary."""
     here = reached_problem(problem, reached)
-    memory.bounds.restart(here, Seed(options.seed) if seed is None else seed, budget)
+    memory.bounds.restart(here, Seed(options.seed) if seed is None else seed, budget, undoable)
     planner = _Planner(
         here, reached, options, horizon, budget, memory, tuple(forbidden), lookahead, before, candidates, clocks
     )  # fmt: skip
