@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 import pickle
 import signal
+import subprocess
+import sys
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from multiprocessing import connection, get_context, parent_process, resource_tracker
+from contextlib import suppress
+from multiprocessing import connection
 from queue import SimpleQueue
 from typing import Any, ParamSpec, TypeVar
 
@@ -27,8 +30,6 @@ class Processes(Side):
     given to a fresh one once; the others go on."""
 
     def __init__(self, jobs: int) -> None:
-        # Else it would start with the first worker, and let Ctrl-C through to the thread that starts both.
-        resource_tracker.ensure_running()
         self._jobs = jobs
         self._workers = [_Worker() for _ in range(jobs)]
         self._idle: SimpleQueue[_Worker] = SimpleQueue()
@@ -72,31 +73,29 @@ class _Worker:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._closed = False
-        self._process: Any = None
+        self._process: subprocess.Popen[bytes] | None = None
         self._pipe: Any = None
+        self._alive = -1
 
     def ask(self, question: bytes) -> bytes:
         """The answer of the process. Raises WorkerLost when it ends without one."""
-        self._start()
+        process = self._started()
         try:
             self._pipe.send_bytes(question)
             answer: bytes = self._pipe.recv_bytes()
         except (EOFError, OSError) as error:
-            self._process.join()
-            raise WorkerLost(_how_it_ended(self._process.exitcode)) from error
+            raise WorkerLost(_how_it_ended(process.wait())) from error
         return answer
 
-    def _start(self) -> None:
+    def _started(self) -> subprocess.Popen[bytes]:
         with self._lock:
             if self._closed:
                 raise WorkerLost("the work was dropped")
-            if self._process is not None and self._process.is_alive():
-                return
-            context = get_context("spawn")
-            self._pipe, far_end = context.Pipe()
-            self._process = context.Process(target=_serve, args=(far_end,), daemon=True)
-            self._process.start()
-            far_end.close()
+            if self._process is not None and self._process.poll() is None:
+                return self._process
+            self._close()
+            self._process, self._pipe, self._alive = started()
+            return self._process
 
     def kill(self) -> None:
         """End the process, whatever it does, and never start another one."""
@@ -104,15 +103,51 @@ class _Worker:
             self._closed = True
             if self._process is not None:
                 self._process.kill()
-                self._process.join()
+                self._process.wait()
+            self._close()
+
+    def _close(self) -> None:
+        """Let go of the pipes of a process that has ended; what reads from one finds its end."""
+        if self._alive >= 0:
+            os.close(self._alive)
+            self._alive = -1
 
 
-def _serve(pipe: Any) -> None:
-    """The life of a worker: answer questions until the one who asks is gone."""
+def started() -> tuple[subprocess.Popen[bytes], connection.Connection, int]:
+    """A worker, the pipe to ask it through, and a file descriptor that it lives as long as."""
+    pipe, far_end = connection.Pipe()
+    watched, alive = os.pipe()
+    ends = far_end.fileno(), watched
+    try:
+        words = [sys.executable, "-P", "-c", LIFE, *map(str, ends)]
+        process = subprocess.Popen(words, pass_fds=ends, stdin=subprocess.DEVNULL)
+    finally:
+        far_end.close()
+        os.close(watched)
+    with suppress(OSError):  # a process that is gone already is found out when it is asked
+        pipe.send(sys.path)
+    return process, pipe, alive
+
+
+LIFE = f"""
+import sys
+from multiprocessing.connection import Connection
+pipe = Connection(int(sys.argv[1]))
+try:
+    sys.path[:] = pipe.recv()
+except (EOFError, OSError):
+    sys.exit()
+from {__name__} import serve
+serve(pipe, int(sys.argv[2]))
+"""
+"""What a worker runs. It imports nothing of the program that gives the work, which may be a script without a guard, and
+says nothing when that one is gone before it began."""
+
+
+def serve(pipe: connection.Connection, watched: int) -> None:
+    """The life of a worker: answer questions until the one who asks is gone, and with it the other end of `watched`."""
     use_one_thread()
-    parent = parent_process()
-    if parent is not None:
-        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+    threading.Thread(target=_end_with, args=(watched,), daemon=True).start()
     while True:
         try:
             question = pipe.recv_bytes()
@@ -126,8 +161,8 @@ def _computed(question: bytes) -> bytes:
     return pickle.dumps(function(*args, **kwargs))
 
 
-def _end_with(sentinel: int) -> None:
-    connection.wait([sentinel])
+def _end_with(watched: int) -> None:
+    os.read(watched, 1)
     os._exit(1)
 
 

@@ -80,6 +80,25 @@ def session(number: int) -> list[int]:
     return found
 
 
+def workers() -> list[int]:
+    """The living processes that this one has started for work."""
+    return [p for p in session(os.getsid(0)) if _parent(p) == os.getpid() and b"serve(pipe" in _command(p)]
+
+
+def _parent(process: int) -> int:
+    try:
+        return int(Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[1])
+    except OSError:
+        return -1
+
+
+def _command(process: int) -> bytes:
+    try:
+        return Path(f"/proc/{process}/cmdline").read_bytes()
+    except OSError:
+        return b""
+
+
 def is_solving(process: int | None) -> bool:
     """Whether the process has come as far as the motion programs."""
     try:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-import multiprocessing
 import operator
 import os
+import signal
 import time
 from concurrent.futures import Future
 from pathlib import Path
@@ -16,7 +16,7 @@ import pytest
 from tamplang.cli.instances import Instance, instances, read_program, read_values, solve_instance
 from tamplang.runtime.parallel import WorkerLost, WorkFailed, as_finished, open_executor
 
-from .conftest import CLIMB, is_solving, timeless, wait_until
+from .conftest import CLIMB, is_solving, timeless, wait_until, workers
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
@@ -29,7 +29,7 @@ def test_results_and_errors_belong_to_their_items(jobs: int) -> None:
         assert (error.kind, "factorial" in error.message) == ("ValueError", True)
         assert "Traceback" in error.trace
         assert executor.submit(operator.sub, 5, 3).result() == 2
-    assert not multiprocessing.active_children()
+    assert not workers()
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
@@ -74,11 +74,11 @@ def test_leaving_by_an_error_drops_all_work_at_once() -> None:
     futures: list[Future[None]] = []
     with pytest.raises(KeyboardInterrupt), open_executor(2) as executor:
         futures += [executor.submit(time.sleep, 600) for _ in range(4)]
-        wait_until(lambda: len(multiprocessing.active_children()) == 2)
+        wait_until(lambda: len(workers()) == 2)
         raise KeyboardInterrupt
     assert time.monotonic() - started < 60
     assert all(future.cancelled() or isinstance(future.exception(), WorkerLost) for future in futures)
-    assert not multiprocessing.active_children()
+    assert not workers()
 
 
 def climbs() -> list[Instance]:
@@ -92,9 +92,9 @@ def test_a_worker_killed_in_mid_solve_costs_only_its_work() -> None:
     expected = timeless([solve_instance(instance)[0] for instance in climbs()])
     with open_executor(2) as executor:
         futures = [executor.submit(solve_instance, instance) for instance in climbs()]
-        wait_until(lambda: any(is_solving(child.pid) for child in multiprocessing.active_children()))
-        victim = next(child for child in multiprocessing.active_children() if is_solving(child.pid))
-        victim.kill()
+        wait_until(lambda: any(map(is_solving, workers())))
+        victim = next(filter(is_solving, workers()))
+        os.kill(victim, signal.SIGKILL)
         answers = [future.result()[0] for future in futures]
-        wait_until(lambda: not Path(f"/proc/{victim.pid}").exists())
+        wait_until(lambda: not Path(f"/proc/{victim}").exists())
     assert timeless(answers) == expected
