@@ -39,9 +39,11 @@ class Poses:
     turns: Mapping[Node, Array]
     places: Mapping[Node, Array]
     times: Array | None = None
-    """Seconds of the samples where what moves has inertia, equidistant."""
+    """Seconds of the samples where what moves has inertia, equidistant in each group."""
     moved: frozenset[Node] = frozenset()
     """Joints, each as its moving frame, that move over the samples: brakes bear nothing there."""
+    group: int | None = None
+    """So many samples that follow each other belong together; None: all."""
 
 
 @lru_cache(maxsize=64)
@@ -111,9 +113,11 @@ def _joint_constants(joint: Joint) -> tuple[Array, Array, Array, Array, Array]:
 
 
 def poses(
-    problem: Problem, modules: Mapping[str, Array], bodies: Mapping[str, Array], times: Array | None = None
-) -> Poses:
-    """Where all nodes are: `modules` by name `(T, 7 + n)`, `bodies` `(T, 7)`."""
+    problem: Problem, modules: Mapping[str, Array], bodies: Mapping[str, Array], times: Array | None = None,
+    group: int | None = None,
+) -> Poses:  # fmt: skip
+    """Where all nodes are: `modules` by name `(T, 7 + n)`, `bodies` `(T, 7)`; `times` where what moves has inertia,
+    equidistant in each `group` of samples."""
     count = max((len(rows) for rows in (*modules.values(), *bodies.values())), default=1)
     turns: dict[Node, Array] = {WORLD: np.broadcast_to(np.eye(3), (count, 3, 3))}
     places: dict[Node, Array] = {WORLD: np.zeros((count, 3))}
@@ -135,7 +139,7 @@ def poses(
         turns[name, -1], places[name, -1] = rotation(_unit(rows[:, 3:7])), rows[:, :3]
     change = {name: np.ptp(rows[:, 7:], axis=0) > STILL for name, rows in modules.items()}
     moved = frozenset((name, k) for name, far in change.items() for k in np.flatnonzero(far).tolist())
-    return Poses(turns, places, times, moved)
+    return Poses(turns, places, times, moved, group)
 
 
 def _unit(quaternions: Array) -> Array:
@@ -157,32 +161,36 @@ def node_weights(problem: Problem, nodes: Sequence[Node]) -> dict[Node, Weight]:
     return found
 
 
-def node_wrench(weight: Weight, turn: Array, place: Array, times: Array | None) -> tuple[Array, Array]:
+def node_wrench(
+    weight: Weight, turn: Array, place: Array, times: Array | None, group: int | None = None
+) -> tuple[Array, Array]:
     """Force and moment about the origin that a node puts on what bears it."""
     centre = place + turn @ weight.centre
     force = np.zeros_like(centre)
     force[:, 2] = -weight.mass * GRAVITY
     moment = crossed(centre, force)
     if times is not None:
-        step = times[1] - times[0]
+        step = float(times[1] - times[0])
         inertia = turn @ weight.inertia @ np.swapaxes(turn, 1, 2)
-        push = -weight.mass * _second(centre, step)
+        apart = (len(turn) // group, group) if group else (1, len(turn))
+        push = -weight.mass * _second(centre.reshape(*apart, 3), step).reshape(-1, 3)
         force = force + push
-        spin = _spin(turn, step)
-        momentum = np.einsum("tij,tj->ti", inertia, spin)
-        moment = moment + crossed(centre, push) - np.gradient(momentum, step, axis=0, edge_order=2)
+        momentum = np.einsum("tij,tj->ti", inertia, _spin(turn, step, apart))
+        turned = np.gradient(momentum.reshape(*apart, 3), step, axis=1, edge_order=2).reshape(-1, 3)
+        moment = moment + crossed(centre, push) - turned
     return force, moment
 
 
 def _second(values: Array, step: float) -> Array:
-    """Second derivatives at all samples; those at the ends as beside them."""
-    inner = (values[2:] - 2.0 * values[1:-1] + values[:-2]) / step**2
-    return np.concatenate([inner[:1], inner, inner[-1:]])
+    """Second derivatives `(G, T, 3)` at all samples; those at the ends as beside them."""
+    inner = (values[:, 2:] - 2.0 * values[:, 1:-1] + values[:, :-2]) / step**2
+    return np.concatenate([inner[:, :1], inner, inner[:, -1:]], axis=1)
 
 
-def _spin(turn: Array, step: float) -> Array:
+def _spin(turn: Array, step: float, apart: tuple[int, int]) -> Array:
     """Angular velocities `(T, 3)` in the world."""
-    rate = np.gradient(turn, step, axis=0, edge_order=2) @ np.swapaxes(turn, 1, 2)
+    change = np.gradient(turn.reshape(*apart, 3, 3), step, axis=1, edge_order=2).reshape(-1, 3, 3)
+    rate = change @ np.swapaxes(turn, 1, 2)
     return (
         np.stack([rate[:, 2, 1] - rate[:, 1, 2], rate[:, 0, 2] - rate[:, 2, 0], rate[:, 1, 0] - rate[:, 0, 1]], 1) / 2
     )

@@ -110,7 +110,7 @@ def hanging(problem: Problem, found: Structure, at: Poses) -> list[tuple[Array, 
     count = len(at.turns[WORLD])
     sums: dict[Node, tuple[Array, Array]] = {n: (np.zeros((count, 3)), np.zeros((count, 3))) for n in (WORLD, *nodes)}
     for node, weight in node_weights(problem, nodes).items():
-        sums[node] = node_wrench(weight, at.turns[node], at.places[node], at.times)
+        sums[node] = node_wrench(weight, at.turns[node], at.places[node], at.times, at.group)
     borne: list[tuple[Array, Array]] = [(np.zeros(0), np.zeros(0))] * len(found.edges)
     for number in reversed(range(len(found.edges))):
         edge = found.edges[number]

@@ -119,8 +119,9 @@ class _Playback:
         if told is not None:
             return told
         times = np.linspace(record.start, record.end, EXPECTED + 1)
-        here = placed(self.problem, self.plan, number, times, moving=True)
-        return times, drives(self.problem, self.modes[number], here, safety_of(self.problem.options))
+        here, middle = placed(self.problem, self.plan, number, times, moving=True)
+        given = drives(self.problem, self.modes[number], here, safety_of(self.problem.options))
+        return times, {joint: torques[middle] for joint, torques in given.items()}
 
     def _told(self, number: int, record: PhaseRecord, times: Array) -> DriveCommands:
         """Where the joints should be at each step, how fast, and the torque that the plan expects."""

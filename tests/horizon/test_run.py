@@ -135,6 +135,11 @@ def test_what_is_left_of_a_robot_searches_on_where_the_first_ways_are_refused() 
     assert result.status == "solved" and verdict is not None and verdict.verified
 
 
+def test_torques_that_a_run_tells_are_those_of_its_motion() -> None:
+    record = load(EXAMPLES / "real_climb.tamp").run().record
+    assert record.statics and record.verdict is not None and record.verdict.verified
+
+
 @pytest.mark.parametrize("name", ["failing_module", "leaving_module"])
 def test_the_others_finish_the_task(name: str) -> None:
     result = load(EXAMPLES / "failing_module.tamp", name, n="2").run()
