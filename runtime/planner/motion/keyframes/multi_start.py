@@ -153,8 +153,8 @@ class SpanSolver:
     def search(self, warm: Sequence[Configuration] | None, tries: int) -> BoundResult:
         """Attempt after attempt, from `warm` first. Until one has succeeded so, a new guess is solved without
         collisions, which shows whether the span is out of reach, and from there with them. The first guess and its
-        repair are steady. Once one has failed without collisions, guesses take postures from anywhere: what fails from
-        one kind of posture may be in reach from another."""
+        repair are steady. Once one has failed without collisions, guesses are no longer steady and take postures from
+        anywhere: what fails from one kind of posture may be in reach from another."""
         best = nearest = None
         loose: list[float] = []
         full: list[float] = []
@@ -169,7 +169,8 @@ class SpanSolver:
             given = warm is not None and number == 0
             period = KEYFRAMES.repair_period
             collided = self.reached and best is not None and number >= period
-            slices = [self.start, *(warm or ())] if given else self.guess(bool(loose), number < period, collided)
+            steady = number < period and not loose
+            slices = [self.start, *(warm or ())] if given else self.guess(bool(loose), steady, collided)
             if best is not None and number % period == 1:
                 slices = _repair(switches, best.configurations, slices)
             elif (warm is None or number > 0) and not self.reached:
