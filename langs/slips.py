@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 
-from .idiom import ITEM, NAME, idiom
+from .idiom import ITEM, LITERAL, NAME, idiom
 
 SHAPE = r"(?:box|sphere|capsule|cylinder|hull|mesh|union)"
 SIZES = rf"{SHAPE}[ \t]*\([^()\n]*\)"
@@ -20,6 +20,7 @@ CLAUSES = (("on",), ("at", "in"), ("heading", "normal", "home"), ("speed",), ("a
            WEIGHTS)  # fmt: skip
 ORDER = {word: place for place, words in enumerate(CLAUSES) for word in words}
 """In which order the clauses of bodies, robots, ends and joints stand."""
+VECTOR = r"\([^(),\n]+,[^(),\n]+,[^(),\n]+\)"
 HEADS = r"(?:task|scene|rule|module|function|heuristic)"
 
 
@@ -79,6 +80,21 @@ def _in_order(match: re.Match[str]) -> str:
     return " ".join(clause for _, clause in sorted(clauses, key=lambda clause: clause[0]))
 
 
+def _directed(match: re.Match[str]) -> str:
+    """`0.3 m along x`, or along a vector with one number, as a vector."""
+    way, far = match["way"], match["far"]
+    numbers = [n.strip() for n in way.strip("()").split(",")] if "," in way else [str(int(way[-1] == c)) for c in "xyz"]
+    sign = "-" if way.startswith("-") else ""
+    parts = {"0": "0", "1": f"{sign}{far}", "-1": f"-{far}"}
+    return f"({', '.join(parts.get(n, f'{n} * {far}') for n in numbers)})"
+
+
+def _apart(match: re.Match[str]) -> str:
+    """`object a, b: sphere(4 cm) …` as one item each."""
+    names = [name.strip() for name in match["names"].split(",")]
+    return "\n    ".join(f"{match['kind']} {name}: {match['rest'].strip()}" for name in names)
+
+
 def _typed_signature(match: re.Match[str]) -> str:
     return ", ".join(f"{name}: object" for name in re.findall(NAME, match["x"]))
 
@@ -101,6 +117,8 @@ SLIPS = (
           r"(?=[ \t]*(?:[}#]|$))", "these stand in another order", _in_order),
     idiom(rf"\blink[ \t]+{QUANTITY}(?P<x>((?:[ \t]+(?:mass|density)[ \t]+{QUANTITY})+)[ \t]*(:[ \t]*{SIZES}))",
           "the shape of a link stands in front of its weight", r"\3\2"),
+    idiom(rf"\blink[ \t]+(?P<x>(?P<far>{QUANTITY})[ \t]+(?:along|in)[ \t]+(?P<way>-?[xyz]\b|{VECTOR}))",
+          "a link goes on along z, or by a vector", _directed),
     idiom(rf"\blink[ \t]+(?P<x>({SIZES})[ \t]*:?[ \t]*({QUANTITY}))",
           "the length of a link stands in front of its shape",
           r"\3: \2"),
@@ -116,6 +134,22 @@ SLIPS = (
     idiom(rf"^(?P<x>({HEADS})[ \t]*)(?=\(|\{{)", "what is declared has a name", r"\2 first",
           help="such as `first` in `task first() { … }`"),
     idiom(rf"\b{HEADS}[ \t]+(?P<x>({NAME})[ \t]+({NAME}))(?=[ \t]*[({{=])", "a name is one word", r"\2_\3"),
+    idiom(rf"^[ \t]*(?P<x>(?P<kind>{NAME})[ \t]+(?P<names>{NAME}(?:[ \t]*,[ \t]*{NAME})+)[ \t]*:(?P<rest>[^\n#{{}}]+))",
+          "what is put into a scene has one name", _apart),
+    idiom(rf"^[ \t]*(?P<x>({NAME})[ \t]*\[([^\[\]\n]+)\][ \t]+({NAME})[ \t]*:)",
+          "several are put into a scene by `for`, and counted behind the name", r"\2 \4[\3]:",
+          help="such as `for k in 1 .. 3 { crawler c[k]: A on ground at (k * 1 m, 0) }`"),
+    idiom(rf"\b(?:forall|exists|for)[ \t]+{NAME}(?P<x>[ \t]*:[ \t]*int)(?=[ \t]+in\b)", "what counts has no type"),
+    idiom(r"\bin[ \t]+[\w.]+(?P<x>[ \t]+(?:to|until|upto|through)[ \t]+)", "a range is written with `..`", " .. "),
+    idiom(rf"\b(?:forall|exists)\b[^\n{{}}:]*(?P<x>:[ \t]*({LITERAL}))[ \t]*(?=$|,)",
+          "what is said of all or of some stands between `{` and `}`", r" { \2 }"),
+    idiom(r"(?P<x>\bfor[ \t]+all\b)", "`for all` is one word here", "forall", code="E0004"),
+    idiom(rf"(?P<x>\b(?:rotated|turned|facing|yaw|rotation)(?:[ \t]+by)?(?:[ \t]*[:=])?)(?=[ \t]*{QUANTITY})",
+          "how something is turned stands behind `heading`", "heading"),
+    idiom(r"\bfact[ \t]*\([^()\n]*\)(?P<x>[ \t]+\()", "each fact has its own `fact`", "\n    fact ("),
+    idiom(rf"\b(?:on|of|in)[ \t]+(?P<x>(?:the|a)[ \t]+)(?={NAME})", "names stand without articles"),
+    idiom(r"^[ \t]*(?P<x>(?:fact[ \t]+)?not[ \t]*\([^()\n]*\))[ \t]*$", "what is not stated does not hold at the start", "",
+          help="leave it out; what must not hold in the end stands behind `goal`: `goal not (held ball)`"),
     idiom(rf"(?P<x>\"({NAME})\")", "names stand without quotes", r"\2"),
     idiom(rf"^[ \t]*(?P<x>(object|base|region)[ \t]*:)(?=[ \t]*{SIZES})", "a body has a name", r"\2 first:",
           help="such as `object ball: sphere(4 cm)`"),
