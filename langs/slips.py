@@ -140,7 +140,6 @@ SLIPS = (
           "several are put into a scene by `for`, and counted behind the name", r"\2 \4[\3]:",
           help="such as `for k in 1 .. 3 { crawler c[k]: A on ground at (k * 1 m, 0) }`"),
     idiom(rf"\b(?:forall|exists|for)[ \t]+{NAME}(?P<x>[ \t]*:[ \t]*int)(?=[ \t]+in\b)", "what counts has no type"),
-    idiom(r"\bin[ \t]+[\w.]+(?P<x>[ \t]+(?:to|until|upto|through)[ \t]+)", "a range is written with `..`", " .. "),
     idiom(rf"\b(?:forall|exists)\b[^\n{{}}:]*(?P<x>:[ \t]*({LITERAL}))[ \t]*(?=$|,)",
           "what is said of all or of some stands between `{` and `}`", r" { \2 }"),
     idiom(r"(?P<x>\bfor[ \t]+all\b)", "`for all` is one word here", "forall", code="E0004"),

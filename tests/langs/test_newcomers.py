@@ -81,7 +81,6 @@ def repaired(text: str) -> str:
         (TASK, "goal (held ball)", "goal (held ball), forall k in 1 .. 2 : (held ball)", "E0001"),
         (TASK, "goal (held ball)", "goal forall k: int in 1 .. 2 { (held ball) }", "E0001"),
         (TASK, "goal (held ball)", "goal for all k in 1 .. 2 { (held ball) }", "E0004"),
-        (TASK, "goal (held ball)", "goal forall k in 1 to 2 { (held ball) }", "E0001"),
         (TASK, "A on ground", "A on the ground", "E0001"),
         (TASK, "at (30 cm, 0)", "at (30 cm, 0) facing 90 deg", "E0001"),
         (TASK, "fact (grippable ball)", "fact (grippable ball) (grippable ground)", "E0001"),
