@@ -300,5 +300,11 @@ def test_parts_of_a_rule_in_another_order_are_told_once() -> None:
     assert [d.code for d in found(text)] == ["E0001"]
 
 
+def test_a_urdf_between_braces_is_told_where_it_stands() -> None:
+    told = found('module arm {\n    from urdf "none.urdf"\n    fact (linked A B)\n}\n')[0]
+    assert "in front of its braces" in told.message and told.help is not None and 'arm from urdf "' in told.help
+    assert not any("unexpected" in d.message for d in found('module arm {\n    from urdf "none.urdf"\n}\n'))
+
+
 def test_a_strange_word_behind_an_import_leaves_the_import_whole() -> None:
     assert [d.code for d in found(TASK.replace("task take()", "hello take()"))] == ["E0001"]
