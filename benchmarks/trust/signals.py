@@ -24,6 +24,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.trust.journal import Line, Record, Settings
+from tamplang.langs.disk_cache import recalled_sealed
 from tamplang.langs.formatter import format_source
 from tamplang.langs.source import Source
 
@@ -256,7 +257,9 @@ def _leftovers(place: Path, prepared: Prepared, command: Command) -> list[str]:
     """What is half, and what should not stand."""
     wrong = [f"{p.relative_to(place)} is left" for p in (place / "tmp").rglob("*")]
     cached = [p for p in (place / "cache").rglob("*") if p.is_file()]
-    wrong += [f"{p.relative_to(place)} is left" for p in cached if not p.name.startswith("grammar-")]
+    trees = [p for p in cached if p.name.startswith("tree-")]
+    wrong += [f"{p.name} is half" for p in trees if recalled_sealed(p) is None]
+    wrong += [f"{p.relative_to(place)} is left" for p in cached if p not in trees and not p.name.startswith("grammar-")]
     sound = {p.name for p in prepared.folder.iterdir()}
     for path in sorted((place / "work").rglob("*")):
         name = path.relative_to(place / "work").parts[0]
