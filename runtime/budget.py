@@ -79,8 +79,14 @@ class Budget:
 
     def check(self) -> None:
         """Raise `OutOfTime` once the budget is spent."""
-        if self.remaining <= 0.0:
+        self.left()
+
+    def left(self) -> float:
+        """Seconds left, more than 0. Raises `OutOfTime` once the budget is spent."""
+        seconds = self.remaining
+        if seconds <= 0.0:
             raise OutOfTime
+        return seconds
 
 
 class Status(StrEnum):

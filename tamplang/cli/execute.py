@@ -118,7 +118,7 @@ def run(
         with kept_interrupt() as check:
             try:
                 result = loaded.run(
-                    plan=plan, horizon=horizon, noise=Noise(**noise), latency=latency, time=guard.remaining, seed=seed,
+                    plan=plan, horizon=horizon, noise=Noise(**noise), latency=latency, time=guard.left(), seed=seed,
                     engine=engine, minimise=minimise, progress=_told(check, volume),
                 )
             except StillOnly as error:

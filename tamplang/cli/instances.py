@@ -205,7 +205,7 @@ def _solved(instance: Instance, guard: Guard) -> tuple[dict[str, Any], bytes | N
     compiled = guard.elapsed
     guard.doing = "planning"
     guard.seconds = total(instance.options.get("time"), problem.options.time, SECONDS)
-    result = Task(problem).solve(**{**instance.options, "time": guard.remaining})
+    result = Task(problem).solve(**{**instance.options, "time": guard.left()})
     answer = result_json(problem, result, Written((), None), compiled)
     shared = {name: value for name, value in answer.items() if name not in ("plan", "plans", "report")}
     record = identity(instance) | shared | {"cpu_seconds": round(time.process_time() - worked, 4)}

@@ -117,7 +117,7 @@ def solve(
             result = loaded.solve(
                 bound=bound,
                 search=search,
-                time=guard.remaining,
+                time=guard.left(),
                 nodes=nodes,
                 solutions=solutions,
                 minimise=minimise,
